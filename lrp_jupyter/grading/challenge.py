@@ -132,6 +132,11 @@ class Challenge:
         seeds = range(self.seeds) if isinstance(self.seeds, int) else self.seeds
         return tuple((world, seed) for world in self.worlds for seed in seeds)
 
+    def first_seeds(self, count: int) -> tuple[int, ...]:
+        """Return so many of the seeds, and further ones if there are fewer."""
+        own = tuple(range(self.seeds)) if isinstance(self.seeds, int) else tuple(self.seeds)
+        return (*own, *range(max(own) + 1, max(own) + 1 + count))[:count]
+
     def check(self) -> None:
         """Ask every criterion about a run that has just begun, in every world.
 

@@ -138,7 +138,8 @@ def grade(
     what : str, Challenge or World
         A challenge or its name; a world is graded by `criteria`, for `seconds`.
     seeds : int or iterable of int, optional
-        Number of runs in each world, or their seeds; default: those of the challenge.
+        Number of runs in each world, or their seeds; default: those of the challenge, of which a number
+        takes the first ones, and further ones after them.
     namespace : dict, optional
         Names available to the blocks; default: those of the session or lab, if one is given.
     limit : float
@@ -193,7 +194,7 @@ def jobs_of(
     if not isinstance(what, str):
         task.check()
     if seeds is not None:
-        task = replace(task, seeds=seeds if isinstance(seeds, int) else tuple(seeds))
+        task = replace(task, seeds=task.first_seeds(seeds) if isinstance(seeds, int) else tuple(seeds))
     texts = tuple(text_of(each) for each in (program if isinstance(program, (list, tuple)) else [program]))
     if task.live and len(texts) == 1:
         texts = (task.beginning, *texts)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import partial
 
-from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.challenge import Challenge, Hint
 from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.language.checks.uses import robot_uses
 from lrp_jupyter.language.program import Block, Finding, Program
@@ -17,17 +18,18 @@ _NAME = re.compile(r"`[^`]+`")
 
 def hints_of(task: Challenge, run: RunRecord) -> Iterator[str]:
     """Yield the hints for the mistakes that are found in a run, the most important first."""
-    for find in (
+    finders: tuple[Hint, ...] = (
         _nothing_active,
         _has_issues,
         _has_errors,
-        _no_command,
+        partial(_no_command, task),
         _moves_once,
         *task.hints,
         _never_told_to_drive,
         _watchdog,
         _has_warnings,
-    ):
+    )
+    for find in finders:
         if text := find(run):
             yield text
 
@@ -62,8 +64,8 @@ def _finding(run: RunRecord, severity: str) -> str | None:
     return f"Line {found.line}: {found.message}" if found else None
 
 
-def _no_command(run: RunRecord) -> str | None:
-    if run.commands:
+def _no_command(task: Challenge, run: RunRecord) -> str | None:
+    if run.commands or not any(criterion.needs_motion for criterion in task.criteria):
         return None
     return "The robot never received a command. Put `robot.move(linear=0.2)` into the `running` of a state."
 

@@ -77,7 +77,10 @@ class Referee:
         )
 
     def verdicts(self, is_over: bool) -> tuple[Verdict, ...]:
-        """Return the verdict on each criterion; when the run is over, each is met or failed."""
+        """Return the verdict on each criterion; when the run is over, each is met or failed.
+
+        If a criterion was broken, the run has ended before the others were decided: those stay open.
+        """
         latest = self._latest
         shown = [latest.get(each, Verdict(each.sentence, False, "")) for each in self.task.criteria]
         known = {verdict.sentence for verdict in shown}
@@ -85,7 +88,16 @@ class Referee:
         shown += [verdict for verdict in broken if verdict.sentence not in known]
         if not is_over:
             return tuple(shown)
-        return tuple(each._replace(state="met" if each.passed else "failed") for each in shown)
+        cut = any(each.state == "failed" for each in shown)
+        end = f"not decided, because the run ended after {self.run.seconds:.1f} s"
+        return tuple(
+            each._replace(state="met")
+            if each.passed
+            else each._replace(reason=end)
+            if cut and each.decided is None
+            else each._replace(state="failed")
+            for each in shown
+        )
 
     @property
     def share(self) -> float:

@@ -169,10 +169,10 @@ def test_what_is_missing_in_an_order_is_reported_with_the_time_of_the_one_before
         name="mine",
     )
     expected = {
-        visits("start", "near"): "it was there after 2.4 s",
-        visits("near", "start"): "it never came to `start` after 2.4 s",
-        touches("ball"): "it touched it after 5.2 s",
-        touches("ball", "edge"): "it never touched the edge after 5.2 s",
+        visits("start", "near"): "it came to `near` after 2.4 s",
+        visits("near", "start"): "it came to `near` after 2.4 s, and not to `start`",
+        touches("ball"): "it touched the ball after 5.2 s",
+        touches("ball", "edge"): "it touched the ball after 5.2 s, and not the edge",
         touches("edge"): "it never touched the edge",
     }
     result = grade(DRIVE, world, criteria=list(expected), seconds=8)
@@ -196,3 +196,10 @@ def test_a_run_whose_blocks_compute_too_long_ends_with_a_sentence():
     attempt = result.attempts[0]
     assert attempt.ended == "time"
     assert "took longer than 0.3 s of computing" in str(result)
+
+
+def test_a_number_of_seeds_means_the_first_ones_of_the_challenge():
+    task = Challenge("few", "Drive.", "empty", drives(0.1), 5, seeds=(7, 8))
+    assert [attempt.seed for attempt in grade(DRIVE, task, 1).attempts] == [7]
+    assert [attempt.seed for attempt in grade(DRIVE, task, 4).attempts] == [7, 8, 9, 10]
+    assert [attempt.seed for attempt in grade(DRIVE, task, [3]).attempts] == [3]

@@ -3,7 +3,9 @@
 import pytest
 
 from lrp_jupyter.grading.attempt import attempt
-from lrp_jupyter.grading.grade import jobs_of
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import blinks, drives, enters
+from lrp_jupyter.grading.grade import grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import load as load_world
@@ -82,3 +84,19 @@ def test_the_robots_noise_is_no_turning():
         referee = Referee(task, load_world("empty"))
         session.run(5, after_tick=lambda: referee.see(session.bridge, session.interpreter) and False)
     assert referee.run.turned == (0, 0)
+
+
+def test_a_program_that_needs_no_robot_is_not_told_to_move_one():
+    task = Challenge("sleep", "Sleep after a second.", "boxes", enters("asleep"), 5)
+    result = grade("(machine m (state awake) (state asleep)) (spawn m awake)", task)
+    assert not result.passed
+    assert "never received a command" not in "\n".join(result.hints)
+
+
+def test_what_was_not_decided_when_a_run_was_cut_short_is_not_called_failed():
+    task = Challenge("lamp", "Blink, and drive 10 m.", "empty", (drives(10), blinks(1)), 30)
+    result = grade("(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)", task)
+    drove, blinked = result.attempts[0].verdicts
+    assert (drove.state, blinked.state) == ("open", "failed")
+    assert str(drove) == "○ drives at least 10 m: not decided, because the run ended after 1.3 s"
+    assert result.attempts[0].failure == blinked

@@ -22,7 +22,8 @@ def _hall() -> World:
             BoxSolid((2.77, 1, 0.06, 2), name="east wall"),
         ),
         robots=(RobotSpec((0.8, 1, 0), distance=((0.0, 4.0),)),),
-        zones={"west": BoxZone((0.5, 1, 0.8, 2)), "east": BoxZone((2.3, 1, 0.8, 2))},
+        # so near to the walls that a second without the sensor leads there from any place to turn at
+        zones={"west": BoxZone((0.27, 1, 0.4, 2)), "east": BoxZone((2.53, 1, 0.4, 2))},
     )
 
 
@@ -71,7 +72,7 @@ SAFE_EDITS = Challenge(
     (edited(), visits(*("east", "west") * 2), touches_nothing(), never_restarts()),
     120,
     (was_not_edited, restarted, _blind, _stands),
-    noise={"motor": 0.01, "dropout": 0.06},
+    noise={"motor": 0.003, "dropout": 0.06},
     seeds=5,
     starter=starter("safe edits"),
     live=2,

@@ -33,11 +33,13 @@ def _junction(name: str, free: int, corridor: float) -> World:
     near = crossing - wide / 2
 
     def beside(side: int) -> BoxSolid:
-        return BoxSolid((near / 2, middle + side * (wide / 2 + thick / 2), near, thick))
+        box = (near / 2, middle + side * (wide / 2 + thick / 2), near, thick)
+        return BoxSolid(box, name="corridor")
 
     def flank(side: int) -> BoxSolid:
         depth = long - thick
-        return BoxSolid((near - thick / 2, middle + side * (wide / 2 + thick + depth / 2), thick, depth))
+        box = (near - thick / 2, middle + side * (wide / 2 + thick + depth / 2), thick, depth)
+        return BoxSolid(box, name="corner")
 
     return World(
         name=name,
@@ -91,11 +93,14 @@ def _looked_to_one_side(run: RunRecord) -> str | None:
 
 
 def _took_the_wrong_way(run: RunRecord) -> str | None:
-    if _LOOKS.judge(run)[0] < 1 or not next(run.touches("block"), None):
+    if _LOOKS.judge(run)[0] < 1 or next(run.inside("free way"), None):
         return None
+    free = run.world.zones["free way"]
+    side = "left" if isinstance(free, BoxZone) and free.box[1] > run.samples[0].y else "right"
     return (
-        "The robot looked to both sides and went where the block is. The way is free where"
-        " `robot.distance.data` is greater: compare the two values that were measured."
+        f"The robot looked to both sides, and did not take the way that is free, here to the {side}. Compare"
+        " the two values of `robot.distance.data` that were measured: the greater one is the way. After the"
+        " look to the right, the robot still looks there; to the left it is half a turn, pi radians."
     )
 
 

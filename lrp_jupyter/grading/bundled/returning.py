@@ -30,22 +30,26 @@ def _ended_at_the_first_bump(run: RunRecord) -> str | None:
     if run.seconds - run.still_since < 2 or run.still_since - touched.time > 2:
         return None
     return (
-        "The robot ended at the far wall. While the bumper is still pressed, a flag that is cleared in"
-        " `bumpback` ends the program one tick later; clear it on entering the turn."
+        "The robot ended at the far wall. While the bumper is still pressed, a flag that is changed in"
+        " `bumpback` ends the program one tick later; change it on entering the turn."
     )
 
 
 def _kept_pushing(run: RunRecord) -> str | None:
     for wall, way_out in (
-        ("far wall", "Drive back for a second, then turn by pi: `(on bumping *-> bumpback)`."),
+        ("far wall", "A bump has to lead out of it: drive back for a second, then turn by pi."),
         ("near wall", "A second bump has to end it: enter a state that stops the robot."),
     ):
-        if run.fold(partial(_longest, wall), (0.0, 0.0), ("at", wall))[0] > 3:
-            return f"The robot keeps pushing against the {wall}. {way_out}"
+        longest, since = run.fold(partial(_longest, wall), (0.0, 0.0), ("at", wall))
+        if longest > 3:
+            states = next(sample for sample in run.samples if sample.time >= since).active
+            where = f" in `{states[0][-1]}`" if states else ""
+            return f"The robot keeps pushing against the {wall}{where}, from {since:.1f} s on. {way_out}"
     return None
 
 
 def _longest(wall: str, so_far: tuple[float, float], now: Sample, _: Sample) -> tuple[float, float]:
+    """Keep the longest push, and since when the present one lasts."""
     longest, since = so_far
     since = since if wall in now.touched else now.time
     return max(longest, now.time - since), since
@@ -84,12 +88,12 @@ def _ran_out_of_time(run: RunRecord) -> str | None:
     if run.still_since < run.seconds - 2 or _TOUCHES.judge(run)[0] >= 1:
         return None
     touched = next(run.touches("far wall"), None)
-    done = (
-        "it had not come to the far wall" if touched is None else f"it was there after {touched.time:.1f} s"
-    )
+    done = "it had not touched the far wall"
+    if touched is not None:
+        done = f"it had touched the far wall after {touched.time:.1f} s"
     return (
-        f"After {run.seconds:.0f} s the robot was still on its way; {done}. Where does it lose time: driving,"
-        " searching, or turning?"
+        f"After {run.seconds:.0f} s the robot was still on its way between the walls; {done}. Where does it"
+        " lose time: driving, searching, or turning?"
     )
 
 

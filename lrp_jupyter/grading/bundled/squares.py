@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import blinks, drives_straight, ends_in, ends_still, visits
 from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.language.program import Block, Program
 from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
 
 __all__ = ["LAMP_AND_LEGS", "SQUARE"]
@@ -59,10 +61,35 @@ def _went_on(run: RunRecord) -> str | None:
     left, right = run.turned
     if left - right < 420:
         return None
+    if _counts_ticks(run.programs[-1]):
+        return (
+            "The corners are counted in `running`, which is done in every tick of a corner. Count in"
+            " `onexit`, which is done once: `(onexit [corners += 1])`."
+        )
+    if run.still_since < run.seconds - 1:
+        return (
+            f"The robot stopped after {left:.0f}°. If there were four corners, each was {left / 4:.0f}° and"
+            " not 90°: at 1 rad/s, a quarter turn takes pi / 2 s."
+        )
     return (
         f"The robot turned {left:.0f}° and went on after the fourth corner. Count the corners, for example"
         " with `(onexit [corners += 1])`, and leave when there are four."
     )
+
+
+def _counts_ticks(program: Program) -> bool:
+    """Return whether a `running` action adds something to a variable."""
+    texts = (
+        action.text
+        for _, machine in program.walk()
+        for state in machine.states
+        for action in state.running
+        if isinstance(action, Block)
+    )
+    return any(_ADDS.search(text) for text in texts)
+
+
+_ADDS = re.compile(r"(\b\w+)\s*(\+=|=\s*\1\s*\+)")
 
 
 def _other_corner(run: RunRecord) -> str | None:

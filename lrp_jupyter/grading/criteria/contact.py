@@ -8,7 +8,7 @@ from functools import partial
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.motion import times_of
-from lrp_jupyter.grading.criteria.order import in_order
+from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.interpreter.frame import is_active
 
@@ -23,10 +23,7 @@ def touches(*solids: str) -> Criterion:
     def judge(run: RunRecord) -> Found:
         _check(run, solids)
         done = in_order(run, [partial(_touches, solid) for solid in solids], ("touches", solids))
-        when = f"after {done[-1]:.1f} s" if done else ""
-        if len(done) == len(solids):
-            return Found(1, f"it touched it {when}")
-        return Found(len(done) / len(solids), f"it never touched the {solids[len(done)]} {when}".rstrip())
+        return Found(len(done) / len(solids), reason_of(done, solids, "touched the"))
 
     return Criterion("touches the " + ", then the ".join(solids), judge, "once")
 
@@ -61,7 +58,7 @@ def bumps(times: int, walls: int = 1) -> Criterion:
         different = len(run.fold(collect, nothing, "has touched"))
         reason = f"it {times_of('bumped', bumped)}"
         if walls > 1 and bumped:
-            reason += f", into {different} different wall{'s' * (different != 1)}"
+            reason += f", into {different} of {walls} walls"
         return Found(min(bumped / times, different / walls), reason)
 
     sentence = f"bumps into {walls} different walls" if walls > 1 else times_of("bumps", times)

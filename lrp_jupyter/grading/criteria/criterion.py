@@ -35,7 +35,8 @@ class Verdict(NamedTuple):
     share : float
         How much of it is met, 0 to 1.
     state : {"open", "so far", "met", "failed"}
-        While the run goes on, what is not met yet is open, and what can still be broken is met so far.
+        While the run goes on, what is not met yet is open, and what can still be broken is met so far. What
+        is still open after the end was not decided, because another criterion was broken before.
     decided : float or None
         When it was met or broken for good, in seconds of the run; None if only the end decides.
     """
@@ -48,7 +49,8 @@ class Verdict(NamedTuple):
     decided: float | None = None
 
     def __str__(self) -> str:
-        return f"{'✓' if self.passed else '✗'} {self.sentence}: {self.reason}"
+        mark = "✓" if self.passed else "○" if self.state == "open" else "✗"
+        return f"{mark} {self.sentence}: {self.reason}"
 
 
 class Criterion(NamedTuple):
@@ -63,6 +65,8 @@ class Criterion(NamedTuple):
     when : {"at the end", "once", "always"}
         Whether it counts at the end only, is met for good when it was met once, or is broken for good when
         it was broken once; a run ends there.
+    needs_motion : bool
+        Whether a robot that never moves cannot meet it.
 
     Examples
     --------
@@ -72,3 +76,4 @@ class Criterion(NamedTuple):
     sentence: str
     judge: Callable[[RunRecord], tuple[float, str]]
     when: When = "at the end"
+    needs_motion: bool = True

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from lrp_jupyter.grading.record import RunRecord, Sample
 
-__all__ = ["in_order"]
+__all__ = ["in_order", "reason_of"]
 
 
 def in_order(run: RunRecord, things: Sequence[Callable[[Sample], bool]], key: object) -> tuple[float, ...]:
@@ -31,3 +31,22 @@ def in_order(run: RunRecord, things: Sequence[Callable[[Sample], bool]], key: ob
         return (*done, now.time) if len(done) < len(things) and is_later and things[len(done)](now) else done
 
     return run.fold(step, (), key)
+
+
+def reason_of(done: Sequence[float], names: Sequence[str], verb: str) -> str:
+    """Return what happened of several things in their order: the last one, and what did not come after it.
+
+    Parameters
+    ----------
+    done : sequence of float
+        When they happened.
+    names : sequence of str
+    verb : str
+        Its past tense with what follows, such as ``"came to"``.
+    """
+    if not done:
+        return f"it never {verb} {names[0]}"
+    last = f"it {verb} {names[len(done) - 1]} after {done[-1]:.1f} s"
+    return (
+        last if len(done) == len(names) else f"{last}, and not {verb.rpartition(' ')[2]} {names[len(done)]}"
+    )

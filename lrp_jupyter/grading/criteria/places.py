@@ -6,7 +6,7 @@ from functools import partial
 
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
-from lrp_jupyter.grading.criteria.order import in_order
+from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxZone, World, Zone
 
@@ -49,10 +49,7 @@ def visits(*zones: str) -> Criterion:
     def judge(run: RunRecord) -> Found:
         regions = [zone_of(run.world, zone) for zone in zones]
         done = in_order(run, [partial(_is_in, region) for region in regions], zones)
-        when = f"after {done[-1]:.1f} s" if done else ""
-        if len(done) == len(zones):
-            return Found(1, f"it was there {when}")
-        return Found(len(done) / len(zones), f"it never came to `{zones[len(done)]}` {when}".rstrip())
+        return Found(len(done) / len(zones), reason_of(done, [f"`{zone}`" for zone in zones], "came to"))
 
     return Criterion("comes to " + ", then ".join(f"`{zone}`" for zone in zones), judge, "once")
 

@@ -19,7 +19,7 @@ def enters(state: str) -> Criterion:
         found = run.entered(state)
         return Found(bool(found), f"entered after {found.time:.1f} s" if found else "never entered")
 
-    return Criterion(f"enters the state `{state}`", judge, "once")
+    return Criterion(f"enters the state `{state}`", judge, "once", needs_motion=False)
 
 
 def edited(times: int = 1) -> Criterion:
@@ -29,7 +29,7 @@ def edited(times: int = 1) -> Criterion:
         edits = max(0, len(run.programs) - 1)
         return Found(edits / times, {0: "no edit", 1: "1 edit"}.get(edits, f"{edits} edits"))
 
-    return Criterion("is edited while it runs", judge, "once")
+    return Criterion("is edited while it runs", judge, "once", needs_motion=False)
 
 
 def slows_to(share: float, slack: float = 0.1) -> Criterion:
@@ -92,7 +92,7 @@ def never_restarts() -> Criterion:
     def judge(run: RunRecord) -> Found:
         return Found(not run.restarts, run.restart_reason if run.restarts else "no restart")
 
-    return Criterion("never restarts", judge, "always")
+    return Criterion("never restarts", judge, "always", needs_motion=False)
 
 
 def no_faults() -> Criterion:
@@ -104,4 +104,4 @@ def no_faults() -> Criterion:
         issue = run.issues[0]
         return Found(0, f"line {issue.line}: {issue.message}")
 
-    return Criterion("runs without issues", judge)
+    return Criterion("runs without issues", judge, needs_motion=False)
