@@ -99,7 +99,7 @@ class Robot(NotAValue):
         what, names = f"robot.{self._prefix}".rstrip("."), dir(self)
         if not names:
             return MemberError(
-                f"`{what}` has no `{name}`: the bridge `{self._bridge.name}` offers no members"
+                f"`{what}` has no `{name}`: the bridge `{self._bridge.name}` offers no members."
                 " Open it, or choose another bridge."
             )
         listed = ", ".join(f"`{member}`" for member in names)

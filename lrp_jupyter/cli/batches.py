@@ -47,6 +47,10 @@ def grade_files(files: Sequence[str], name: str, seeds: int | None, out: Sequenc
         with shown_progress("grading", lines=True) as progress:
             marks = grade_class(submissions, task, seeds, how, progress)
         _list(marks)
+    if seeds is not None and seeds < task.count:
+        plain_console().print(
+            f"Note: the challenge has {task.count} seeds, and with {seeds} a program may pass by luck."
+        )
     for path in out:
         write_file(path, FORMS[path.suffix.lower()](marks))
         if not alone:

@@ -132,6 +132,11 @@ class Challenge:
         seeds = range(self.seeds) if isinstance(self.seeds, int) else self.seeds
         return tuple((world, seed) for world in self.worlds for seed in seeds)
 
+    @property
+    def count(self) -> int:
+        """How many runs there are in each world."""
+        return len(self.runs) // len(self.worlds)
+
     def first_seeds(self, count: int) -> tuple[int, ...]:
         """Return so many of the seeds, and further ones if there are fewer."""
         own = tuple(range(self.seeds)) if isinstance(self.seeds, int) else tuple(self.seeds)

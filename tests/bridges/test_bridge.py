@@ -64,7 +64,7 @@ def test_an_unknown_member_is_an_attribute_error_and_one_of_ours(cart: Any) -> N
 
 
 def test_robot_without_members_explains_why() -> None:
-    with pytest.raises(BridgeError, match="the bridge `none` offers no members"):
+    with pytest.raises(BridgeError, match=r"the bridge `none` offers no members\. Open it"):
         NullBridge().robot.move(linear=1)
 
 

@@ -132,3 +132,9 @@ def test_a_wrong_option_of_a_sweep_is_a_sentence(lrp, program, options, words):
 def test_values_of_a_sweep_are_steps_without_rounding_noise_or_a_list():
     assert parse_axes(["v=0.4:1.2:9"]) == {"v": (0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2)}
     assert parse_axes(["m/a/v=1, 2.5", "w='a'"]) == {"m/a/v": (1, 2.5), "w": ("a",)}
+
+
+def test_fewer_seeds_than_the_challenge_has_are_remarked(lrp, group):
+    arguments = ("grade", group / "ada.lrp", "--challenge", "first move", "--seeds")
+    assert "with 1 a program may pass by luck" in lrp(*arguments, "1").stdout
+    assert "luck" not in lrp(*arguments, "3").stdout

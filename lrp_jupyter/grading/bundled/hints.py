@@ -120,8 +120,8 @@ def restarted(run: RunRecord) -> str | None:
     if not run.restarts:
         return None
     return (
-        f"The program restarted: {run.restart_reason} Change a state only while it is not active; changes of"
-        " variables, events and transitions never restart the program."
+        f"The program restarted: {run.restart_reason} A change of a variable, an event or a transition never"
+        " restarts it, and neither does a change of a state that is not active."
     )
 
 

@@ -99,6 +99,19 @@ def _stopped_before(run: RunRecord) -> str | None:
     )
 
 
+def _passed_unseen(run: RunRecord) -> str | None:
+    if run.first(sees_line, "sees the line"):
+        return None
+    crossed = min(distance_to(run.world.floor, sample.x, sample.y) for sample in run.samples) < 0.1
+    step = run.fold(lambda so_far, now, before: max(so_far, now.distance(before)), 0.0, "longest step")
+    if not crossed or step < _LINE:
+        return None
+    return (
+        f"The robot drove over the line and did not see it: its light sensor moved {step * 100:.1f} cm from"
+        f" one reading to the next, and the line is {_LINE * 100:g} cm wide. Drive more slowly."
+    )
+
+
 def _straight_on(run: RunRecord) -> str | None:
     if run.first(sees_line, "sees the line") or sum(run.turned) > 60:
         return None
@@ -133,6 +146,7 @@ def _left_the_line(run: RunRecord) -> str | None:
 
 
 _NEAR = near_line(0.12)
+_LINE = PathStroke(()).width  # m
 
 STOP_AT_THE_LINE = Challenge(
     "stop at the line",
@@ -140,7 +154,7 @@ STOP_AT_THE_LINE = Challenge(
     tuple(map(_line_after, (0.5, 0.9, 1.5))),
     (finds_line(), ends_in("at the line"), ends_still(2)),
     20,
-    (_drove_over, _stopped_before, never_saw_the_line),
+    (_drove_over, _stopped_before, _passed_unseen, never_saw_the_line),
     noise={"motor": 0.02},
     starter=starter("stop at the line"),
 )
