@@ -173,8 +173,10 @@ def test_the_rover_backs_away_and_comes_again():
     rover.types("(event free [not robot.bumper.data])", before="(on bump").types(
         "(on free stopped -> driving)", after="(on bump driving -> stopped)"
     )
-    rover.resets().runs(20)
+    rover.resets().runs(10)
     assert rover.entered("stopped") > 3
+    at = [rover.runs(0.1).x for _ in range(50)]
+    assert 0.02 < max(at) - min(at) < 0.1, "it trembles"
     assert not rover.found
 
 
