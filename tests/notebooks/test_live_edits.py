@@ -321,14 +321,6 @@ def test_a_variable_outside_all_machines_counts_on():
         assert sentry.value("turns") == counted
 
 
-def test_the_sentry_never_looks_to_the_right_when_its_look_is_too_short():
-    sentry = Typist(SENTRY, seconds=1)
-    sentry.types("(ontime 400 looking -> driving)", instead_of="(ontime 2800 looking -> driving)")
-    sentry.runs(20)
-    assert sentry.entered("left") > 5
-    assert sentry.entered("right") == 0
-
-
 def test_without_its_spawn_the_sentry_stands_and_the_issues_warn():
     sentry = Typist(SENTRY, seconds=1)
     sentry.types(SPAWN, instead_of=SPAWN).deletes(SPAWN)
