@@ -408,6 +408,16 @@ BACK = """(var bumps := [0])
     (onentry [robot.stop()]))"""
 
 
+def _turns_away_from_the_line(story: Typist) -> bool:
+    """Drive until the robot has turned to one side for a second; return whether that took as long as said."""
+    assert "after about a quarter of a minute" in story.said
+    began, lasted = story.session.frame.time, 0
+    while lasted < 10:
+        story.runs(0.1)
+        lasted = lasted + 1 if story.is_active("returnleft") else 0
+    return 12 < story.session.frame.time - began < 20
+
+
 def test_the_story_of_the_line_follower_is_as_the_lesson_tells_it():
     story = Typist(STORY, "story")
     assert story.comes_to("looking")
@@ -424,17 +434,20 @@ def test_the_story_of_the_line_follower_is_as_the_lesson_tells_it():
     assert story.restarts == 1
     assert story.comes_to("lookleft", 1)
     assert story.comes_to("moving", 5)
+    assert _turns_away_from_the_line(story)
+    story.runs(40)
+    assert story.x < 0.7, "back at the near wall, where step 3 cannot be seen"
 
-    assert story.session.run(60, until=lambda frame: any(not issue.resolved for issue in frame.issues))  # 3
-    assert story.is_active("returnleft")
+    assert _turns_away_from_the_line(story.resets())  # 3
+    assert any(not issue.resolved for issue in story.session.frame.issues)
     story.session.pause()
     story.types(RIGHT, after="(state returnleft (running [robot.move(angular=-search)]))")
     assert not story.found
     story.session.resume()
     assert story.comes_to("lookright", 1)
-    assert story.comes_to("moving", 10)
+    assert not [issue for issue in story.session.frame.issues if not issue.resolved]
 
-    story.runs(30)  # 4
+    story.resets().runs(30)  # 4
     before = story.entered("lookleft")
     assert story.runs(10).entered("lookleft") - before > 5
     story.types("400", instead_of="200").runs(5)
@@ -445,9 +458,9 @@ def test_the_story_of_the_line_follower_is_as_the_lesson_tells_it():
     old = "(state returnright (running [robot.move(angular=search)]))"  # 5
     assert "(onexit [time = time * 2])" in story.said
     story.session.edit(story.session.text.replace(old, f"{old[:-1]} (onexit [time = time * 2]))"))
-    story.types("200", instead_of="400").runs(60)
+    story.types("200", instead_of="400").resets().runs(60)
     assert story.session.bridge.robot.bumper.data, "at the wall at its end"
-    assert story.restarts == 1
+    assert story.x > 2, "at the far wall"
 
     story.types(BACK, after="(on intheline looking -> moving)")  # 6
     story.session.edit(
@@ -457,9 +470,9 @@ def test_the_story_of_the_line_follower_is_as_the_lesson_tells_it():
             "(ontime 3142 bumpturn -> looking)",
         )
     )
+    story.resets()
     assert story.comes_to("end", 120)
     assert story.x < 0.7, "at the near wall"
-    assert story.restarts == 1
 
 
 # -- 11: two things at once ----------------------------------------------------------------------------
