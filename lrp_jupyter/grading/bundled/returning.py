@@ -158,6 +158,6 @@ ROBUST_FOLLOWER = Challenge(
     _HINTS,
     noise={"motor": 0.35, "light": 60.0},
     seeds=tuple(range(1000, 1050)),
-    starter=_FOLLOWER,
+    starter=starter("robust follower"),
     needed=0.9,
 )
