@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from prose import prose
+from prose import file_of, prose
 from stored import NOTEBOOKS, challenge_of, opened_program, paths, read, sources
 
 from lrp_jupyter import Session, grade
@@ -32,7 +32,7 @@ class Exercise(NamedTuple):
 
     @property
     def solution(self) -> Path:
-        return SOLUTIONS / f"{self.challenge.replace(',', '').replace(' ', '-')}.lrp"
+        return SOLUTIONS / f"{file_of(self.challenge)}.lrp"
 
 
 def _exercises() -> Iterator[Exercise]:

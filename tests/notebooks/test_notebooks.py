@@ -177,7 +177,7 @@ def test_every_link_leads_somewhere(path: Path):
 # -- lessons -------------------------------------------------------------------------------------
 
 _PARTS = ["Questions", "Afterwards you can", "Predict", "Run", "Investigate", "Modify", "Make", "Key points"]
-_NEW = re.compile(r"\*About (\d+) minutes\. New: (.+?)\.( .*?)?\*")
+_NEW = re.compile(r"\*About (\d+) minutes(?:, and \w+ more for [^.]+)?\. New: (.+?)\.( .*?)?\*")
 _PLAN = {"Goal", "Hard, and what to say", "Discussion", "Check and marks"}
 
 
@@ -210,14 +210,14 @@ def test_the_lessons_are_numbered_and_lead_to_each_other():
 
 
 @all_lessons
-def test_a_lesson_has_two_new_ideas_and_takes_at_most_twenty_minutes(path: Path):
+def test_a_lesson_has_two_new_ideas_and_takes_as_long_as_it_says(path: Path):
     notebook = read(path)
     found = _NEW.search(prose(notebook))
     assert found is not None
     promised, new = int(found[1]), found[2].split("; ")
     assert len(new) == (1 if path.stem.startswith("07") else 2)
-    assert promised <= 20
-    assert minutes(notebook) <= promised, f"it takes {minutes(notebook):.0f} minutes"
+    assert promised in (20, 25), "as the README and the list of lessons say"
+    assert promised - 7 < minutes(notebook) < promised + 1, f"it takes {minutes(notebook):.1f} minutes"
 
 
 def test_the_table_for_teachers_names_what_the_lessons_say_is_new():
