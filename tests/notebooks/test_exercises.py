@@ -14,6 +14,7 @@ from stored import NOTEBOOKS, challenge_of, opened_program, paths, read, sources
 from lrp_jupyter import Session, grade
 from lrp_jupyter.grading import challenges as known
 from lrp_jupyter.grading.challenges import challenge
+from lrp_jupyter.language.initials import with_initial
 
 SOLUTIONS = NOTEBOOKS / "teachers" / "solutions"
 BROKEN = NOTEBOOKS / "08-why-did-it-not-fire.ipynb"
@@ -115,6 +116,35 @@ def test_a_robot_that_is_faster_than_the_rule_allows_does_not_see_the_line():
     said = prose(read(NOTEBOOKS / "04-what-the-robot-sees.ipynb"))
     assert "at 0.45 m/s and ten ticks per second it moves 4.5 cm" in said
     assert not grade(slow.replace("linear=0.2", "linear=0.45"), "stop at the line")
+
+
+def test_a_lap_needs_the_faster_drive_and_the_faster_search_that_its_plan_names():
+    assert "`forward` at 0.4 and `search` at 1.5 pass; either alone does not" in _plans()
+    begins = challenge("lap").starter
+    fast = _with(begins, forward=0.4)
+    assert not grade(fast, "lap")
+    assert not grade(_with(begins, search=1.5), "lap")
+    assert grade(_with(fast, search=1.5), "lap")
+
+
+@pytest.mark.slow
+def test_the_gap_helps_the_robust_follower_as_much_as_its_plan_says():
+    said = re.search(r"(\d+) of 50 pass with a `gap` of (\d+)", _plans())
+    assert said is not None
+    task = challenge("robust follower")
+    attempts = grade(_with(task.starter, gap=int(said[2])), task).attempts
+    assert sum(attempt.passed for attempt in attempts) == int(said[1])
+
+
+def _plans() -> str:
+    return (NOTEBOOKS / "teachers" / "lesson-plans.md").read_text(encoding="utf-8")
+
+
+def _with(program: str, **values: float) -> str:
+    """Return a program with other initial values."""
+    for name, value in values.items():
+        program = with_initial(program, (name,), repr(value))
+    return program
 
 
 @pytest.mark.slow
