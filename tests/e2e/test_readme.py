@@ -34,5 +34,5 @@ def test_the_first_behaviour_is_typed_while_the_robot_drives(open_lab):
     lab.has_value("pace", new)
     lab.find('[data-lrp-transition="rover:bump:driving->turning"]').first.focus()
     lab.page.keyboard.press("?")
-    assert "did not fire" in lab.sees(".lrp-why-sentence").inner_text()
+    lab.reads(".lrp-why-sentence", "did not fire")
     lab.misses(".lrp-note:visible")

@@ -74,7 +74,7 @@ def test_a_code_is_explained_where_it_is_shown(open_lab):
     answer = card(lab)
     assert answer.get_attribute("aria-label") == "Unknown destination"
     assert "(ontime 1000 a -> moving)" in answer.inner_text()
-    assert answer.locator("a").get_attribute("href").endswith("/errors.html#LRP303")
+    assert answer.locator("a").count() == 0, "the documentation is published nowhere"
     lab.page.keyboard.press("Escape")
     lab.misses(".lrp-why")
     lab.find(".cm-content").focus()
