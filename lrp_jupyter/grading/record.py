@@ -160,7 +160,7 @@ class RunRecord:
         ----------
         step : callable
             Takes the result so far, a sample, and the sample before it. Must not change the result in
-            place, unless `start` is made anew for every call.
+            place, unless every call gets a new `start`.
         start : object
         key : object
             Under which the result is remembered; by default the function `step` itself.

@@ -116,7 +116,7 @@ def _is_json(answer: bytes) -> bool:
 
 
 def _read(pipe: int, requests: int, end: float) -> bytes | None:
-    """Read until the other end is closed; None if that takes too long, or nobody waits for it any more.
+    """Read until the other end is closed; None if that takes too long, or the answer is not needed any more.
 
     No request comes before the answer to the last one, so if there is anything to read from that pipe, it
     is its end: the process that wanted the run is gone.

@@ -141,7 +141,7 @@ class Goal:
         if not isinstance(bridge, SimBridge):
             return f"This challenge is for the simulated robot. Choose `sim` instead of `{bridge.name}`."
         if bridge.is_edited or bridge.world.name not in {world.name for world in self._worlds}:
-            return "This is not the world of the challenge. **Start over** brings it back."
+            return "This is not the world of the challenge. Start over brings it back."
         return ""
 
     @property
@@ -218,7 +218,7 @@ class Goal:
         """
         hints = self._hints
         if not hints:
-            raise LRPError("Press **Check** first: a hint is about what went wrong there.")
+            raise LRPError("Press Check first: a hint is about what went wrong there.")
         if self._hinted >= len(hints):
             raise LRPError("There is no other hint.")
         self._hinted += 1

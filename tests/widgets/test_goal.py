@@ -89,7 +89,7 @@ def test_what_the_criteria_say_of_the_present_run_follows_it(stay):
     assert stay.shown["over"]
 
 
-def test_a_run_is_judged_anew_when_the_robot_starts_over(stay):
+def test_a_run_is_judged_from_the_beginning_when_the_robot_starts_over(stay):
     stay.session.run(5.5)
     assert stay.shown["over"]
     stay.start_over(stay.session, 1)
@@ -169,7 +169,7 @@ def test_a_run_of_another_text_is_not_shown(stay):
 
 def test_hints_come_one_at_a_time_and_only_when_they_are_asked_for():
     goal = Watched(challenge("stop at the line"))
-    with pytest.raises(LRPError, match="Press \\*\\*Check\\*\\* first"):
+    with pytest.raises(LRPError, match="Press Check first"):
         goal.hint()
     goal.checked()
     assert goal.shown["hints"] == []
@@ -241,6 +241,6 @@ def test_the_commands_of_a_page_reach_the_goal(bench):
     assert lab.session.bridge.world.name == "far"
     assert page.do("start_over", world=-1) is None
     assert lab.session.bridge.world.name == "far"
-    assert page.do("hint").startswith("Press **Check** first")
+    assert page.do("hint").startswith("Press Check first")
     assert page.do("show_attempt", index=0).startswith("This run is not known")
     assert page.merged("goal")["name"] == "stay"
