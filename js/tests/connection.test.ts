@@ -90,6 +90,12 @@ const snapshot = (seq = 0, number = 0): Partial<SnapshotMessage> => ({
   frame: { type: "frame", view: "me", frame: 1 },
 });
 
+/** What was sent about the program. */
+const acts = ({ sent }: Wire) =>
+  sent.flatMap((each) =>
+    each.type === "command" ? [each.do] : /text|cursor/.test(each.type) ? [each.type] : [],
+  );
+
 let wire: Wire;
 beforeEach(() => {
   wire = new Wire();
@@ -133,6 +139,20 @@ describe("text", () => {
     expect(wire.sent.at(-1)).toMatchObject({ type: "text", base: 7, seq: 1 });
     wire.hear(answer(1));
     expect(wire.sent.at(-1)).toMatchObject({ type: "cursor", revision: 7, seq: 1 });
+  });
+
+  it("is followed by the run that was asked for after it, also if it has to wait for another text", () => {
+    wire.type("a");
+    wire.type("b");
+    wire.moved = true;
+    void wire.connection.command({ do: "run" });
+    void wire.connection.command({ do: "stop" });
+    wire.hear(answer(1, 0));
+    expect(acts(wire)).toEqual(["text", "stop"]);
+    wire.hear(answer(2, 1));
+    expect(acts(wire)).toEqual(["text", "stop", "text", "run"]);
+    wire.hear(answer(3, 2));
+    expect(acts(wire)).toEqual(["text", "stop", "text", "run", "cursor"]);
   });
 
   it("is free again after a snapshot that contains it, and only then", () => {

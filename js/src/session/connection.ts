@@ -49,6 +49,9 @@ const GONE_AFTER = 1500;
 const CREDIT_AFTER_FRAMES = 2;
 const CREDIT_AFTER = 500;
 
+/** What runs the text waits until all that was typed before it is on its way. Nothing else waits: stop means stop. */
+const RUNS_THE_TEXT: ReadonlySet<Act["do"]> = new Set(["run", "step", "reset", "apply", "check"]);
+
 const NO_KERNEL = "The kernel was restarted or shut down. Run the cell again.";
 
 /** Each member of a union without the fields that this module fills in. */
@@ -101,6 +104,8 @@ export class Connection {
   private lastHello: number;
   private readonly waiting = new Map<number, { since: number; resolve: (reply: ReplyMessage) => void }>();
   private textSince = 0;
+  /** Commands that follow what was typed; see `RUNS_THE_TEXT`. */
+  private following: FromPage[] = [];
   private uncredited = 0;
   private credited = Number.NEGATIVE_INFINITY;
   private readonly stop: () => void;
@@ -137,18 +142,21 @@ export class Connection {
   text(): void {
     const { typist } = this.listener;
     if (this.link !== "live" && typist?.isAhead) this.listener.unanswered?.();
-    const typed = this.inFlight ? null : typist?.next();
-    if (!typed) return;
-    if (typed.type === "text") {
+    if (this.inFlight) return;
+    const typed = typist?.next();
+    if (typed?.type === "text") {
       this.inFlight = ++this.seq;
       this.textSince = this.clock.now();
     }
-    this.post({ view: this.view, seq: this.seq, ...typed });
+    if (typed) this.post({ view: this.view, seq: this.seq, ...typed });
+    for (const command of this.following.splice(0)) this.post(command);
   }
 
   /** Send a command and wait for the reply; its `error` is a sentence or null. */
   command(act: Act): Promise<ReplyMessage> {
-    return this.wait((id) => ({ type: "command", view: this.view, id, ...act }));
+    const follows = this.inFlight > 0 && RUNS_THE_TEXT.has(act.do);
+    const post = follows ? (command: FromPage) => void this.following.push(command) : this.post;
+    return this.wait((id) => ({ type: "command", view: this.view, id, ...act }), post);
   }
 
   /** Send a command without a reply, because only the newest counts: a drag, a slider. */
@@ -168,27 +176,28 @@ export class Connection {
     this.refuse();
   }
 
-  private wait(make: (id: number) => FromPage): Promise<ReplyMessage> {
+  private wait(make: (id: number) => FromPage, post = this.post): Promise<ReplyMessage> {
     const id = this.nextId++;
     return new Promise((resolve) => {
       this.waiting.set(id, { since: this.clock.now(), resolve });
-      this.post(make(id));
+      post(make(id));
       if (this.link === "dead") this.refuse();
     });
   }
 
   /** Reply to everything that waits: the kernel will not. */
   private refuse(): void {
+    this.following = [];
     for (const [id] of this.waiting) this.resolve({ type: "reply", view: this.view, id, error: NO_KERNEL });
   }
 
-  private post(message: FromPage): void {
+  private readonly post = (message: FromPage): void => {
     try {
       this.model.send(packed(message));
     } catch {
       this.become("dead"); // the comm is closed: the kernel was restarted or shut down
     }
-  }
+  };
 
   private readonly receive = (received: Packed, buffers: (ArrayBuffer | ArrayBufferView)[] = []): void => {
     const message = unpacked<FromKernel>(received);
