@@ -129,7 +129,7 @@ def _arena() -> World:
 
 
 def _boxes() -> World:
-    """Put boxes and a can into a room."""
+    """Put boxes and a can into a room; a line marks where a robot is that has pushed a box into the goal."""
     solids = (
         BoxSolid((1.2, 1, 0.2, 0.2), push=0.3, name="box"),
         BoxSolid((0.9, 1.6, 0.15, 0.15), angle=0.5, push=0.3, name="light box"),
@@ -137,7 +137,9 @@ def _boxes() -> World:
         BoxSolid((2.6, 1.7, 0.3, 0.3), name="fixed box"),
     )
     zones = {"goal": CircleZone((2.4, 1, 0.25))}
-    return World(name="boxes", size=(3, 2), solids=solids, robots=(RobotSpec((0.5, 1, 0)),), zones=zones)
+    floor = FloorSpec(strokes=(PathStroke(((2.28, 0.8), (2.28, 1.2))),))
+    robots = (RobotSpec((0.5, 1, 0)),)
+    return World(name="boxes", size=(3, 2), floor=floor, solids=solids, robots=robots, zones=zones)
 
 
 def _walls() -> World:
