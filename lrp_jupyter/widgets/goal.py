@@ -43,15 +43,13 @@ class _Check:
 
     text: str
     jobs: Sequence[Job]
+    grade: Grade
+    """For the runs made so far."""
     made: dict[int, Attempt] = field(default_factory=dict)
     views: dict[str, AttemptView] = field(default_factory=dict)
     busy: bool = True
     error: str = ""
     halted: threading.Event = field(default_factory=threading.Event)
-
-    @property
-    def attempts(self) -> tuple[Attempt, ...]:
-        return tuple(self.made[index] for index in sorted(self.made))
 
 
 class Goal:
@@ -147,24 +145,20 @@ class Goal:
     @property
     def _hints(self) -> tuple[str, ...]:
         check = self._check
-        return () if check is None or check.busy else self._grade(check).hints
-
-    def _grade(self, check: _Check) -> Grade:
-        return Grade.of(self.task, check.made, len(check.jobs))
+        return () if check is None or check.busy else check.grade.hints
 
     def _check_view(self, text: str) -> CheckView | None:
         check = self._check
         if check is None:
             return None
-        grade = self._grade(check)
         is_whole = len(check.made) == len(check.jobs)
         return {
             "busy": check.busy,
             "stale": check.text != text,
             "done": len(check.made),
             "total": len(check.jobs),
-            "passed": grade.passed and is_whole,
-            "points": grade.points if is_whole else 0.0,
+            "passed": check.grade.passed and is_whole,
+            "points": check.grade.points if is_whole else 0.0,
             "error": check.error,
         }
 
@@ -179,7 +173,7 @@ class Goal:
         if self._check is not None:
             halt_runs(self._check.halted)
         _, jobs = jobs_of(text, self.task, namespace=session.namespace, limit=_LIMIT)
-        check = _Check(text, jobs)
+        check = _Check(text, jobs, Grade.of(self.task, {}, len(jobs)))
         self._check, self._hinted = check, 0
         if session.driver == "asyncio":
             self._task = asyncio.get_running_loop().create_task(self._run_here(check))
@@ -205,6 +199,7 @@ class Goal:
 
     def _note(self, check: _Check, index: int, made: Attempt) -> None:
         check.made[index] = made
+        check.grade = Grade.of(self.task, check.made, len(check.jobs))
         check.views[str(index)] = _attempt_view(self.task, self._worlds, check.jobs[index], made)
         self._wake()
 
