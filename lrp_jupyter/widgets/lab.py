@@ -54,6 +54,8 @@ __all__ = [
     "lab_of",
 ]
 
+_NAME = re.compile(r"[\w-]+")
+"""The name of a program: no text is one word, because a program has parentheses."""
 _STILL_WIDTH = 480  # px
 _SIZE = re.compile(r'viewBox="0 0 ([\d.]+) ([\d.]+)"')
 _STATIC = FilePath(__file__).parents[1] / "static"
@@ -196,7 +198,7 @@ class Lab(Part):
     BridgeError
         There is no such bridge, or its robot cannot be reached.
     LRPError
-        There is no such challenge.
+        There is no such program or challenge.
 
     Notes
     -----
@@ -231,7 +233,7 @@ class Lab(Part):
         text: str | None = program.text if isinstance(program, Program) else program
         if isinstance(program, str) and registry.find(program) is not None:
             name, text = name or program, None
-        elif isinstance(program, str) and program in programs.names():
+        elif isinstance(program, str) and _NAME.fullmatch(program):
             name, text = name or program, programs.load(program)
         names = _notebook() if namespace is None else namespace
         if task is not None and not text:

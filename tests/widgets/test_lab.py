@@ -9,7 +9,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 import lrp_jupyter
-from lrp_jupyter import Editor, Lab, Session, SimView, StateGraph, UnknownElementError, parse
+from lrp_jupyter import Editor, Lab, LRPError, Session, SimView, StateGraph, UnknownElementError, parse
 from lrp_jupyter.bridges.bridge import Bridge, BridgeError
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.lab import Part, lab_of
@@ -108,6 +108,11 @@ def test_a_bundled_program_is_opened_by_its_name(make):
     lab = make("follower")
     assert lab.session.name == "follower"
     assert "(machine follower" in lab.text
+
+
+def test_a_word_that_names_no_program_is_not_taken_as_a_text(make):
+    with pytest.raises(LRPError, match=r"There is no bundled program `folower`\. Did you mean `follower`\?"):
+        make("folower")
 
 
 def test_a_lab_may_be_of_a_program_or_of_a_session(make):
