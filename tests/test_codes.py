@@ -53,6 +53,8 @@ def test_a_text_has_all_its_parts(code: Code):
     assert re.fullmatch(r"[A-Z].*\.", code.remedy, re.DOTALL)
     assert bool(code.example or code.script) == (code.code not in NO_PROGRAM_BRINGS_IT)
     assert code.address.endswith(f"errors.html#{code.code}")
+    prose = re.sub(r"`[^`]*`", "", code.explanation + code.remedy)
+    assert not re.search(r"[*_\[\]]", prose), "the lab and the command line show only backticks as code"
     for other in re.findall(r"LRP\d+", code.explanation + code.remedy):
         assert other in CODES
     if code.code in FINDINGS and code.example:

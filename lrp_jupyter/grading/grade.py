@@ -6,6 +6,7 @@ whether it passed and why, the points, and hints for typical mistakes.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -17,6 +18,8 @@ from lrp_jupyter.grading.criteria import Criterion
 from lrp_jupyter.grading.workers import run_jobs
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
+
+_FIGURE = re.compile(r"-?\d+(?:\.\d+)?")
 
 __all__ = ["Grade", "grade", "jobs_of", "namespace_of", "text_of"]
 
@@ -73,8 +76,12 @@ class Grade:
 
     @property
     def hints(self) -> tuple[str, ...]:
-        """The hints of all runs, each once."""
-        return tuple(dict.fromkeys(hint for attempt in self.attempts for hint in attempt.hints))
+        """The hints of all runs: of those that differ only in their figures, the first."""
+        hints: dict[str, str] = {}
+        for attempt in self.attempts:
+            for hint in attempt.hints:
+                hints.setdefault(_FIGURE.sub("", hint), hint)
+        return tuple(hints.values())
 
     @property
     def hint(self) -> str:

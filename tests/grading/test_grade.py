@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 
 import pytest
@@ -51,6 +52,14 @@ def test_a_grade_prints_every_criterion_with_its_reason_and_has_a_small_repr():
     assert "✓ finds the line: it saw it after 2.6 s" in text
     assert "not with seed 0, 1" in text
     assert repr(result) == "<Grade stop at the line: not yet, 0 of 6 runs>"
+
+
+def test_the_hints_of_all_runs_differ_in_more_than_their_figures():
+    result = grade(DRIVE, "stop at the line", seeds=2)
+    every = {hint for attempt in result.attempts for hint in attempt.hints}
+    assert len(result.hints) < len(every)
+    assert result.hints[0] == result.attempts[0].hints[0]
+    assert len({re.sub(r"[\d.]+", "", hint) for hint in every}) == len(result.hints)
 
 
 def test_a_rule_of_every_challenge_is_shown_when_it_is_broken():
