@@ -5,6 +5,7 @@ thread as long as it lives, and other tests have one of their own.
 """
 
 import os
+from collections import deque
 from functools import partial
 from pathlib import Path
 
@@ -93,10 +94,14 @@ def visitors(alone, site):
     contexts, asked = [], []
 
     def visitor():
-        contexts.append(alone.new_context(viewport=WINDOW))
-        contexts[-1].set_default_timeout(WAIT_FOR_PYTHON)
-        contexts[-1].on("request", lambda request: asked.append(request.url))
-        return contexts[-1].new_page()
+        context = alone.new_context(viewport=WINDOW)
+        contexts.append(context)
+        context.set_default_timeout(WAIT_FOR_PYTHON)
+        context.on("request", lambda request: asked.append(request.url))
+        context.on("requestfailed", lambda request: _said.append(f"failed: {request.url}, {request.failure}"))
+        context.on("console", lambda message: _said.append(f"{message.type}: {message.text}"))
+        context.on("weberror", lambda error: _said.append(f"not caught: {error.error}"))
+        return context.new_page()
 
     yield visitor
     for each in contexts:
@@ -109,6 +114,9 @@ def visitors(alone, site):
 def visitor(visitors):
     """The page of one visitor, whose browser knows the site after the first test."""
     return visitors()
+
+
+_said = deque(maxlen=30)  # what pages of the site wrote to their consoles, and what they could not load
 
 
 @pytest.fixture
@@ -141,6 +149,12 @@ def pytest_runtest_makereport(item):
             report.sections.append(("what the page shows", page.locator("body").inner_text()))
             forget(page)
             page.close()
+    if report.when == "call" and report.failed and "alone" in item.funcargs:
+        for context in item.funcargs["alone"].contexts:
+            for page in context.pages:
+                text = f"{page.url}\n{page.locator('body').inner_text()}"
+                report.sections.append(("what a page of the site shows", text))
+        report.sections.append(("what its pages said", "\n".join(_said)))
     return report
 
 
