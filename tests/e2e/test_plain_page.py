@@ -6,6 +6,7 @@ from base64 import urlsafe_b64encode
 import pytest
 
 from e2e.pages import LabPage
+from e2e.test_site import SiteNotebook, run
 
 COUNT = """\
 (var n := [0])
@@ -178,18 +179,22 @@ def test_a_check_that_does_not_return_leaves_a_way_out(plain, simulator):
     assert "sum(range(10**16))" in lab.text
 
 
-def test_the_program_opens_in_a_notebook(counting, request):
+def test_the_program_opens_in_a_notebook_and_runs_there_and_the_next_one_in_one_of_its_own(counting, request):
+    plain, name = counting, f"{request.node.name}.ipynb"
     counting.page.locator("#notebook").click()
     counting.page.locator(".jp-Notebook .cm-content", has_text=f"%%lrp {request.node.name}").wait_for()
-    assert counting.page.locator(".jp-Notebook .cm-content", has_text="(machine m").count() == 1
+    lab = run(SiteNotebook(counting.page, counting.site, name).ready())
+    assert "(machine m" in lab.text
+    lab.goes_on()  # and is left open
+    plain.show("?program=stopwatch")
+    plain.page.locator("#notebook").click()
+    plain.page.locator(".jp-Notebook .cm-content", has_text="%%lrp stopwatch --bridge none").wait_for()
 
 
-def test_a_program_without_a_robot_has_none_in_a_notebook_either(plain):
+def test_a_program_without_a_robot_has_none(plain):
     lab = plain.show("?program=stopwatch")
     assert not lab.find(".lrp-canvas").is_visible()
     lab.sees('[data-empty="The program runs without a robot."]')
-    lab.page.locator("#notebook").click()
-    lab.page.locator(".jp-Notebook .cm-content", has_text="%%lrp stopwatch --bridge none").wait_for()
 
 
 def test_a_program_that_does_not_exist_is_told_with_a_suggestion(plain):

@@ -44,5 +44,5 @@ export async function writeNotebook({ program, text, world, challenge }: Shared)
     last_modified: now,
     writable: true,
   });
-  return `jupyter/lab/index.html?path=${encodeURIComponent(path)}`;
+  return `jupyter/notebooks/index.html?path=${encodeURIComponent(path)}`;
 }
