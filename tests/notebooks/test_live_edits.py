@@ -490,11 +490,11 @@ def test_two_machines_drive_and_draw_and_agree():
     assert "(onexit [dashes += 1])" in dashes.said
     dashes.session.edit(dashes.session.text.replace(old, f"{old} (onexit [dashes += 1])"))
     dashes.types("(state resting)", before="(ontime 3000")
-    dashes.types("(on [dashes >= 20] *-> resting)", before="(ontime 3000")
+    dashes.types("(on [dashes >= 10] *-> resting)", before="(ontime 3000")
     assert not dashes.found
     assert dashes.restarts == 0
     assert dashes.comes_to("resting", 60)
-    assert dashes.value("dashes") == 20
+    assert dashes.value("dashes") == 10
     hand = dashes.entered("down")
     assert dashes.runs(5).entered("down") > hand
     assert dashes.is_active("resting")
