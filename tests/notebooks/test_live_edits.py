@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 from stored import NOTEBOOKS, challenge_of, opened_program, options_of, read, sources
 
@@ -92,11 +93,17 @@ def test_the_first_robot_goes_all_the_way_around():
     assert min(furthest) < 0.7
 
 
-def test_the_first_robot_continues_at_half_the_speed_and_with_wider_curves():
+def test_the_first_robot_does_not_lose_its_line_while_the_lesson_is_read():
+    hello = Typist(HELLO)
+    turned = [hello.runs(10).session.bridge.robot.gyro.data for _ in range(30)]
+    assert all(abs(after - before) < 5 for before, after in pairwise(turned)), "it never turns in circles"
+
+
+def test_the_first_robot_continues_at_half_the_speed_and_with_tighter_curves():
     hello = Typist(HELLO, seconds=1).types("0.1", instead_of="0.2")
     assert hello.session.frame.tick == 10
     assert hello.session.frame.variables["forward",] == "0.1"
-    hello.types("1", instead_of="1.5")
+    hello.types("1.5", instead_of="1.0")
     furthest = [hello.runs(1).x for _ in range(60)]
     assert max(furthest) > 2.3
     assert min(furthest) < 0.7
