@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 from stored import NOTEBOOKS, challenge_of, opened_program, options_of, read, sources
 
@@ -92,11 +93,17 @@ def test_the_first_robot_goes_all_the_way_around():
     assert min(furthest) < 0.7
 
 
-def test_the_first_robot_continues_at_half_the_speed_and_with_wider_curves():
+def test_the_first_robot_does_not_lose_its_line_while_the_lesson_is_read():
+    hello = Typist(HELLO)
+    turned = [hello.runs(10).session.bridge.robot.gyro.data for _ in range(30)]
+    assert all(abs(after - before) < 5 for before, after in pairwise(turned)), "it never turns in circles"
+
+
+def test_the_first_robot_continues_at_half_the_speed_and_with_tighter_curves():
     hello = Typist(HELLO, seconds=1).types("0.1", instead_of="0.2")
     assert hello.session.frame.tick == 10
     assert hello.session.frame.variables["forward",] == "0.1"
-    hello.types("1", instead_of="1.5")
+    hello.types("1.5", instead_of="1.0")
     furthest = [hello.runs(1).x for _ in range(60)]
     assert max(furthest) > 2.3
     assert min(furthest) < 0.7
@@ -161,7 +168,7 @@ def test_the_rover_with_the_opposite_event_stops_where_it_stands():
     assert abs(rover.x - 1.5) < 0.05
 
 
-def test_the_rover_backs_away_and_comes_again():
+def test_the_rover_backs_away_to_the_opposite_wall():
     rover = _complete_rover().resets()
     assert rover.comes_to("stopped")
     rover.session.edit(
@@ -170,13 +177,6 @@ def test_the_rover_backs_away_and_comes_again():
     assert "(running [robot.move(linear=-0.2)])" in rover.said
     rover.resets().runs(30)
     assert rover.x < 0.2, "at the opposite wall, backwards"
-    rover.types("(event free [not robot.bumper.data])", before="(on bump").types(
-        "(on free stopped -> driving)", after="(on bump driving -> stopped)"
-    )
-    rover.resets().runs(10)
-    assert rover.entered("stopped") > 3
-    at = [rover.runs(0.1).x for _ in range(50)]
-    assert 0.02 < max(at) - min(at) < 0.1, "it trembles"
     assert not rover.found
 
 
@@ -244,15 +244,16 @@ def test_the_zigzag_drives_a_triangle_and_then_other_shapes():
     zigzag = Typist(ZIGZAG)
     assert abs(_turned(zigzag) - 120) < 5
     zigzag.types("[1000 * degrees(90)]", instead_of="2100")
-    assert abs(_turned(zigzag) - 90) < 5
+    assert abs(_turned(zigzag) - 92) < 1
+    assert "So the robot turns for 1.6 seconds, which is 92°." in zigzag.said
     zigzag.types("[1000 * degrees(60)]", instead_of="[1000 * degrees(90)]")
     assert abs(_turned(zigzag) - 60) < 7
 
 
 def test_the_zigzag_turns_at_once_when_its_time_is_over_already():
-    zigzag = Typist(ZIGZAG, seconds=1)
+    zigzag = Typist(ZIGZAG, seconds=1.5)
     assert zigzag.is_active("straight")
-    assert zigzag.types("500", instead_of="2000").runs(0.2).is_active("corner")
+    assert zigzag.types("1000", instead_of="2000").runs(0.2).is_active("corner")
     assert zigzag.restarts == 0
 
 
@@ -285,7 +286,7 @@ def test_the_eyes_name_the_reading_that_was_meant():
 
 def test_the_eyes_become_shy_of_the_wall_and_lose_their_shyness():
     eyes = Typist(EYES)
-    eyes.types("(state shy (onentry [robot.stop()]))", before="(on white")
+    eyes.types("(state shy)", before="(on white")
     eyes.types("(on [robot.distance.data < 0.3] driving -> shy)", before="(on white")
     eyes.places(2.9, 0.5)
     assert eyes.comes_to("shy", 2)
