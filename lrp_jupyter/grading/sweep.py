@@ -234,9 +234,9 @@ class Sweep:
             "<tr>" + "".join(f"<td>{escape(_shown(each))}</td>" for each in row) + "</tr>" for row in rows
         )
         notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes())
-        picture = self.svg() if len(self.variables) <= 2 else ""
+        title = f"<p><b>{escape(self.title)}</b></p>"
         return (
-            f"<p><b>{escape(self.title)}</b></p>{picture}{notes}"
+            f"{self.svg() if len(self.variables) <= 2 else title}{notes}"
             f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         )
 

@@ -230,6 +230,7 @@ class Goal:
         bridge = _simulated(session)
         self._world = self._world if world is None else min(world, len(self._worlds) - 1)
         wanted = self._worlds[self._world]
+        session.pause()  # or a tick in the new world would come before the restart, which would count
         session.call(lambda: bridge.load_world(wanted, 0))
         session.reset()
         self._begin([])

@@ -744,7 +744,7 @@ def test_how_long_a_condition_was_not_true_is_told_as_far_as_it_is_known(monkeyp
         live.teleport_to("m/t")
         live.run(0.1)
         reason = live.why_not("go")
-        assert str(reason).endswith("It has not been true since 2.1 s or longer.")
+        assert str(reason).endswith("It was not true at any time that is still recorded, since 2.1 s.")
         assert (reason.facts["false_since"], "last_true" in reason.facts) == (22, False)
         monkeypatch.setattr(evaluation, "_SEARCH", 0.0)
         assert "true since" not in str(live.why_not("go"))

@@ -33,8 +33,11 @@ def _other_speed(run: RunRecord) -> str | None:
     if len(run.programs) < 2:
         return None
     if run.still_since < run.seconds - 1:
-        return f"After the edit, the robot stopped at {run.still_since:.1f} s. Half of 0.3 m/s is 0.15 m/s."
-    return "After the edit, the robot drove on, but not at half the speed: half of 0.3 m/s is 0.15 m/s."
+        return f"After the edit, the robot stopped at {run.still_since:.1f} s. Change only its speed."
+    return (
+        "After the edit, the robot drove on, but not at half the speed. Which number is its speed, and what is"
+        " half of it?"
+    )
 
 
 FIRST_MOVE = Challenge(

@@ -6,7 +6,7 @@ from lrp_jupyter.grading.bundled.hints import restarted, was_not_edited
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import drives_on, edited, never_restarts, touches_nothing, visits
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World
 
 __all__ = ["EDIT_IT_LIVE", "SAFE_EDITS"]
@@ -25,6 +25,23 @@ def _hall() -> World:
         # so near to the walls that a second without the sensor leads there from any place to turn at
         zones={"west": BoxZone((0.27, 1, 0.4, 2)), "east": BoxZone((2.53, 1, 0.4, 2))},
     )
+
+
+def _turned_blind(run: RunRecord) -> str | None:
+    none: float | None = None
+    began = run.fold(_turn_without_sight, none, "began to turn without sight")
+    if began is None:
+        return None
+    return (
+        f"After {began:.1f} s the sensor saw nothing, and the robot began to turn as if a wall were near. It"
+        " has to stand still until the sensor sees again, and then go on with what it did."
+    )
+
+
+def _turn_without_sight(so_far: float | None, now: Sample, before: Sample) -> float | None:
+    """Keep when the robot first stopped driving in order to turn while the sensor saw nothing."""
+    turns = now.command[1] != 0 and now.command[0] == 0 and before.command[0] > 0
+    return now.time if so_far is None and turns and now.distances[0] == float("inf") else so_far
 
 
 def _blind(run: RunRecord) -> str | None:
@@ -71,7 +88,7 @@ SAFE_EDITS = Challenge(
     (_hall(),),
     (edited(), visits(*("east", "west") * 2), touches_nothing(), never_restarts()),
     120,
-    (was_not_edited, restarted, _blind, _stands),
+    (was_not_edited, restarted, _turned_blind, _blind, _stands),
     noise={"motor": 0.003, "dropout": 0.06},
     seeds=5,
     starter=starter("safe edits"),

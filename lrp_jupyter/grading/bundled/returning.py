@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from lrp_jupyter.grading.bundled.hints import ignores, lost_the_line, never_saw_the_line
+from lrp_jupyter.grading.bundled.hints import ignores, longest_push, lost_the_line, never_saw_the_line
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge, Hint
 from lrp_jupyter.grading.criteria import ends_still, touches, within
@@ -36,23 +34,16 @@ def _ended_at_the_first_bump(run: RunRecord) -> str | None:
 
 
 def _kept_pushing(run: RunRecord) -> str | None:
-    for wall, way_out in (
-        ("far wall", "A bump has to lead out of it: drive back for a second, then turn by pi."),
-        ("near wall", "A second bump has to end it: enter a state that stops the robot."),
-    ):
-        longest, since = run.fold(partial(_longest, wall), (0.0, 0.0), ("at", wall))
-        if longest > 3:
-            states = next(sample for sample in run.samples if sample.time >= since).active
-            where = f" in `{states[0][-1]}`" if states else ""
-            return f"The robot keeps pushing against the {wall}{where}, from {since:.1f} s on. {way_out}"
-    return None
-
-
-def _longest(wall: str, so_far: tuple[float, float], now: Sample, _: Sample) -> tuple[float, float]:
-    """Keep the longest push, and since when the present one lasts."""
-    longest, since = so_far
-    since = since if wall in now.touched else now.time
-    return max(longest, now.time - since), since
+    longest, since, wall, _ = run.fold(longest_push, (0.0, 0.0, "", 0.0))
+    way_out = {
+        "far wall": "A bump has to lead out of it: drive back for a second, then turn by pi.",
+        "near wall": "A second bump has to end it: enter a state that stops the robot.",
+    }.get(wall)
+    if longest <= 3 or way_out is None:
+        return None
+    states = next(sample for sample in run.samples if sample.time > since).active
+    where = f" in `{states[0][-1]}`" if states else ""
+    return f"The robot keeps pushing against the {wall}{where}, from {since:.1f} s on. {way_out}"
 
 
 def _came_to_the_same_wall(run: RunRecord) -> str | None:
