@@ -1,12 +1,13 @@
 """The challenge of an open program: criteria of the present run, checks, hints, runs that are shown."""
 
 import threading
+from dataclasses import replace
 
 import pytest
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenges import Challenge, challenge
-from lrp_jupyter.grading.criteria import drives, ends_in, no_faults
+from lrp_jupyter.grading.criteria import drives, ends_in, never_restarts, no_faults
 from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import BoxZone, RobotSpec, World
@@ -97,6 +98,31 @@ def test_a_run_is_judged_from_the_beginning_when_the_robot_starts_over(stay):
     stay.session.run(1)
     assert stay.states == ["open", "open", "so far"]
     assert (stay.shown["world"], stay.session.bridge.world.name) == (1, "far")
+
+
+@pytest.fixture
+def unbroken():
+    goal = Watched(replace(STAY, criteria=(drives(9), never_restarts())))
+    yield goal
+    goal.close()
+    goal.session.close()
+
+
+def test_starting_over_is_no_restart_of_the_run_that_begins(unbroken, monkeypatch):
+    session, call = unbroken.session, unbroken.session.call
+
+    def call_and_let_it_run(job):
+        call(job)
+        ticked = threading.Event()
+        session.on_tick(ticked.set)
+        assert session.status == "paused" or ticked.wait(10)
+
+    session.start()
+    monkeypatch.setattr(session, "call", call_and_let_it_run)
+    unbroken.start_over(session)
+    session.pause()
+    session.run(0.5)
+    assert unbroken.states == ["open", "so far"]
 
 
 def test_going_back_takes_back_what_was_met(stay):
