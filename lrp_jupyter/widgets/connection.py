@@ -129,7 +129,8 @@ class PageConnection:
                     message, partial(message.apply, self), message.patience, describes=message.changes_world
                 )
             elif isinstance(message, PageRequest):
-                self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)
+                answer = partial(self.work, partial(message.answer, self))
+                self._reply(message, answer, message.patience, fields_of=dict)
             elif not self._publisher.knows(message.view):
                 return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
@@ -176,7 +177,7 @@ class PageConnection:
         self,
         message: PageCommand | PageRequest,
         begin: Callable[[], Future[Any] | None],
-        patience: float = 1.0,
+        patience: float,
         fields_of: Callable[[Any], Mapping[str, Any]] = lambda _: {},
         describes: bool = False,
     ) -> None:

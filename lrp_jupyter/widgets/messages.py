@@ -155,6 +155,9 @@ class PageRequest(PageMessage, ABC):
 
     id: int
 
+    patience: ClassVar[float] = 1.0
+    """Wall seconds after which a question that is not answered yet is answered with the reason."""
+
     @abstractmethod
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return the fields of the reply. Runs on the worker's thread and may wait."""

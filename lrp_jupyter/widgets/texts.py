@@ -297,6 +297,9 @@ class Texts:
     ) -> None:
         """Offer the text to the session, unless it is held, and answer when that has decided."""
         answer: Future[Any] = Future()
+        for conflict in self.conflicts:
+            if _plain(conflict.text) == _plain(self.text):  # the user has typed what was to be chosen
+                self._end(conflict)
         cursors = self._cursors() if cursors is None else cursors
         try:
             if not self.hold:
@@ -562,11 +565,15 @@ class Texts:
             conflict = self.conflicts.first
             if conflict is None or number not in (None, self.conflicts.number):
                 return
-            if conflict.source == "cell":
-                self.cell = conflict.text
-            self.withdraw(conflict)
+            self._end(conflict)
+            self.add_version(conflict.text)
             if use:
                 self.write(conflict.text)
+
+    def _end(self, conflict: Conflict) -> None:
+        self.conflicts.remove(conflict)
+        if conflict.source == "cell":
+            self.cell = conflict.text
 
     # -- files -------------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.plots import Plot
@@ -90,6 +90,8 @@ class WhatIfRequest(PageRequest, type="what_if"):
 
     Answered by `what_if`.
     """
+
+    patience: ClassVar[float] = 30.0  # a long run is repeated up to that moment, and the page asks once
 
     seconds: Annotated[float, Between(0.1, 600)]
 

@@ -128,6 +128,16 @@ def test_the_answer_to_a_conflict_holds(cell, act, text):
     assert connection.texts.text == text
 
 
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+def test_the_person_is_not_asked_about_a_text_that_has_been_typed_meanwhile(cell, ends):
+    connection = cell(A)
+    connection.texts.write(B)
+    cell(C.replace(" (spawn", f"{ends}(spawn"))
+    assert connection.texts.conflict is not None
+    connection.texts.write(C.replace(" (spawn", "\n(spawn"))
+    assert connection.texts.conflict is None
+
+
 def test_a_text_that_is_not_a_program_opens_the_lab_with_its_errors(cell):
     connection = cell(BROKEN)
     assert connection.texts.text == BROKEN

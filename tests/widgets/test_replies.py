@@ -66,6 +66,20 @@ def test_a_command_that_another_one_holds_up_is_not_explained_by_an_old_pause(be
     assert page.last("reply")["error"] == "This waits: the session is busy."
 
 
+def test_a_question_about_another_course_has_time_for_the_run_that_it_repeats(bench, gate):
+    lab = bench(NAMED)
+    page = lab.page()
+    lab.session.run(2)
+    lab.connection.work(lambda: gate.wait(60))  # as long as the repetition takes
+    page.send("what_if", id=1, seconds=1)
+    lab.publish(after=20)
+    assert not page.all("reply")
+    gate.set()
+    lab.connection.work(lambda: None).result(60)
+    lab.publish()
+    assert page.last("reply")["what_if"]["end"] > 0
+
+
 def test_an_answer_for_a_view_that_is_gone_keeps_none_from_others(bench):
     lab = bench(NAMED)
     gone, page = lab.page("gone"), lab.page()

@@ -40,13 +40,15 @@ export function goalView(lab: Lab): HTMLElement {
   });
   const task = h("p", { class: "lrp-task" });
   const note = h("p", { class: "lrp-goal-note", role: "status" });
-  const criteria = h("ul", { class: "lrp-criteria", "aria-label": "Criteria" });
+  const watched = h("p", { class: "lrp-faint" }, "The run in the world, as far as it has come:");
+  const criteria = h("ul", { class: "lrp-criteria", "aria-label": "Criteria of the run in the world" });
   const checked = checkView(lab);
   const body = h(
     "div",
     { class: "lrp-goal", tabindex: "0", role: "group", "aria-label": "Goal" },
     task,
     note,
+    watched,
     criteria,
     checked.element,
   );
@@ -60,6 +62,7 @@ export function goalView(lab: Lab): HTMLElement {
     showProse(task, goal.task);
     showProse(note, goal.note);
     note.hidden = !goal.note;
+    watched.hidden = !goal.check;
     showWorlds(world, goal);
     checked.update(goal, attempts);
   });
@@ -121,6 +124,7 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, a
   const hints = h("ol", { class: "lrp-hints", "aria-label": "Hints", "aria-live": "polite" });
   const element = h("div", { class: "lrp-check" }, bar, result, hints, hint, runs);
   const label = hint.querySelector(".lrp-button-label")!;
+  let given = 0; // hints: a new one is brought into view
   return {
     element,
     update(goal, attempts) {
@@ -148,8 +152,17 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, a
         () => h("li", { class: "lrp-hint" }),
         showProse,
       );
+      if (goal.hints.length > given) bringIntoView(hints.lastElementChild, element.parentElement);
+      given = goal.hints.length;
     },
   };
+}
+
+/** Scroll a box so far that the end of an element in it can be seen; the page around it stays. */
+function bringIntoView(element: Element | null, box: Element | null): void {
+  if (!element || !box) return;
+  const hidden = element.getBoundingClientRect().bottom - box.getBoundingClientRect().bottom;
+  if (hidden > 0) box.scrollTop += hidden;
 }
 
 /** What a check has found, in a sentence or two. */
@@ -158,9 +171,12 @@ export function resultOf(check: CheckView, points: number, attempts: Attempts): 
   if (check.error) return `The check could not be made. ${check.error}`;
   const passed = Object.values(attempts).filter((attempt) => attempt.passed).length;
   const all = check.total === 1 ? "The run" : `All ${check.total} runs`;
-  const sentence = check.passed
-    ? `Passed: ${points} of ${points} points. ${all} met all criteria.`
-    : `Not yet: ${check.points} of ${points} points.${check.total > 1 ? ` ${passed} of ${check.total} runs passed.` : ""}`;
+  const some = `${passed} of ${check.total} runs passed`;
+  let sentence = `Not yet: ${check.points} of ${points} points.${check.total > 1 ? ` ${some}.` : ""}`;
+  if (check.passed) {
+    const runs = passed < check.total ? `${some}, which is enough.` : `${all} met all criteria.`;
+    sentence = `Passed: ${points} of ${points} points. ${runs}`;
+  }
   return check.stale ? `${sentence} The program has changed since.` : sentence;
 }
 

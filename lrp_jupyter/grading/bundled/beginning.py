@@ -35,8 +35,8 @@ def _other_speed(run: RunRecord) -> str | None:
     if run.still_since < run.seconds - 1:
         return f"After the edit, the robot stopped at {run.still_since:.1f} s. Change only its speed."
     return (
-        "After the edit, the robot drove on, but not at half the speed. Which number is its speed, and what is"
-        " half of it?"
+        "After the edit, the robot drove on, but not at half the speed. Which number is its speed, and what"
+        " is half of it?"
     )
 
 

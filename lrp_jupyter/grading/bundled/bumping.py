@@ -113,8 +113,8 @@ def _never_dark_again(run: RunRecord) -> str | None:
         return None
     if not _drives_backward(run.samples[-1]) and run.first(_drives_backward, "drives backward") is not None:
         return (
-            f"The lamp was switched on after {lit.time:.1f} s and stayed on. The `onexit` of the same state can"
-            " switch it off: `robot.lamp(False)`."
+            f"The lamp was switched on after {lit.time:.1f} s and stayed on. The `onexit` of the same state"
+            " can switch it off: `robot.lamp(False)`."
         )
     return (
         "The lamp was lit before the robot drove backward. Light it in the `onentry` of the state that backs"
