@@ -59,6 +59,7 @@ export function goalView(lab: Lab): HTMLElement {
     setAttribute(element, GOALLESS, goal === null);
     if (!goal) return;
     setText(heading, `Goal: ${goal.name}`);
+    setAttribute(heading, "title", goal.name); // which may be cut off
     showProse(task, goal.task);
     showProse(note, goal.note);
     note.hidden = !goal.note;
