@@ -148,19 +148,26 @@ class Challenge:
         Raises
         ------
         LRPError
-            A criterion names a zone or a solid that a world does not have, or it fails otherwise.
+            A criterion names a zone or a solid that a world does not have, or it fails otherwise; or all are
+            met before anything happens, where the run would end.
         """
         for world in map(load_world, self.worlds):
-            start = at_start(world)
+            start, is_missing = at_start(world), False
             for criterion in self.criteria:
                 try:
                     share, reason = criterion.judge(start)
-                    float(share), str(reason)
+                    is_missing |= float(share) < 1
+                    str(reason)
                 except Exception as error:
                     raise LRPError(
                         f"The challenge `{self.name}` cannot be judged by `{criterion.sentence}`: "
                         f"{sentence_of(error)}"
                     ) from error
+            if not is_missing:
+                raise LRPError(
+                    f"The criteria of the challenge `{self.name}` are all met before the robot moves, so"
+                    " every program would pass at once. Add `lasts(30)`, or something that has to be reached."
+                )
 
     def __str__(self) -> str:
         return f"{self.name}: {self.task}"

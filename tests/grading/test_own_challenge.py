@@ -6,13 +6,13 @@ from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading import challenges as registry
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.challenges import load, register
-from lrp_jupyter.grading.criteria import Criterion, drives, touches, visits
+from lrp_jupyter.grading.criteria import drives, touches, visits
 from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, RobotSpec, World
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 MINE = """
-from lrp_jupyter.grading import Challenge, Criterion, register, touches, visits
+from lrp_jupyter.grading import Challenge, Criterion, register, touches, touches_nothing, visits
 
 hurry = Criterion("is there in six seconds", lambda run: (run.seconds < 6, f"{run.seconds:.1f} s"))
 
@@ -80,6 +80,10 @@ def test_the_last_challenge_of_a_file_counts_and_a_changed_file_is_read_again(fo
         (MINE.replace("yard.json", "yrad.json"), "yrad.json"),
         (MINE.replace('"yard.json"', '"linne"'), "There is no world `linne`. Did you mean `line`?"),
         (MINE.replace('[visits("goal"), hurry]', "[]"), "has no criterion"),
+        (
+            MINE.replace('visits("goal")', "touches_nothing()"),
+            "met before the robot moves, so every program",
+        ),
         (MINE.replace("seconds=8", "seconds=0"), "`seconds` must be a number of seconds above 0, not 0"),
     ],
 )
@@ -109,6 +113,6 @@ def test_a_criterion_that_a_world_cannot_judge_is_refused_before_any_run():
 
 
 def test_a_registered_challenge_replaces_one_of_its_name():
-    mine = register(Challenge("square", "Drive.", "empty", Criterion("is there", lambda run: (1, "")), 3))
+    mine = register(Challenge("square", "Drive.", "empty", drives(1), 3))
     assert load("square") is mine
     assert registry.challenges()[-1] is mine
