@@ -1,6 +1,7 @@
 // @vitest-environment happy-dom
 
 import { undo } from "@codemirror/commands";
+import { nextDiagnostic } from "@codemirror/lint";
 import { ChangeSet, Text } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
@@ -346,6 +347,28 @@ describe("the editor", () => {
     await page.drawn();
     expect(page.find(".cm-lintRange-error").textContent).toBe("a");
     expect(page.editor.state.doc.lineAt(2).number).toBe(3);
+  });
+
+  it("keeps the card of a finding open while answers find the same, and its fix is for the text as it is", async () => {
+    const found = (line: number) => {
+      const range = { line, column: 2, end_line: line, end_column: 3 };
+      const fix = { title: "Say it", edits: [{ range, text: "said" }] };
+      const severity = "error" as const;
+      return { id: "1", code: "LRP303", severity, message: "The first.", range, fix, creates: null };
+    };
+    page.deliver({ ...structuredClone(recording.snapshot), updates: [], findings: [found(1)] });
+    await page.drawn();
+    page.type("; above\n");
+    page.confirm({ findings: [found(2)] });
+    await page.drawn();
+    expect(nextDiagnostic(page.editor)).toBe(true);
+    page.hears(page.editor.state.doc.toString(), { findings: [found(2)] });
+    await page.drawn();
+    page.find(".cm-diagnosticAction").dispatchEvent(new MouseEvent("mousedown", { bubbles: true }));
+    expect(page.editor.state.doc.line(2).text).toMatch(/^;saidFollows/);
+    page.confirm({ findings: [] });
+    await page.drawn();
+    expect(page.host.querySelector(".cm-diagnosticAction, .cm-lintRange")).toBeNull();
   });
 
   it("sends what is meant with the cursor where it is now, also in a shorter text from elsewhere", () => {

@@ -1,13 +1,13 @@
 /** Findings of the checks and issues of the run, underlined at their places: one truth, the kernel's. */
 
-import { type Action, type Diagnostic, diagnosticCount, setDiagnostics } from "@codemirror/lint";
+import { type Action, type Diagnostic, forEachDiagnostic, setDiagnostics } from "@codemirror/lint";
 import type { EditorView } from "@codemirror/view";
 import { codeButton } from "../parts/explain";
 import type { FindingView, IssueView, QuickFix, Severity, TextRange } from "../protocol";
 import type { Lab } from "../session/store";
 import { h, prose, unmarked } from "../ui/dom";
 import { select } from "./cursor";
-import type { Tracked } from "./texts";
+import { Tracked } from "./texts";
 
 const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
   error: "error",
@@ -15,23 +15,42 @@ const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
   hint: "info",
 };
 
-export function showDiagnostics(view: EditorView, lab: Lab, sent: Tracked, running: Tracked): void {
-  const { findings, issues } = lab.store.state;
-  if (!findings.length && !Object.keys(issues).length && !diagnosticCount(view.state)) return;
-  const diagnostics: Diagnostic[] = [];
-  for (const finding of findings) {
-    const found = ofFinding(view, lab, finding, sent);
-    if (found) diagnostics.push(found);
+/**
+ * Mark what is found in the text sent, and what went wrong in the running one. Marks that would be the same are
+ * left, with the card that is open at one of them.
+ */
+export class Underlines {
+  /** The text sent that the marks were made for. */
+  readonly text = new Tracked();
+
+  show(view: EditorView, lab: Lab, sent: Tracked, running: Tracked): void {
+    const { findings, issues } = lab.store.state;
+    const wanted = [
+      ...findings.map((finding) => ofFinding(view, lab, finding, sent, this.text)),
+      ...Object.values(issues).map((issue) => (issue.resolved ? null : ofIssue(view, lab, issue, running))),
+    ].filter((mark) => mark !== null);
+    wanted.sort((a, b) => a.from - b.from);
+    const present: string[] = [];
+    forEachDiagnostic(view.state, (mark, from, to) => present.push(identity(mark, from, to)));
+    const next = wanted.map((mark) => identity(mark, mark.from, mark.to));
+    if (present.sort().join() === next.sort().join()) return;
+    this.text.become(sent);
+    view.dispatch(setDiagnostics(view.state, wanted));
   }
-  for (const issue of Object.values(issues)) {
-    const found = issue.resolved ? null : ofIssue(view, lab, issue, running);
-    if (found) diagnostics.push(found);
-  }
-  diagnostics.sort((a, b) => a.from - b.from);
-  view.dispatch(setDiagnostics(view.state, diagnostics));
 }
 
-function ofFinding(view: EditorView, lab: Lab, finding: FindingView, sent: Tracked): Diagnostic | null {
+/** What tells a mark from another. */
+function identity({ severity, message, actions = [] }: Diagnostic, from: number, to: number): string {
+  return JSON.stringify([from, to, severity, message, actions.map(({ name }) => name)]);
+}
+
+function ofFinding(
+  view: EditorView,
+  lab: Lab,
+  finding: FindingView,
+  sent: Tracked,
+  marked: Tracked,
+): Diagnostic | null {
   const span = visible(view, finding.range, sent);
   if (!span) return null;
   const fixes = [finding.fix, finding.creates].filter((fix) => fix !== null);
@@ -40,15 +59,15 @@ function ofFinding(view: EditorView, lab: Lab, finding: FindingView, sent: Track
     severity: SEVERITY[finding.severity],
     message: finding.message,
     renderMessage: () => message(lab, finding.code, finding.message),
-    actions: fixes.map((fix) => action(fix, sent)),
+    actions: fixes.map((fix) => action(fix, marked)),
   };
 }
 
 /** A fix as a button; the value that it leaves to be written is selected. */
-function action({ title, edits }: QuickFix, sent: Tracked): Action {
+function action({ title, edits }: QuickFix, marked: Tracked): Action {
   const apply = (view: EditorView) => {
     const changes = edits.flatMap(({ range, text }) => {
-      const place = sent.span(range);
+      const place = marked.span(range);
       return place ? [{ ...place, insert: text }] : [];
     });
     view.dispatch({ changes, userEvent: "input.fix" });
@@ -70,7 +89,10 @@ function ofIssue(view: EditorView, lab: Lab, issue: IssueView, running: Tracked)
     ...span,
     severity: SEVERITY[issue.severity],
     message: issue.message,
-    renderMessage: () => message(lab, issue.code, issue.message, `${issue.count}×`),
+    renderMessage: () => {
+      const { count } = lab.store.state.issues[issue.id] ?? issue;
+      return message(lab, issue.code, issue.message, `${count}×`);
+    },
   };
 }
 

@@ -37,7 +37,7 @@ import { whenAttached } from "../ui/root";
 import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
-import { showDiagnostics } from "./diagnostics";
+import { Underlines } from "./diagnostics";
 import { openFixes } from "./fixes";
 import { format } from "./format";
 import { breakpointGutter } from "./gutter";
@@ -73,6 +73,7 @@ export class Editor implements Typist {
   /** The last text answered, and the running one. */
   private readonly answered = new Tracked();
   private readonly running = new Tracked();
+  private readonly underlines = new Underlines();
   private readonly typing = new Typing(
     (hasCursor, meant) => this.send(hasCursor, meant),
     () => this.isOneOfSeveral,
@@ -97,7 +98,7 @@ export class Editor implements Typist {
     this.pen = new Pen(this.view, lab);
     const { store } = lab;
     store.watch(["findings", "issues", "revision"], () => {
-      if (this.document) showDiagnostics(this.view, lab, this.answered, this.running);
+      if (this.document) this.underlines.show(this.view, lab, this.answered, this.running);
     });
     store.watch(["breakpoints"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());
@@ -159,7 +160,7 @@ export class Editor implements Typist {
           if (update.selectionSet) this.typing.moved(update);
           return;
         }
-        for (const text of [this.answered, this.running]) text.add(update.changes);
+        for (const text of [this.answered, this.running, this.underlines.text]) text.add(update.changes);
         if (!update.transactions.some((transaction) => transaction.annotation(Transaction.remote)))
           this.typing.changed(update);
       }),

@@ -19,6 +19,11 @@ export class Tracked {
     this.changes = changes;
   }
 
+  /** Refer to the same text as another. */
+  become(other: Tracked): void {
+    this.begin(other.doc, other.changes);
+  }
+
   /** Refer to a text that differs from the present one. */
   differs(doc: Text, now: Text): void {
     this.begin(doc);
