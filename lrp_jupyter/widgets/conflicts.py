@@ -24,11 +24,14 @@ class Conflict:
     text : str
     endings : tuple of str
         The kept files that are not overwritten until the user has chosen.
+    file : str
+        The file that contains it, as a message shows it, if that was changed outside the lab.
     """
 
     source: str
     text: str
     endings: tuple[str, ...] = ()
+    file: str = ""
 
 
 _QUESTIONS = {
@@ -119,12 +122,12 @@ class Conflicts:
             for each in self._waiting
         ]
 
-    def question(self, name: str, file: str) -> ConflictView | None:
-        """Return what the user of a program of this name, kept in this file, is asked."""
+    def question(self, name: str) -> ConflictView | None:
+        """Return what the user of a program of this name is asked."""
         if self.first is None:
             return None
         sentence, use, keep = (
-            text.format(name=name, file=file, given_in=self._given_in)
+            text.format(name=name, file=self.first.file, given_in=self._given_in)
             for text in _QUESTIONS[self.first.source]
         )
         return {

@@ -50,7 +50,8 @@ from lrp_jupyter.widgets.messages import (
 from lrp_jupyter.widgets.places import path_of
 from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
-from lrp_jupyter.widgets.texts import Rename, Texts
+from lrp_jupyter.widgets.saver import Saver
+from lrp_jupyter.widgets.texts import Rename
 
 __all__ = ["PageConnection"]
 
@@ -61,8 +62,8 @@ class PageConnection:
     Parameters
     ----------
     session : Session
-    texts : Texts
-        The typed texts and their answers.
+    saver : Saver
+        It holds the texts.
     reopen : callable, optional
         Creates a session of the same program with another bridge, given its name and options.
     options : mapping, optional
@@ -76,14 +77,15 @@ class PageConnection:
     def __init__(
         self,
         session: Session,
-        texts: Texts,
+        saver: Saver,
         reopen: Callable[..., Session] | None = None,
         options: Mapping[str, Any] | None = None,
         clock: Callable[[], float] = monotonic,
         free_name: Callable[[str], str] = lambda name: name,
     ) -> None:
         self.name = session.name
-        self.texts = texts
+        self.texts = saver.texts
+        self.saver = saver
         self.layouts = Layouts()
         self.looking = Looking()
         self.options = dict(options or {})
@@ -96,7 +98,7 @@ class PageConnection:
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
         self._changing = threading.Lock()  # held while another bridge is opened, which may take long
         self._worker: ThreadPoolExecutor | None = None
-        self._publisher = Publisher(session, texts, self.layouts, self.looking, self.report, clock)
+        self._publisher = Publisher(session, saver, self.layouts, self.looking, self.report, clock)
 
     @property
     def session(self) -> Session:
@@ -220,7 +222,7 @@ class PageConnection:
         """Continue with another program under its name; what is kept under the old name stays there."""
         if name != self.name:
             self.name = self._free_name(name)
-            self.texts.move(self.name)
+            self.saver.move(self.name)
             self.session.name = self.name
             self._publisher.renamed()
         self.texts.write(text)

@@ -26,7 +26,7 @@ class CheckCommand(PageCommand, do="check"):
 
     def apply(self, opened: OpenProgram) -> Applied:
         """See the base class."""
-        opened.texts.save(at_once=True)  # where there are no processes, a check may not return
+        opened.saver.save(at_once=True)  # where there are no processes, a check may not return
         _goal(opened).check(opened.session, opened.texts.text)
         return None
 

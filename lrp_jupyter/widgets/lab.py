@@ -256,7 +256,7 @@ class Lab(Part):
     @text.setter
     def text(self, text: str) -> None:
         self._connection.texts.write(text)
-        self._connection.texts.save()
+        self._connection.saver.save()
 
     @property
     def versions(self) -> list[Version]:
@@ -264,7 +264,7 @@ class Lab(Part):
 
         ``lab.text = lab.versions[0].text`` returns to the newest of them.
         """
-        return self._connection.texts.versions
+        return self._connection.saver.versions
 
     @property
     def active(self) -> tuple[Path, ...]:

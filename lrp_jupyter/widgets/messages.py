@@ -24,6 +24,7 @@ from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.protocol import ElementKind, PartName, ViewState
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 __all__ = [
@@ -50,6 +51,7 @@ class OpenProgram(Protocol):
     """The interface for commands and requests: a session with its texts, layouts and views."""
 
     texts: Texts
+    saver: Saver
     layouts: Layouts
     looking: Looking
 

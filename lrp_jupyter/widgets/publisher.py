@@ -36,7 +36,8 @@ from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking, MomentShown
 from lrp_jupyter.widgets.protocol import ViewState
-from lrp_jupyter.widgets.texts import Texts, Written
+from lrp_jupyter.widgets.saver import Saver
+from lrp_jupyter.widgets.texts import Written
 from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
 from lrp_jupyter.widgets.world_commands import saved_worlds
 from lrp_jupyter.widgets.world_state import WorldCursor
@@ -208,7 +209,8 @@ class Publisher:
     Parameters
     ----------
     session : Session
-    texts : Texts
+    saver : Saver
+        It holds the texts.
     layouts : Layouts
     looking : Looking
     report : callable
@@ -220,13 +222,14 @@ class Publisher:
     def __init__(
         self,
         session: Session,
-        texts: Texts,
+        saver: Saver,
         layouts: Layouts,
         looking: Looking,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
-        self._texts = texts
+        self._texts = saver.texts
+        self._saver = saver
         self._layouts = layouts
         self._looking = looking
         self._report = report
@@ -255,7 +258,7 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._texts, self._layouts, self.goal)
+            self._view_states = ViewStates(session, self._saver, self._layouts, self.goal)
             if self.goal is not None:
                 self.goal.attach(session, self.wake)
             for view in self._views.values():
@@ -269,7 +272,7 @@ class Publisher:
             self.goal = goal
             if goal is not None:
                 goal.attach(self.session, self.wake)
-            self._view_states = ViewStates(self.session, self._texts, self._layouts, goal)
+            self._view_states = ViewStates(self.session, self._saver, self._layouts, goal)
             for view in self._views.values():
                 self._snapshot(view)
 
@@ -409,7 +412,7 @@ class Publisher:
             self._drop_the_gone(now)
             self._send_worlds(now)
             self._send_frames(now)
-        self._texts.save()
+        self._saver.save()
         self._refresh(now)
 
     def _answer(self, written: Written) -> None:
@@ -510,6 +513,8 @@ class Publisher:
             {
                 "type": "snapshot",
                 "name": self.session.name,
+                "home": self._saver.home or self.session.name,
+                "tab_only": self._saver.kept is None,
                 **texts,
                 "choices": {
                     "bridges": list(find_bridges()),
@@ -534,7 +539,7 @@ class Publisher:
     def _send_end(self) -> None:
         """Send every view the end of the session, with or without credit, and save unsaved texts."""
         self.publish()
-        self._texts.save(at_once=True)
+        self._saver.save(at_once=True)
         with self._lock:
             state = self.view_state()
             for view in self._views.values():

@@ -22,7 +22,8 @@ from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.keeping import kept_texts
-from lrp_jupyter.widgets.kept import checked_name
+from lrp_jupyter.widgets.kept import Kept, checked_name
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 __all__ = ["connection_of", "find", "forget", "named", "names", "open_program", "robot_for", "running"]
@@ -77,7 +78,7 @@ def connection_of(session: Session) -> PageConnection:
     for connection in running():
         if connection.session is session:
             return connection
-    connection = PageConnection(session, Texts(), free_name=_free_name)
+    connection = PageConnection(session, Saver(Texts()), free_name=_free_name)
     connection.name = _free_name(session.name)
     return _add(connection)
 
@@ -158,14 +159,15 @@ def open_program(
     if connection is None:
         here = folder or os.getcwd()
         kept = kept_texts(here, name)
-        texts = Texts(kept, os.path.realpath(FilePath(here) / name), given_in)
-        first, *later = _first_texts(texts, text) or [""]
+        texts = Texts(given_in)
+        saver = Saver(texts, kept, os.path.realpath(FilePath(here) / name))
+        first, *later = _first_texts(texts, kept, text) or [""]
         if kept is not None and kept.read(".hung") in (first, *later):
             paused = _HAS_HUNG
         session = _open_session(
             name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, paused
         )
-        connection = _add(PageConnection(session, texts, _reopen, options, free_name=_free_name))
+        connection = _add(PageConnection(session, saver, _reopen, options, free_name=_free_name))
         for each in (first, *later):
             if each != texts.text:
                 texts.write(each)
@@ -184,7 +186,7 @@ def open_program(
         connection.session.start()
     if rate is not None:
         connection.session.rate = rate
-    connection.texts.save()  # no page may ever open
+    connection.saver.save()  # no page may ever open
     connection.wake()
     return connection
 
@@ -235,15 +237,15 @@ def _reopen(old: Session, bridge: str, **options: Any) -> Session:
     return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options)
 
 
-def _first_texts(texts: Texts, cell: str | None) -> list[str]:
+def _first_texts(texts: Texts, kept: Kept | None, cell: str | None) -> list[str]:
     """Return the texts to start with, of which a later one is newer, and ask about other kept texts.
 
     The text of a cell starts, because it is what the user sees. Without one, what this user has written
     starts; what came with the folder never does.
     """
-    kept, own = texts.kept, list[tuple[str, str]]()
     if kept is None:
         return [cell] if cell else []
+    own: list[tuple[str, str]] = []
     for ending in (".draft", ".lrp"):
         text = kept.read(ending)
         if text is None or not text.strip() or _are_alike(text, cell):

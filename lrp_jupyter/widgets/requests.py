@@ -162,7 +162,7 @@ class VersionsRequest(PageRequest, type="versions"):
         return {
             "versions": [
                 {"key": version.key, "when": version.when, "text": version.text}
-                for version in opened.texts.versions
+                for version in opened.saver.versions
             ]
         }
 
@@ -179,7 +179,7 @@ class SaveRequest(PageRequest, type="save"):
         name = self.name.strip()
         if not name:
             raise LRPError("Enter a name for the file.")
-        return {"exists": not opened.texts.save_as(name, self.replace)}
+        return {"exists": not opened.saver.save_as(name, self.replace)}
 
 
 # -- Python names ----------------------------------------------------------------------------------------

@@ -1,24 +1,22 @@
-"""The texts of a session: the typed, the running, the held and the saved one.
+"""The texts of a session: the typed, the running and the held one.
 
 Views send changes, which are merged in a :class:`~lrp_jupyter.widgets.document.Document`; a text from
 elsewhere is such a change, too. Each text is judged, offered to the session, and answered with the result.
-Every text is kept in a file at once, so that no work is lost. A text from elsewhere that may be newer, or not
-the user's, is a conflict: until the user has chosen, it neither runs nor is overwritten.
+A text from elsewhere that may be newer, or not the user's, is a conflict: until the user has chosen, it
+neither runs nor is overwritten.
 """
 
 from __future__ import annotations
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass, field
-from threading import Lock, RLock
+from threading import RLock
 from time import monotonic, time
 from typing import Any
 
-from lrp_jupyter.errors import FileError, LRPError, SessionClosedError
-from lrp_jupyter.files import read_file, write_file
+from lrp_jupyter.errors import LRPError, SessionClosedError
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.language.rename import rename as renamed
 from lrp_jupyter.language.unmeant import Cursor, Judgement
@@ -27,7 +25,7 @@ from lrp_jupyter.widgets.changes import TextChanges
 from lrp_jupyter.widgets.conflicts import Conflict, Conflicts
 from lrp_jupyter.widgets.document import Document, Update
 from lrp_jupyter.widgets.finding_views import difference_view, finding_view
-from lrp_jupyter.widgets.kept import Kept, Version, newest
+from lrp_jupyter.widgets.kept import Version, newest
 from lrp_jupyter.widgets.protocol import (
     ConflictView,
     Difference,
@@ -36,7 +34,7 @@ from lrp_jupyter.widgets.protocol import (
     UpdateView,
 )
 
-__all__ = ["Rename", "Texts", "Written"]
+__all__ = ["Rename", "Texts", "Written", "fingerprint"]
 
 Selection = tuple[int, int]
 """The anchor and the head of a selection, in UTF-16 units."""
@@ -46,10 +44,7 @@ Rename = tuple[str, Path, str]
 _KNOWN = 50  # texts whose revision is known
 _LATE = 0.25  # s after which a text is answered even if it is not applied yet
 _SHOWING = 0.1  # s in which an applied program appears in a frame
-_LOOK = 1.0  # s between two comparisons of the file with what was written
-_AGAIN = 5.0  # s until a text that could not be kept is tried again
 _PAUSE = 5.0  # s without typing that make a text a version
-_WELL = 10.0  # s that a program has to run after a block of it did not return
 
 
 @dataclass(eq=False)
@@ -105,46 +100,37 @@ class Texts:
 
     Parameters
     ----------
-    kept : Kept, optional
-        The files in which the texts are kept; None: in memory only.
-    home : str
-        Without files: what distinguishes this program from one of the same name elsewhere; default: nothing.
     given_in : str
         Where the text is that the program is opened with, in a word: a cell, or a link.
     """
 
-    def __init__(self, kept: Kept | None = None, home: str = "", given_in: str = "cell") -> None:
+    def __init__(self, given_in: str = "cell") -> None:
         self.hold = False
+        self.lock = RLock()
+        """Held while they change."""
+        self.session: Session
+        """The session that runs them."""
+        self.clock: Callable[[], float]
         self.conflicts = Conflicts(given_in)
-        self.cell: str | None = None if kept is None else kept.read(".cell")
+        self.cell: str | None = None
         """The text of the cell, as it was known last."""
-        self.problem = ""
-        """Why the texts cannot be kept at the moment; empty if they are."""
+        self.accepted: str | None = None
+        """The last one that is a valid program."""
+        self.replaced: list[Version] = []
+        """Earlier ones that are in no file yet."""
         self.waiting: deque[Written] = deque()
         self.document = Document()
         self.findings: tuple[Finding, ...] = ()
         self.noun: Program | None = None
         self.half_typed = False
         """Whether something waits, or is not marked, until the word at the cursor is meant or left."""
-        self.kept = kept
-        self._home = home
-        self._lock = RLock()
-        self._saving = Lock()  # of the files, and of what follows
-        self._stored: tuple[object, ...] = ()
-        self._looked = self._again = float("-inf")
-        self._versions: list[Version] = []  # those that are not in the file yet, or all without one
-        self._session: Session
         self._wake: Callable[[], None] = lambda: None
         self._answered = Program()  # the running program, as known to the views
         self._reason = ""  # of the last answer
         self._hands: dict[str, _Hand] = {}  # by view
         self._number = 0  # of the last answer
         self._revisions: dict[tuple[int, int], int] = {}
-        self._accepted: str | None = None
         self._typed = float("-inf")
-        self._hung: str | None = None if kept is None else kept.read(".hung")
-        self._well = 0.0  # since when the text that hung has run well
-        self._saved_as: dict[str, tuple[int, int]] = {}  # what this lab wrote to files of the user's choice
 
     def attach(
         self, session: Session, wake: Callable[[], None], clock: Callable[[], float] = monotonic
@@ -159,11 +145,11 @@ class Texts:
         clock : callable
             Returns the wall time in seconds.
         """
-        with self._lock:
-            is_first = not hasattr(self, "_session")
-            self._session = session
+        with self.lock:
+            is_first = not hasattr(self, "session")
+            self.session = session
             self._wake = wake
-            self._clock = clock
+            self.clock = clock
             self.waiting.clear()
             if is_first:
                 self.document = Document(session.text)
@@ -172,7 +158,7 @@ class Texts:
             self._answered = session.program
             self._judge()
             if self.noun is not None and self.text:
-                self._accepted = self.text
+                self.accepted = self.text
 
     # -- in ----------------------------------------------------------------------------------------
 
@@ -181,7 +167,7 @@ class Texts:
 
         What is typed into a view meanwhile is merged with it.
         """
-        with self._lock:
+        with self.lock:
             self._leave(text, is_typed=False)
             self._continue_with(text)
             self._offer()
@@ -219,13 +205,13 @@ class Texts:
         ValueError
             They are not changes of a text that is still known.
         """
-        with self._lock:
+        with self.lock:
             hand = self._hands.get(view)
             if hand is None or seq <= hand.seq:
                 return
             hand.seq = seq
             self._adopt()
-            running = self._session.program.text
+            running = self.session.program.text
             before = self.text
             merged, others = self.document.merge(view, base, updates)
             self._leave(self.text, is_typed=True, before=before)
@@ -251,7 +237,7 @@ class Texts:
         selection : tuple or None
         meant : bool
         """
-        with self._lock:
+        with self.lock:
             hand = self._hands.get(view)
             if hand is None or seq != hand.seq or not self.document.knows(revision):
                 return
@@ -263,25 +249,25 @@ class Texts:
 
     def enter(self, view: str, seq: int) -> None:
         """Add a view with an editor. Of its texts, those with numbers up to `seq` count no more."""
-        with self._lock:
+        with self.lock:
             self._hands[view] = _Hand(max(seq, self._hands.get(view, _Hand(0)).seq))
 
     def leave(self, view: str) -> None:
         """Remove a view, and apply what waits for its cursor."""
-        with self._lock:
+        with self.lock:
             if self._hands.pop(view, None) is not None and self.half_typed:
                 self._offer()
 
     def hold_edits(self, on: bool) -> None:
         """Hold texts back from now on, or not, and apply the held one."""
-        with self._lock:
+        with self.lock:
             if self.hold and not on:
                 self.apply()
             self.hold = on
 
     def apply(self) -> None:
         """Apply the held text."""
-        with self._lock:
+        with self.lock:
             held, self.hold = self.hold, False
             try:
                 self._offer(cursors=())
@@ -303,7 +289,7 @@ class Texts:
         cursors = self._cursors() if cursors is None else cursors
         try:
             if not self.hold:
-                judgement, answer = self._renamed(rename) or self._session.offer(self.text, *cursors)
+                judgement, answer = self._renamed(rename) or self.session.offer(self.text, *cursors)
                 self._use(judgement)
             else:
                 self._judge(*cursors)
@@ -312,15 +298,15 @@ class Texts:
             self._judge()
             answer.set_exception(error)
         self._know()
-        self._written(view, seq, answer, self._clock() + _LATE)
+        self._written(view, seq, answer, self.clock() + _LATE)
         answer.add_done_callback(lambda _: self._wake())
 
     def _renamed(self, rename: Rename | None) -> tuple[Judgement, Future[Any]] | None:
         """Have the session rename an element, if that leads to the present text."""
         if rename is not None:
             try:
-                if renamed(self._session.program, *rename) == self.text:
-                    return self._session.offer_rename(*rename)
+                if renamed(self.session.program, *rename) == self.text:
+                    return self.session.offer_rename(*rename)
             except (LRPError, ValueError):
                 pass  # it is an edit like any other
         return None
@@ -337,7 +323,7 @@ class Texts:
         written = Written(view, seq, self.revision, self.text, self.noun, findings, answer, deadline)
         written.half_typed = self.half_typed
         if self.noun is not None:
-            self._accepted = self.text
+            self.accepted = self.text
         self.waiting.append(written)
         return written
 
@@ -350,15 +336,15 @@ class Texts:
 
     def _know(self) -> None:
         """Remember the revision of the text."""
-        self._revisions.pop(_fingerprint(self.text), None)
-        self._revisions[_fingerprint(self.text)] = self.revision
+        self._revisions.pop(fingerprint(self.text), None)
+        self._revisions[fingerprint(self.text)] = self.revision
         if len(self._revisions) > _KNOWN:
             del self._revisions[next(iter(self._revisions))]
 
     def _leave(self, text: str, is_typed: bool, before: str | None = None) -> None:
         """Make the text `before`, or the present one, a version, unless the new one is a step of typing."""
         before = self.text if before is None else before
-        now, since = self._clock(), self._typed
+        now, since = self.clock(), self._typed
         self._typed = now
         was_cut = len(text) < len(before) / 2
         if text != before and (not is_typed or was_cut or now - since >= _PAUSE):
@@ -366,12 +352,12 @@ class Texts:
 
     def add_version(self, text: str) -> None:
         """Add an earlier text to the versions."""
-        with self._lock:
-            self._versions = newest([Version(text, time()), *self._versions])
+        with self.lock:
+            self.replaced = newest([Version(text, time()), *self.replaced])
 
     def _judge(self, *cursors: Cursor) -> None:
         """Check the text without offering it to the session."""
-        self._use(self._session.judge(self.text, *cursors))
+        self._use(self.session.judge(self.text, *cursors))
 
     def _use(self, judgement: Judgement) -> None:
         self.noun, self.findings = judgement.program, judgement.findings
@@ -391,7 +377,7 @@ class Texts:
 
     def hands(self) -> dict[str, HandView]:
         """Return where the users' cursors are, if several views have an editor."""
-        with self._lock:
+        with self.lock:
             if len(self._hands) < 2:
                 return {}
             revision = self.revision
@@ -403,15 +389,15 @@ class Texts:
     @property
     def running_revision(self) -> int:
         """Return the revision of the running text."""
-        return self._revisions.get(_fingerprint(self._session.program.text), 0)
+        return self._revisions.get(fingerprint(self.session.program.text), 0)
 
     def answers(self, now: float) -> list[Written]:
         """Return the texts that can be answered, or must be by now, and changes that came without a text."""
-        with self._lock:
+        with self.lock:
             ready = []
             while self.waiting and self._is_decided(self.waiting[0], now):
                 ready.append(self.waiting.popleft())
-            program = self._session.program
+            program = self.session.program
             is_new = program is not self._answered or self._came_from_elsewhere()
             if is_new and not ready and not self.waiting:
                 ready.append(self._news(program))
@@ -423,7 +409,7 @@ class Texts:
                 self._number = written.number = self._number + 1
                 if program is not self._answered and program.text != written.text:
                     written.running = _plain(program.text)
-                    self._revisions.setdefault(_fingerprint(program.text), written.revision)
+                    self._revisions.setdefault(fingerprint(program.text), written.revision)
                 if self.hold and written.noun is not None and written.text != program.text:
                     written.pending = difference_view(program, written.noun)
                 self._answered, self._reason = program, written.reason
@@ -435,7 +421,7 @@ class Texts:
         if not answer.done():
             if now < written.deadline:
                 return False
-            frame = self._session.frame
+            frame = self.session.frame
             written.reason = (
                 frame.reason or f"The edit is applied as soon as the session is free ({frame.status})."
             )
@@ -449,27 +435,27 @@ class Texts:
             written.reason = str(error)
             return True
         if patch is None:
-            written.applied = written.noun is not None and written.text == self._session.program.text
+            written.applied = written.noun is not None and written.text == self.session.program.text
             return True
         if isinstance(patch, str):  # a rename
             written.applied = True
         else:
             written.applied, written.reason = patch.applied, patch.reason or ""
         written.done = now if written.done is None else written.done
-        shown = self._session.program.text == written.text or len(self.waiting) > 1
+        shown = self.session.program.text == written.text or len(self.waiting) > 1
         return not written.applied or shown or now - written.done > _SHOWING
 
     def _came_from_elsewhere(self) -> bool:
         """Return whether the session's text came from no view: another cell's edit, a rename, a rewind."""
-        is_other = not self.hold and self._session.text != self.text
-        return is_other and self._session.status != "closed"  # which accepts no text any more
+        is_other = not self.hold and self.session.text != self.text
+        return is_other and self.session.status != "closed"  # which accepts no text any more
 
     def _adopt(self) -> bool:
         """Continue with the session's text, if that came from no view; return whether it did."""
         is_news = self._came_from_elsewhere()
         if is_news:
-            self._leave(self._session.text, is_typed=False)
-            self._continue_with(self._session.text)
+            self._leave(self.session.text, is_typed=False)
+            self._continue_with(self.session.text)
         return is_news
 
     def _news(self, program: Program) -> Written:
@@ -493,15 +479,13 @@ class Texts:
         revision : int or None
             The one that the view knows.
         """
-        with self._lock:
+        with self.lock:
             updates = None
             if revision is not None and self.document.knows(revision):
                 updates = [_update_view(update) for update in self.document.since(revision)]
-            running = self._session.program
+            running = self.session.program
             waits = self.hold and self.noun is not None and self.text != running.text
             return {
-                "home": self.kept.home if self.kept is not None else self._home or self._session.name,
-                "tab_only": self.kept is None,
                 "document": self.document.name,
                 "number": self._number,
                 "seq": self._hands[view].seq if view in self._hands else 0,
@@ -520,16 +504,15 @@ class Texts:
     @property
     def conflict(self) -> ConflictView | None:
         """What the user is asked now."""
-        with self._lock:
-            file = "" if self.kept is None else self.kept.shown_file
-            return self.conflicts.question(self._session.name, file)
+        with self.lock:
+            return self.conflicts.question(self.session.name)
 
     def ask(self, conflict: Conflict) -> None:
         """Ask about a text, unless it is the present one or asked about already.
 
         A newer text from the same source replaces the older one, which becomes a version.
         """
-        with self._lock:
+        with self.lock:
             if conflict.text in (self.text, *(other.text for other in self.conflicts)):
                 return
             for other in self.conflicts.of(conflict.source):
@@ -543,7 +526,7 @@ class Texts:
 
         No file and no page keeps it any longer, so it is a version at once.
         """
-        with self._lock:
+        with self.lock:
             text = self.document.with_line_ends(text)
             if text.strip() and text != self.text:
                 self.add_version(text)
@@ -555,13 +538,13 @@ class Texts:
 
     def withdraw(self, conflict: Conflict) -> None:
         """End a conflict with the present text; the other one becomes a version."""
-        with self._lock:
+        with self.lock:
             self.conflicts.remove(conflict)
             self.add_version(conflict.text)
 
     def end_conflict(self, number: int | None, use: bool) -> None:
         """End the conflict of this number (None: the present one), with its text or with the present one."""
-        with self._lock:
+        with self.lock:
             conflict = self.conflicts.first
             if conflict is None or number not in (None, self.conflicts.number):
                 return
@@ -575,120 +558,8 @@ class Texts:
         if conflict.source == "cell":
             self.cell = conflict.text
 
-    # -- files -------------------------------------------------------------------------------------
 
-    def save_as(self, path: str, replace: bool) -> bool:
-        """Write the text to a file of the user's choice; return False if another file would be replaced.
-
-        Raises
-        ------
-        FileError
-            It cannot be written.
-        """
-        file, text = os.path.expanduser(path), self.text
-        if not replace and (os.path.isfile(file) or os.path.islink(file)):
-            there = read_file(file)
-            known = self._saved_as.get(os.path.realpath(file))
-            if there is None or (there != text and _fingerprint(there) != known):
-                return False
-        write_file(file, text)
-        self._saved_as[os.path.realpath(file)] = _fingerprint(text)
-        return True
-
-    def move(self, name: str) -> None:
-        """Keep the texts under another name from now on; what was kept there joins the versions."""
-        self.save(at_once=True)
-        with self._saving, self._lock:
-            for conflict in self.conflicts:  # it was about the other name
-                self.withdraw(conflict)
-            self.cell = self._accepted = None
-            if self.kept is None:
-                return
-            self.kept = Kept(self.kept.folder, name)
-            self._hung, self._stored = self.kept.read(".hung"), ()
-            for text in (self.kept.read(".lrp"), self.kept.read(".draft")):
-                if text is not None:
-                    self.add_version(text)
-
-    @property
-    def versions(self) -> list[Version]:
-        """The earlier texts, the newest first."""
-        with self._saving:
-            kept = [] if self.kept is None else self.kept.versions()
-        with self._lock:
-            return newest([*self._versions, *kept])
-
-    def save(self, at_once: bool = False) -> None:
-        """Keep the texts in their files; what is kept already costs nothing.
-
-        A failure is reported once, and tried again after some seconds, or `at_once`.
-        """
-        with self._saving:
-            if self.kept is None or (self._clock() < self._again and not at_once):
-                return
-            try:
-                self._keep_hung(self.kept)
-                self._save(self.kept)
-                self.problem = ""
-            except FileError as error:
-                self._again = self._clock() + _AGAIN
-                if not self.problem:
-                    self._session.output.print(f"The text is not kept. {error}")
-                self.problem = str(error)
-
-    def _keep_hung(self, kept: Kept) -> None:
-        """Keep the text of a program that hangs, so that it is not started again by itself."""
-        frame, now = self._session.frame, self._clock()
-        text = frame.program.text
-        if frame.hung is not None:
-            kept.write(".hung", text)
-            self._hung = text
-        if frame.hung is not None or text != self._hung or frame.status != "running":
-            self._well = now
-        elif now - self._well > _WELL:
-            kept.remove(".hung")
-            self._hung = None
-
-    def _save(self, kept: Kept) -> None:
-        with self._lock:
-            accepted, typed, cell, versions = self._accepted, self.text, self.cell, self._versions
-            asked = self.conflicts.endings
-        now, wanted = self._clock(), (accepted, typed, cell, versions, asked)
-        if wanted == self._stored and now - self._looked < _LOOK:
-            return
-        self._looked = now
-        other = kept.changed(".lrp")
-        if other is not None and other != accepted:
-            self._release(kept, ".lrp")
-            self.ask(Conflict("file", other, (".lrp",)))
-            return  # which is news to keep, too
-        if accepted is not None and ".lrp" not in asked:
-            kept.write(".lrp", accepted)
-        is_kept = not typed.strip() or typed == cell or (typed == accepted and ".lrp" not in asked)
-        if not is_kept:
-            self._release(kept, ".draft")
-            kept.write(".draft", typed)
-        elif ".draft" not in asked:
-            kept.remove(".draft")
-        if cell is not None:
-            kept.write(".cell", cell)
-        if versions:
-            kept.add_versions(versions)
-            with self._lock:
-                self._versions = [each for each in self._versions if each not in versions]
-        self._stored = wanted
-
-    def _release(self, kept: Kept, ending: str) -> None:
-        """Make a file free that conflicts hold: their texts are versions from now on."""
-        with self._lock:
-            holding = self.conflicts.holding(ending)
-        if holding:
-            kept.add_versions(Version(each.text, time()) for each in holding)
-        with self._lock:
-            self.conflicts.release(ending)
-
-
-def _fingerprint(text: str) -> tuple[int, int]:
+def fingerprint(text: str) -> tuple[int, int]:
     """Return what identifies a text, instead of the text itself, which may be long."""
     return hash(text), len(text)
 

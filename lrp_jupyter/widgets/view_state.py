@@ -45,7 +45,7 @@ from lrp_jupyter.widgets.protocol import (
     ValueView,
     ViewState,
 )
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.saver import Saver
 
 __all__ = ["ViewStates", "difference", "is_urgent", "listed_members"]
 
@@ -71,16 +71,18 @@ class ViewStates:
     Parameters
     ----------
     session : Session
-    texts : Texts
+    saver : Saver
+        It holds the texts.
     layouts : Layouts
     goal : Goal or None
         The challenge that the program is written for.
     """
 
-    def __init__(self, session: Session, texts: Texts, layouts: Layouts, goal: Goal | None = None) -> None:
+    def __init__(self, session: Session, saver: Saver, layouts: Layouts, goal: Goal | None = None) -> None:
         self._goal = goal
         self._session = session
-        self._texts = texts
+        self._texts = saver.texts
+        self._saver = saver
         self._layouts = layouts
         self._program = Program()
         self._paths = DefinedPaths(self._program)
@@ -156,7 +158,7 @@ class ViewStates:
             },
             "conflict": texts.conflict,
             "looking": looking,
-            "unkept": texts.problem,
+            "unkept": self._saver.problem,
             "hands": texts.hands(),
             "goal": None if self._goal is None else self._goal.view(session, texts.text),
             "criteria": [] if self._goal is None else self._goal.criteria(),

@@ -10,6 +10,7 @@ from lrp_jupyter.widgets.changes import TextChanges, difference, from_units, to_
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.kept import Kept
 from lrp_jupyter.widgets.places import path_of
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 
@@ -153,8 +154,8 @@ class Bench:
         self.wall = Wall()
         self.session = Session(text, bridge, **options)
         self.session.open()
-        texts = Texts(None if folder is None else Kept(folder, self.session.name))
-        self.connection = Unpublished(self.session, texts, clock=self.wall)
+        saver = Saver(Texts(), None if folder is None else Kept(folder, self.session.name))
+        self.connection = Unpublished(self.session, saver, clock=self.wall)
 
     def page(self, name="page", part="lab", pays=True):
         return Page(self, name, part, pays)

@@ -4,6 +4,7 @@ import pytest
 
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 PROGRAM = """\
@@ -127,7 +128,7 @@ def test_breakpoints_stay_when_another_bridge_is_chosen():
         opened.append(Session(old.text, bridge))
         return opened[-1]
 
-    connection = PageConnection(Session(PROGRAM), Texts(), reopen)
+    connection = PageConnection(Session(PROGRAM), Saver(Texts()), reopen)
     try:
         connection.session.pause_when("b", after=2)
         connection.change_bridge("sim")

@@ -13,6 +13,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.live.commands import Call
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 BLINK = """
@@ -600,7 +601,7 @@ def test_after_a_round_that_failed_the_publisher_goes_on():
         if message["type"] == "frame" and failed.is_set():
             gone_on.set()
 
-    connection = PageConnection(Session(BLINK), Texts())
+    connection = PageConnection(Session(BLINK), Saver(Texts()))
     update = connection.layouts.update
 
     def fail_once(frame):
@@ -626,7 +627,7 @@ def test_messages_are_sent_in_the_context_of_the_cell_that_opened_the_lab():
             seen.append(cell.get())
             sent.set()
 
-    connection = PageConnection(Session(BLINK), Texts())
+    connection = PageConnection(Session(BLINK), Saver(Texts()))
     connection.receive(send, {"type": "hello", "view": "page", "part": "lab"})
     connection.session.step()
     assert sent.wait(60)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.keeping import kept_texts
 
@@ -47,7 +48,16 @@ def kernel(tmp_path):
 def type_into(connection, text):
     """Type a text and wait until it is kept, if it is kept."""
     connection.texts.write(text)
-    connection.texts.save(at_once=True)
+    connection.saver.save(at_once=True)
+
+
+def snapshot_of(connection):
+    """Return what a view gets when it opens."""
+    messages = []
+    connection.receive(
+        lambda message, _: messages.append(message), {"type": "hello", "view": "v", "part": "lab"}
+    )
+    return messages[0]
 
 
 def files_in(folder):
@@ -90,14 +100,27 @@ def test_nothing_is_kept_for_visitors(kernel, tmp_path, home, use, host):
     use(host)
     connection = kernel(A)
     type_into(connection, B)
-    snapshot = connection.texts.everything("", None)
+    snapshot = snapshot_of(connection)
     assert snapshot["tab_only"]
     assert snapshot["home"] == str(tmp_path.resolve() / "shared" / "mine")
-    assert [version.text for version in connection.texts.versions] == [A]
+    assert [version.text for version in connection.saver.versions] == [A]
     assert files_in(tmp_path) == set()
     again = kernel(A)
     assert again.texts.text == A
     assert again.texts.conflict is None
+
+
+def test_a_page_learns_where_the_program_is_kept(kernel, tmp_path):
+    snapshot = snapshot_of(kernel(A))
+    assert not snapshot["tab_only"]
+    assert snapshot["home"] == str(tmp_path.resolve() / "shared" / ".lrp" / "mine")
+
+
+def test_a_program_that_is_in_no_folder_is_known_by_its_name(kernel):
+    with Session(A, name="mine") as session:
+        snapshot = snapshot_of(registry.connection_of(session))
+    assert snapshot["tab_only"]
+    assert snapshot["home"] == "mine"
 
 
 @pytest.mark.parametrize("inside", [True, False])
@@ -145,9 +168,9 @@ def test_a_file_in_the_state_folder_is_named_in_full_when_it_was_changed_outside
     use(("LRP_KEEP", "user"))
     connection = kernel(A)
     type_into(connection, B)
-    file = connection.texts.kept.file(".lrp")
+    file = connection.saver.kept.file(".lrp")
     file.write_text(A)
-    connection.texts.save(at_once=True)
+    connection.saver.save(at_once=True)
     connection.texts.write(B + " ")
-    connection.texts.save(at_once=True)
+    connection.saver.save(at_once=True)
     assert f"{str(file)[-50:]}` was changed outside" in connection.texts.conflict["sentence"]

@@ -117,11 +117,11 @@ def test_the_notes_about_own_texts_are_bounded(cell, monkeypatch):
     before = set(state.iterdir())
     connection = cell(A)
     for number in range(1200):
-        connection.texts.kept.write(".lrp", text(number))
+        connection.saver.kept.write(".lrp", text(number))
     (notes,) = (each for each in set(state.iterdir()) - before if each.stat().st_size > 1000)
     assert notes.stat().st_size < 70_000
-    assert connection.texts.kept.is_own(".lrp", text(1199))
-    assert not connection.texts.kept.is_own(".lrp", EVIL)
+    assert connection.saver.kept.is_own(".lrp", text(1199))
+    assert not connection.saver.kept.is_own(".lrp", EVIL)
 
 
 def test_a_folder_that_is_a_link_is_neither_read_nor_written(cell, tmp_path):
@@ -133,7 +133,7 @@ def test_a_folder_that_is_a_link_is_neither_read_nor_written(cell, tmp_path):
     connection.texts.write(B)
     connection.publish()
     assert connection.texts.conflict is None
-    assert "is a link" in connection.texts.problem
+    assert "is a link" in connection.saver.problem
     assert (elsewhere / "mine.lrp").read_text() == EVIL
     assert len(list(elsewhere.iterdir())) == 1
 
@@ -150,7 +150,7 @@ def test_links_in_the_folder_lead_nowhere(cell, tmp_path):
         connection.publish()
     assert secret.read_text() == "secret"
     assert (tmp_path / ".lrp" / "mine.lrp").read_text() == C
-    assert "secret" not in [version.text for version in connection.texts.versions]
+    assert "secret" not in [version.text for version in connection.saver.versions]
 
 
 def test_a_text_is_kept_at_once_though_no_page_is_open(tmp_path, monkeypatch, cell):
@@ -233,7 +233,7 @@ def test_the_text_of_a_view_that_lost_its_kernel_continues_what_was_kept(cell):
     assert connection.texts.conflict["text"] == BROKEN
     assert [conflict.text for conflict in connection.texts.conflicts] == [BROKEN]
     connection.publish()
-    assert {B, BROKEN} <= {version.text for version in connection.texts.kept.versions()}
+    assert {B, BROKEN} <= {version.text for version in connection.saver.kept.versions()}
     connection.texts.recover(BROKEN)
     connection.texts.recover(A)  # what the lab has already
     connection.texts.recover("  ")
@@ -261,7 +261,7 @@ def test_an_answer_ends_only_the_conflict_that_it_is_about(bench, answer):
 
 
 def versions(lab):
-    return [version.text for version in lab.connection.texts.versions]
+    return [version.text for version in lab.connection.saver.versions]
 
 
 def text(number):
@@ -274,9 +274,9 @@ def test_the_last_ten_texts_that_were_not_empty_are_kept(cell):
         connection.texts.write(text(number))
         connection.texts.write("")
     expected = [text(number) for number in range(11, 1, -1)]
-    assert [version.text for version in connection.texts.versions] == expected
+    assert [version.text for version in connection.saver.versions] == expected
     connection = cell(None)
-    assert [version.text for version in connection.texts.versions] == expected
+    assert [version.text for version in connection.saver.versions] == expected
 
 
 def test_typing_makes_a_version_after_a_pause_and_before_a_deletion(bench):
@@ -309,7 +309,7 @@ def test_versions_that_another_program_wrote_are_left_out(cell, tmp_path):
     (tmp_path / ".lrp").mkdir()
     for text in ('[{"when": 1e999, "text": "x"}, 3]', '[{"when": NaN, "text": "x"}]', "[" * 9999, "{}", "\0"):
         (tmp_path / ".lrp" / "mine.versions").write_text(text)
-        assert cell(A).texts.versions == []
+        assert cell(A).saver.versions == []
 
 
 def test_revisions_of_a_long_text_cost_no_memory(bench):
@@ -391,12 +391,12 @@ def test_half_a_character_is_told_once(bench, tmp_path):
 
 def test_a_file_in_place_of_the_folder_and_a_folder_in_place_of_the_file_are_named(cell, tmp_path):
     (tmp_path / ".lrp").write_text("a file")
-    assert "is a file" in cell(A).texts.problem
+    assert "is a file" in cell(A).saver.problem
     (tmp_path / ".lrp").unlink()
     (tmp_path / ".lrp" / "mine.lrp").mkdir(parents=True)
     connection = cell(A)
     assert connection.session.status == "running"
-    assert "is not a file" in connection.texts.problem
+    assert "is not a file" in connection.saver.problem
 
 
 @pytest.mark.parametrize(
@@ -441,8 +441,8 @@ def test_whatever_happens_no_text_is_lost(cell, tmp_path, seed):
     done = []
 
     def everywhere():
-        texts = connection.texts
-        return [texts.text, *(each.text for each in texts.conflicts), *(each.text for each in texts.versions)]
+        texts, versions = connection.texts, connection.saver.versions
+        return [texts.text, *(each.text for each in texts.conflicts), *(each.text for each in versions)]
 
     for number in range(25):
         texts = connection.texts
@@ -469,7 +469,7 @@ def test_whatever_happens_no_text_is_lost(cell, tmp_path, seed):
             file.write_text(outside := f"{A} ; outside {number}")
             texts.write(C)
             before.add(outside)
-            texts._looked = float("-inf")  # the next comparison is due
+            connection.saver._looked = float("-inf")  # the next comparison is due
         connection.publish()
         lost = {each for each in before if each.strip() and each not in (A, B)} - set(everywhere())
         assert not lost, (done, lost, everywhere())

@@ -6,7 +6,7 @@ import pytest
 
 from lrp_jupyter.errors import BridgeError, LRPError
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets import registry, texts
+from lrp_jupyter.widgets import registry, saver
 
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"
@@ -57,26 +57,26 @@ def test_a_cell_that_is_run_again_changes_the_program_that_runs(cell):
 
 def test_a_program_that_is_opened_in_a_lab_gives_it_its_name_and_leaves_the_old_ones_text(cell, tmp_path):
     connection = cell(A)
-    connection.texts.save(at_once=True)
+    connection.saver.save(at_once=True)
     connection.load("square", B)
-    connection.texts.save(at_once=True)
+    connection.saver.save(at_once=True)
     assert registry.names() == ["square"]
     assert connection.session.name == "square"
     assert (tmp_path / ".lrp" / "mine.lrp").read_text() == A
     assert (tmp_path / ".lrp" / "square.lrp").read_text() == B
-    assert [version.text for version in connection.texts.versions] == [A]
+    assert [version.text for version in connection.saver.versions] == [A]
     assert cell(A) is not connection, "the cell has a program of its own again"
     assert connection.texts.text == B
 
 
 def test_what_was_kept_under_the_name_of_an_opened_program_is_among_the_versions(cell, restart_kernel):
-    cell(C, "square").texts.save(at_once=True)
+    cell(C, "square").saver.save(at_once=True)
     restart_kernel()
     connection = cell(A)
     connection.load("square", B)
-    connection.texts.save(at_once=True)
+    connection.saver.save(at_once=True)
     assert not connection.texts.conflicts
-    assert {version.text for version in connection.texts.versions} == {A, C}
+    assert {version.text for version in connection.saver.versions} == {A, C}
 
 
 def test_an_opened_program_has_a_number_if_another_lab_has_its_name(cell):
@@ -162,7 +162,7 @@ def test_after_a_restart_the_cells_text_runs_until_the_labs_is_chosen(cell, rest
     restart_kernel()
     connection = cell(A)
     connection.texts.end_conflict(None, use=False)
-    assert typed in [version.text for version in connection.texts.versions]
+    assert typed in [version.text for version in connection.saver.versions]
     restart_kernel()
     assert cell(A).texts.conflict is None
 
@@ -281,13 +281,13 @@ def test_another_text_than_the_one_that_hung_is_started(cell, restart_kernel):
 def test_a_text_that_hung_is_started_again_once_it_has_run_well(cell, restart_kernel, monkeypatch):
     text = "(machine m (state a (running [while not done: pass]))) (spawn m a)"
     names = {"done": []}
-    monkeypatch.setattr(texts, "_WELL", 0.5)
+    monkeypatch.setattr(saver, "_WELL", 0.5)
     connection = cell(text)
     connection.session.namespace.update(names)
     connection.session.wait_for(lambda frame: frame.status == "hung", 60)
     connection.publish()
     names["done"].append(True)
-    kept = connection.texts.kept
+    kept = connection.saver.kept
     assert kept.read(".hung") == text
     ticks = connection.session.frame.tick
     connection.session.wait_for(lambda frame: frame.tick > ticks + 10, 60)

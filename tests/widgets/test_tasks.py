@@ -7,6 +7,7 @@ import pytest
 
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 TEXT = "(machine m (state a) (state b) (ontime 20 a -> b) (ontime 20 b -> a)) (spawn m a)"
@@ -45,7 +46,7 @@ def scene():
     def run(scenario):
         async def alone():
             session = Session(TEXT, rate=100, driver="asyncio")
-            connection = PageConnection(session, Texts())
+            connection = PageConnection(session, Saver(Texts()))
             before = threading.active_count()
             session.start()
             try:

@@ -9,6 +9,7 @@ from lrp_jupyter.errors import SessionClosedError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.kept import Kept
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 A = "(machine m (state a)) (spawn m a)"
@@ -25,11 +26,11 @@ def test_a_text_is_saved_once_though_two_threads_save(tmp_path):
             other.join(0.05)  # it does not get further
             super().write(ending, text)
 
-    texts = Texts(Interrupted(tmp_path, "mine"))
-    other = Thread(target=texts.save)
+    saver = Saver(Texts(), Interrupted(tmp_path, "mine"))
+    other = Thread(target=saver.save)
     with Session(A, name="mine") as session:
-        texts.attach(session, lambda: None)
-        texts.save()
+        saver.texts.attach(session, lambda: None)
+        saver.save()
         other.join()
     assert written == [A]
     assert [file.name for file in tmp_path.iterdir()] == ["mine.lrp"]
@@ -43,7 +44,7 @@ def test_a_bridge_that_is_opened_while_the_program_is_closed_is_closed_too():
         opened.append(Session(A, bridge))
         return opened[0]
 
-    connection = PageConnection(Session(A), Texts(), reopen)
+    connection = PageConnection(Session(A), Saver(Texts()), reopen)
     with pytest.raises(SessionClosedError, match="has been closed in the meantime"):
         connection.change_bridge("sim")
     assert opened[0].status == "closed"
@@ -64,7 +65,7 @@ def test_two_changes_of_the_bridge_at_once_leave_one_session_open():
         sessions.append(Session(A, bridge))
         return sessions[-1]
 
-    connection = PageConnection(sessions[0], Texts(), reopen)
+    connection = PageConnection(sessions[0], Saver(Texts()), reopen)
     other = Thread(target=connection.change_bridge, args=["none"])
     connection.change_bridge("sim")
     other.join()
@@ -150,7 +151,7 @@ def test_what_is_typed_while_a_bridge_is_opened_is_not_lost():
         connection.texts.write(B)
         return session
 
-    connection = PageConnection(Session(A), Texts(), reopen)
+    connection = PageConnection(Session(A), Saver(Texts()), reopen)
     connection.change_bridge("sim")
     assert connection.texts.text == connection.session.program.text == B
     connection.close()

@@ -16,6 +16,7 @@ from lrp_jupyter import programs
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 HERE = Path(__file__).parent
@@ -40,7 +41,7 @@ def main(program_file: Path | None = None, out_file: Path = HERE / "recording.js
     text = programs.load("follower") if program_file is None else program_file.read_text(encoding="utf-8")
     session = Session(text, bridge="sim", clock=VirtualClock(), world="line", name="follower")
     now, came = [0.0], []
-    connection = Recorder(session, Texts(), clock=lambda: now[0])
+    connection = Recorder(session, Saver(Texts()), clock=lambda: now[0])
 
     def hear(message: dict[str, Any], buffers: list[bytes] | None) -> None:
         came.append((message, buffers))

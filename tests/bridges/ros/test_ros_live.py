@@ -19,6 +19,7 @@ from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
 pytestmark = pytest.mark.ros
@@ -361,7 +362,7 @@ def test_looking_back_sends_no_message(real: Any, connect: Connect, until: Any) 
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     lines = echo(real, until, "/cmd_vel")
     with Session(program, bridge=ros, rate=20) as session:
-        connection = PageConnection(session, Texts())
+        connection = PageConnection(session, Saver(Texts()))
         got: list[dict[str, Any]] = []
         ids = count(1)
 
