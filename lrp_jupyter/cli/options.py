@@ -18,7 +18,7 @@ from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.initials import find_variable
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
-from lrp_jupyter.live.loop import FASTEST, SLOWEST
+from lrp_jupyter.live.timing import FASTEST, SLOWEST
 
 __all__ = ["Assignment", "RunOptions", "pairs_of", "parse_options", "with_initials"]
 

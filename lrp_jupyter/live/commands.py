@@ -19,6 +19,7 @@ from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live.breakpoints import Breakpoints
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.record import Record
 
 __all__ = [
     "AddBreakpoint",
@@ -57,9 +58,9 @@ class ReplaceProgram(Command):
 
     def apply(self, loop: Loop) -> Patch:
         """See :class:`Command`."""
-        return loop.interpreter.patch(self.program, loop.now, self.unmeant)
+        return loop.interpreter.patch(self.program, loop.timing.now, self.unmeant)
 
-    def kept(self, loop: Loop) -> tuple[Command, int]:
+    def kept(self, record: Record) -> tuple[Command, int]:
         """See :class:`Command`: the text, a thousandth of the objects of its program."""
         if not self.program.text:
             return self, 0
@@ -83,9 +84,9 @@ class RepeatEdit(Command):
     def apply(self, loop: Loop) -> Patch:
         """See :class:`Command`."""
         unmeant = self.unmeant and replace(self.unmeant, instead=parse(self.instead, self.filename))
-        return loop.interpreter.patch(parse(self.text, self.filename), loop.now, unmeant)
+        return loop.interpreter.patch(parse(self.text, self.filename), loop.timing.now, unmeant)
 
-    def kept(self, loop: Loop) -> tuple[Command, int]:
+    def kept(self, record: Record) -> tuple[Command, int]:
         """See :class:`Command`."""
         return self, len(self.text) + len(self.instead)
 
@@ -121,7 +122,7 @@ class SetVariable(Command):
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
         variable = loop.interpreter.variables.path(self.path)
-        loop.interpreter.set_variable(variable, self.expression, loop.now)
+        loop.interpreter.set_variable(variable, self.expression, loop.timing.now)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,12 +135,12 @@ class Assign(Command):
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
-        interpreter = loop.interpreter
-        interpreter.assign(interpreter.variables.path(self.path), loop.restored(self.value), loop.now)
+        variable, value = loop.interpreter.variables.path(self.path), loop.record.restored(self.value)
+        loop.interpreter.assign(variable, value, loop.timing.now)
 
-    def kept(self, loop: Loop) -> tuple[Command, int]:
+    def kept(self, record: Record) -> tuple[Command, int]:
         """See :class:`Command`: with a copy of a value that can be changed in place."""
-        return Assign(self.path, loop.kept(self.value)), 0
+        return Assign(self.path, record.kept(self.value)), 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +156,7 @@ class Rename(Command):
 
     def apply(self, loop: Loop) -> str:
         """See :class:`Command`."""
-        return loop.interpreter.rename(self.kind, self.path, self.new_name, loop.now)
+        return loop.interpreter.rename(self.kind, self.path, self.new_name, loop.timing.now)
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +183,7 @@ class Reset(Command):
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
-        loop.interpreter.reset(loop.now)
+        loop.interpreter.reset(loop.timing.now)
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,7 +257,7 @@ class SetSpeed(Command):
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
-        loop.set_speed(self.speed)
+        loop.timing.set_speed(self.speed)
 
 
 @dataclass(frozen=True, slots=True)

@@ -104,7 +104,7 @@ class LoopThread:
                         until = loop.turn()
                 before = perf_counter()
                 if not self._ended:
-                    loop.clock.sleep_until(until, wake)
+                    loop.timing.clock.sleep_until(until, wake)
                 after = perf_counter()
                 if after - before > _YIELD:
                     rested = after
@@ -161,7 +161,7 @@ class LoopTask:
         while not self._ended:
             try:
                 wake.clear()
-                delay = loop.clock.delay(loop.turn())
+                delay = loop.timing.clock.delay(loop.turn())
                 await wake.wait(None if delay == math.inf else delay)
             except Interrupted:  # too late: the block had returned
                 pass

@@ -73,35 +73,35 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
         The world cannot be reproduced so long ago.
     """
     loop.settle()
-    now = loop.interpreter.tick
+    now, record = loop.interpreter.tick, loop.record
     if at is None:
-        checkpoint = loop.checkpoint()
+        checkpoint = record.checkpoint(loop.status == "running")
         bridge = _forked(loop.bridge, checkpoint.moment)
-        return ForkStart(checkpoint, (), (), bridge, namespace=loop.names.namespace_before(()))
-    loop.checkpoints.drop(loop.inputs.lost)
-    found = loop.checkpoints.before(at)
+        return ForkStart(checkpoint, (), (), bridge, namespace=record.names.namespace_before(()))
+    record.checkpoints.drop(record.inputs.lost)
+    found = record.checkpoints.before(at)
     first = now - loop.interpreter.journal
     if found is None or not max(found.tick, first) <= at <= now:
         if not now:
             raise ValueError("No tick has run yet. Run the program first.")
-        every = loop.checkpoints.all
+        every = record.checkpoints.all
         known = f"Choose one from {max(every[0].tick, first)} to {now}." if every else "None is."
         raise ValueError(f"Tick {at} is not remembered. {known}")
     bridge = _forked(loop.bridge, found.moment)
     feeds = isinstance(bridge, RecordedBridge)
-    moments = [loop.moments[tick - now - 1] for tick in range(found.tick + 1, now + 1)]
+    moments = [record.moments[tick - now - 1] for tick in range(found.tick + 1, now + 1)]
     ticks = [
         Ticked(found.tick + number, time, loop.bridge.readings_of(sensed) if feeds else None)
         for number, (time, _, sensed) in enumerate(moments, 1)
     ]
-    inputs = [entry for entry in loop.inputs if entry.number > found.inputs]
+    inputs = [entry for entry in record.inputs if entry.number > found.inputs]
     whole = list(merged(ticks, inputs))
     count = next((index for index, entry in enumerate(whole) if _is_after(entry, at)), len(whole))
     history = loop.interpreter.history
     is_exact = not feeds and found.tick < at and at in history.ticks
     recorded = history.state(at) if is_exact else None
     changes = [entry.what for entry in inputs if isinstance(entry.what, ChangeNames)]
-    namespace = loop.names.namespace_before(changes)
+    namespace = record.names.namespace_before(changes)
     return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded, namespace)
 
 

@@ -47,8 +47,8 @@ class Command(ABC):
     interrupts: ClassVar[bool] = False
     """Whether a block that does not return is interrupted for it."""
 
-    def kept(self, loop: Any) -> tuple[Command, int]:
-        """Return what is kept of it to repeat it, and how many characters that has."""
+    def kept(self, record: Any) -> tuple[Command, int]:
+        """Return what is kept of it in a record, to repeat it, and how many characters that has."""
         return self, 0
 
     @abstractmethod

@@ -9,14 +9,8 @@ calls it and then waits until the time that it returns. A turn
 3. ticks, if a tick is due: latch the sensors, one step of the interpreter, flush the commands,
 4. publishes a frame, at most sixty times a second.
 
-*Time.* With a simulated robot the clock only paces: a tick's time is the one it was due at, and if
-the host is too slow the clock is set back. With a real robot the clock is the truth: a late tick
-has the real time. A tick comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9
-and ends at 1.0, and ten single steps do the same.
-
-*Rewinding.* Before each tick the loop records the time and the bridge's moment. Rewinding restores the
-interpreter by its journal, and the world to the moment before the first tick undone; the next step
-repeats that tick.
+*Parts.* What time it is in the run, and when a tick is due, is known to :attr:`Loop.timing`; what is kept of
+the run, to go back in it, is in :attr:`Loop.record`.
 
 *Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of the state of a run; a
 session copies them into its frames.
@@ -33,55 +27,39 @@ import math
 import sys
 import threading
 import traceback
-from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
-from numbers import Real
 from time import perf_counter
 from types import FrameType, MappingProxyType
 from typing import Any, Literal
 
-from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.nodes import RobotMethod
 from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotStopped
-from lrp_jupyter.bridges.robot import part_name
 from lrp_jupyter.bridges.safety import Origin
-from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
+from lrp_jupyter.errors import LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
-from lrp_jupyter.interpreter.copies import Packed, pack, unpack
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
-from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.live.breakpoints import Breakpoints
-from lrp_jupyter.live.checkpoints import COPIED, PLAIN, Checkpoints, SessionCheckpoint, names_of
+from lrp_jupyter.live.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
-from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, Rewound, RunEnded
-from lrp_jupyter.live.moments import Moments
-from lrp_jupyter.live.names import ChangeNames, WatchedNames
-from lrp_jupyter.live.randomness import random_module
+from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
+from lrp_jupyter.live.record import Record
+from lrp_jupyter.live.timing import ROUNDING, STEP, Timing
 from lrp_jupyter.live.values import ValueTexts, numbers_of
 
-__all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
-
-STEP = 0.01
-"""Seconds from tick to tick at rate 0 where time is virtual."""
-
-SLOWEST, FASTEST = 0.01, 1e6
-"""The lowest and the highest rate, in ticks per second: a step waits for its period, and time must pass."""
+__all__ = ["Loop"]
 
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
-_PICTURES = 30.0  # of a world that moves between two ticks, per wall second
-_ROUNDING = 1e-6  # s
 _KEYBOARD = "The run was interrupted from the keyboard."
 _RAISED = "The program raised `KeyboardInterrupt`, as Ctrl-C does."
 
@@ -117,7 +95,8 @@ class Loop:
     ) -> None:
         self.interpreter = interpreter
         self.bridge = bridge
-        self.clock = clock
+        self.timing = Timing(clock, bridge, rate, self._move)
+        self.record = Record(interpreter, bridge, self.timing, remembers)
         self.inbox = Inbox()
         self.status: Status = "ready"
         self.reason = ""
@@ -130,39 +109,16 @@ class Loop:
         """What identifies the tick under way; None between two."""
         self._unstarted = False  # whether it was paused before it was started
         self._texts = ValueTexts(self._calling)
-        self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
-        self.moments = Moments(only_last=not remembers)
-        self.inputs = Inputs()
-        """What came from outside, as far as the run has not gone back behind it."""
-        self.checkpoints = Checkpoints()
-        self.names = WatchedNames(interpreter.namespace)
-        self.names.watch(self.names_used())
-        self._remembers = remembers
-        self._pending_at = 0.0
-        """The time from which on there is something to do before a tick: take a checkpoint, note a stop."""
-        self.record: Callable[[Input], object] | None = None
-        """Called with every input, those before a rewinding included."""
         self.breakpoints: Breakpoints | None = None
         self.paused_by: Hit | None = None
         self.after_tick: list[Callable[[], object]] = []
         """Called after every tick."""
-        self._stops: deque[object] = deque()  # and armings: by other threads, not yet recorded
         self._driven_by = 0  # the thread that made the last turn
-        self._replayed = False  # whether what happens now follows from a recorded input
-        self._kept: list[object] | None = None  # what of the world was kept while it is rewound
         bridge.outside, bridge.origin = self._from_outside, self._origin
         bridge.safety.recorded = partial(self.emit, "commanded")
-        self._steps = 0
-        self.now = 0.0
-        """Seconds of the run."""
-        self.due = 0.0
-        """The time at which the next tick is due."""
         self._published = -math.inf  # wall time of the last frame
-        self._measured: tuple[float, int, float] | None = None  # wall time, tick, time
-        self._achieved = (0.0, 0.0)  # ticks per second, seconds per second
-        self.set_rate(rate)
         self.frame = self.make_frame()
         """The newest one published."""
 
@@ -181,79 +137,16 @@ class Loop:
         """Set the block that does not return, and the :attr:`work` under way; called by the monitor."""
         self._hung = work, hung
 
-    # -- time ------------------------------------------------------------------------------------
-
     def set_rate(self, rate: float) -> None:
-        """Change the rate, in ticks per second; 0 is as fast as possible. Paper: §5.1.
+        """Change the rate; see :meth:`Timing.set_rate`."""
+        self.timing.set_rate(rate)
+        self.record.pending_at = 0.0  # it was reckoned at the other rate
 
-        Raises
-        ------
-        ValueError
-            The rate is negative, too small, too large, or not a number.
-        """
-        check_type("rate", rate, Real, "a number of ticks per second")
-        if not (rate == 0 or SLOWEST <= rate <= FASTEST):
-            raise ValueError(
-                f"A rate is between {SLOWEST:g} and {FASTEST:,.0f} ticks per second, "
-                f"or 0 for as many as possible, not {rate!r}."
-            )
-        step = self._step
-        self.rate = float(rate)
-        self.free = rate == 0 and step is None
-        """Whether ticks follow each other without waiting."""
-        if rate == 0:
-            self.period = step or STEP
-            """Seconds from one tick to the next."""
-        else:
-            self.period = 1 / rate if step is None else max(1, round(1 / rate / step)) * step
-        self.due = min(self.due, self.now + self.period)
-        self._pending_at = 0.0
-
-    def set_speed(self, speed: float) -> None:
-        """Change the speed, in seconds of the session per wall second.
-
-        Raises
-        ------
-        ValueError
-            The speed is not above 0, or the robot is a real one.
-        """
-        if self.bridge.hardware and speed != 1:
-            raise ValueError(f"`{self.bridge.name}` is a real robot, whose time passes at speed 1.")
-        self.clock.speed = speed
-
-    def advance(self, seconds: float) -> None:
-        """Advance the time without a tick; a simulated world moves by whole steps."""
-        if self._step is None:
-            self.now = round((self.now + seconds) * 1e12) / 1e12  # half the time of round(…, 12)
-        elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:
-            if self._stops:  # they act before the world moves
-                self._note_stops()
-            with self._calling("the robot"):
-                self.bridge.advance(steps * self._step)
-            self._steps += steps
-            self.now = round(self._steps * self._step, 9)
-
-    def _catch_up(self) -> None:
-        """Advance the time to that of the clock, at most to the next tick."""
-        clock = self.clock.now()
-        if self._step is None:
-            self.now = max(clock, self.now)
-            return
-        if clock - self.due > LAG * min(self.clock.speed, 1e9):
-            clock = self.due  # never a larger or a skipped step: the run becomes slower instead
-            self.clock.rebase(clock)
-        self.advance(min(clock, self.due) - self.now)
-
-    def _measure(self) -> None:
-        """Measure the achieved rate and speed, from tick to tick."""
-        wall = perf_counter()
-        if self._measured is not None:
-            since, tick, time = self._measured
-            span = wall - since
-            if span < 0.5:
-                return
-            self._achieved = ((self.interpreter.tick - tick) / span, (self.now - time) / span)
-        self._measured = (wall, self.interpreter.tick, self.now)
+    def _move(self, seconds: float) -> None:
+        """Move the robot's world."""
+        self.record.note_stops()  # they act before the world moves
+        with self._calling("the robot"):
+            self.bridge.advance(seconds)
 
     # -- the loop body ---------------------------------------------------------------------------
 
@@ -272,20 +165,20 @@ class Loop:
                 self.apply_queued(hurried=True)
             if self.status != "running":
                 return math.inf
-            self._catch_up()
-            if self.free:
+            self.timing.catch_up()
+            if self.timing.free:
                 self._tick_freely()
-            elif self.now >= self.due - _ROUNDING:
+            elif self.timing.now >= self.timing.due - ROUNDING:
                 self.tick()
-                self._measure()
+                self.timing.measure(self.interpreter.tick)
             if self.status != "running":  # it paused at an issue, and no later frame would show it
                 self.publish()
                 return math.inf
             if perf_counter() - self._published >= 1 / _FRAMES:
                 self.publish(hurried=True)
-            return self._next_turn()
+            return self.timing.next_turn()
         except Interrupted:  # too late: the block had returned
-            return self.now
+            return self.timing.now
         except KeyboardInterrupt:
             self.pause(_KEYBOARD if on_main_thread() else _RAISED)
             self.publish()
@@ -298,46 +191,37 @@ class Loop:
 
     def _tick_freely(self) -> None:
         """Tick as often as possible for a moment, without giving up the interpreter lock."""
-        end = perf_counter() + _FREE
+        timing, end = self.timing, perf_counter() + _FREE
         while self.status == "running" and not self.inbox.queued and perf_counter() < end:
-            self.now = max(self.now, self.clock.now())
+            timing.now = max(timing.now, timing.clock.now())
             self.tick()
-            if self.clock.speed == math.inf:  # no time passes by itself
-                self.clock.rebase(self.now + STEP)
-        self._measure()
-
-    def _next_turn(self) -> float:
-        """Return the time of the next turn: that of the next tick, or of a frame of the world before it."""
-        if self.free:
-            return self.now
-        if self._step is None:
-            return self.due
-        ahead = self.due - self.now  # in equal parts, so that none ends just before the tick
-        parts = math.floor(ahead / max(self._step, self.clock.speed / _PICTURES) + _ROUNDING)
-        return self.now + ahead / max(1, parts)
+            if timing.clock.speed == math.inf:  # no time passes by itself
+                timing.clock.rebase(timing.now + STEP)
+        timing.measure(self.interpreter.tick)
 
     def tick(self) -> None:
         """Run one tick now; the next one is due a period later."""
-        interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
+        interpreter, bridge, timing, record = self.interpreter, self.bridge, self.timing, self.record
+        now, step = timing.now, timing.step
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
-            if self.names.values:
-                self._note_names()
-            if now >= self._pending_at:
-                self._prepare()
+            if record.names.values:
+                record.note_names()
+            if now >= record.pending_at:
+                record.prepare(self.status == "running")
             moment = None if step is None else bridge.moment()
-            bridge.begin_tick(now, self.period)
-            self.moments.add((now, moment, bridge.readings if step is None else bridge.sensed()))
+            bridge.begin_tick(now, timing.period)
+            record.moments.add((now, moment, bridge.readings if step is None else bridge.sensed()))
             interpreter.step(now)
             hit = None if self.breakpoints is None else self._hit()
             bridge.end_tick(now)
             safety = bridge.safety
             if safety.held or safety.most is not None:
-                self._add(CommandsHeld(safety.sent), interpreter.tick - 1)
+                record.add(CommandsHeld(safety.sent), interpreter.tick - 1)
         finally:
             self.ticking = bridge.safety.most = None
-        on_time = step is None and now - self.due <= LAG
-        self.due = (self.due if on_time else now) + self.period
+        on_time = step is None and now - timing.due <= LAG
+        timing.due = (timing.due if on_time else now) + timing.period
         for call in self.after_tick:
             call()
         if hit is not None:
@@ -349,79 +233,16 @@ class Loop:
         """Apply what waits to be done to the robot's world."""
         self._picture()
 
-    def checkpoint(self) -> SessionCheckpoint:
-        """Return what a copy of this session needs to go on from here; between two ticks."""
-        interpreter, namespace = self.interpreter, self.interpreter.namespace
-        used = {name: namespace.get(name, self) for name in self.names_used()}
-        beside = {name: value for name, value in used.items() if type(value) in COPIED}
-        snapshot = interpreter.snapshot(self._token, beside)
-        moment = self.bridge.moment()
-        return SessionCheckpoint(
-            snapshot,
-            self.now,
-            self.due,
-            self.rate,
-            self.status == "running",
-            self.inputs.count,
-            moment,
-            random_module(namespace).getstate(),
-            self.bridge.safety.armed,
-        )
-
-    def _token(self, value: object) -> object:
-        """Return what stands for an object that every session has for itself; None for any other."""
-        if value is self.interpreter.namespace:
-            return "namespace"
-        return value.path if isinstance(value, RobotMethod) else part_name(value)
-
-    def _find(self, token: object) -> object:
-        """Return the object that a token stands for here."""
-        return self.interpreter.namespace if token == "namespace" else self.bridge.nodes.table[str(token)]
-
-    def kept(self, value: object) -> object:
-        """Return a value as it is kept: a copy, packed, if it can be changed in place."""
-        return value if type(value) in PLAIN else pack([value], {}, self._token)
-
-    def restored(self, value: object) -> object:
-        """Return a value that was :meth:`kept`."""
-        return unpack(value, [], self._find)[0] if isinstance(value, Packed) else value
-
-    def names_used(self) -> frozenset[str]:
-        """Return the global names that the blocks of the program use."""
-        return names_of(link(self.interpreter.program))
-
-    def go_to(self, time: float) -> None:
-        """Advance the time to that of a recorded entry, without a tick."""
-        if self._step is None:
-            self.now = max(self.now, time)
-        else:
-            self.advance(time - self.now)
-        self.due = self.now
-
     def rest(self) -> None:
         """Be paused from now on, though the program is not told."""
         if self.status == "running":
             self.status = "paused"
-            self.clock.pause()
-            self._note(RunEnded())
+            self.timing.clock.pause()
+            self.record.note(RunEnded())
 
     def begin(self, checkpoint: SessionCheckpoint) -> None:
-        """Continue from a checkpoint of another session, whose bridge was forked there.
-
-        The objects of the namespace that are copied are put into this one.
-        """
-        interpreter, bridge = self.interpreter, self.bridge
-        self.names.begin(interpreter.begin(checkpoint.snapshot, self._find))
-        self.now = checkpoint.time
-        if self._step is not None:
-            self._steps = round(self.now / self._step)
-        self.set_rate(checkpoint.rate)
-        self.due = checkpoint.due
-        self.clock.rebase(self.now)
-        self.checkpoints.clear()
-        self._pending_at = 0.0
-        bridge.safety.tick(interpreter.now, self.period)
-        bridge.safety.armed = checkpoint.armed
+        """Continue from a checkpoint of another session; see :meth:`Record.begin`."""
+        self.record.begin(checkpoint)
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
 
     def settle_as(self, checkpoint: SessionCheckpoint) -> None:
@@ -431,29 +252,6 @@ class Loop:
             setattr(self.interpreter, name, settings[name])
         self.set_rate(checkpoint.rate)
         self.status = "running" if checkpoint.running else "paused"
-
-    def _prepare(self) -> None:
-        """Note what other threads have stopped, and take a checkpoint if one is due."""
-        self._note_stops()
-        if not self._remembers:
-            self._pending_at = math.inf
-            return
-        if self.interpreter.tick >= self.checkpoints.due:
-            self.checkpoints.add(self.checkpoint)
-            self._forget()
-        period = 0.0 if self.free else self.period
-        self._pending_at = self.now + (self.checkpoints.due - self.interpreter.tick) * period
-
-    def _forget(self) -> None:
-        """Drop what no tick of the journal needs any more: all that is kept is bounded by the journal."""
-        tick = self.interpreter.tick
-        first = self.checkpoints.begin(tick - self.interpreter.journal)
-        if first is None:
-            return
-        self.moments.drop(first.tick - (tick - len(self.moments)))
-        self.inputs.begin(first.inputs)
-        self.bridge.safety.begin(first.tick)
-        self.bridge.forget(first.moment)
 
     def _hit(self) -> Hit | None:
         """Return the breakpoint that was hit, if one was."""
@@ -495,16 +293,17 @@ class Loop:
         self._driven_by = threading.get_ident()
         was_running = self.status == "running"
         self.resume()
-        step, tick, queued = self._step, self.tick, self.inbox.queued
+        timing, tick, queued = self.timing, self.tick, self.inbox.queued
+        step = timing.step
         if step is not None and seconds < math.inf:  # a world knows whole steps only
-            seconds = math.ceil(seconds / step - _ROUNDING) * step
-        end = self.now + seconds
-        almost = end - _ROUNDING
+            seconds = math.ceil(seconds / step - ROUNDING) * step
+        end = timing.now + seconds
+        almost = end - ROUNDING
         asking = False
         try:
-            while self.now < almost and self.status == "running":
-                if self.due - self.now <= _ROUNDING:
-                    self.due = self.now
+            while timing.now < almost and self.status == "running":
+                if timing.due - timing.now <= ROUNDING:
+                    timing.due = timing.now
                     tick()
                     if after_tick is not None:
                         asking = True
@@ -515,11 +314,11 @@ class Loop:
                         self.apply_queued()
                     if self.status != "running":
                         break
-                until = self.due if self.due < end else end
+                until = timing.due if timing.due < end else end
                 if step is None:  # as `advance` does, for most of the time of a tick without a robot
-                    self.now = round(until * 1e12) / 1e12
+                    timing.now = round(until * 1e12) / 1e12
                 else:
-                    self.advance(until - self.now)
+                    timing.advance(until - timing.now)
         except BaseException as error:
             kind = type(error)
             if issubclass(kind, Interrupted):  # too late: the block had returned
@@ -531,7 +330,7 @@ class Loop:
             else:
                 self.break_down(error)
         finally:
-            self.clock.rebase(self.now)
+            timing.clock.rebase(timing.now)
             if not was_running:
                 self.rest()
             self.publish()
@@ -559,17 +358,17 @@ class Loop:
         One that others follow by themselves is made in a hurry: it may show an earlier text of a value whose
         rendering takes long.
         """
-        interpreter = self.interpreter
+        interpreter, timing, moments = self.interpreter, self.timing, self.record.moments
         values = interpreter.variables.pairs()
         over = self.status in ("stopped", "closed")  # nothing may run any more that might not return
         variables = self._texts.of(values, now=not (hurried and self.status == "running"), foreign=not over)
         visits, firings = interpreter.visits, interpreter.firings
-        rate, speed = self._achieved if self.status == "running" else (0.0, 0.0)
+        rate, speed = timing.achieved if self.status == "running" else (0.0, 0.0)
         return Frame(
             status=self.status,
             reason=self.reason,
             tick=interpreter.tick,
-            time=self.now,
+            time=timing.now,
             active=interpreter.active,
             values=ByPath(dict(values)),
             variables=ByPath(variables),
@@ -586,10 +385,10 @@ class Loop:
             moved=interpreter.moved,
             patch_reason=interpreter.patch_reason,
             program=interpreter.program,
-            readings=self.bridge.readings_of(self.moments[-1][2]) if self.moments else {},
-            rate=self.rate,
+            readings=self.bridge.readings_of(moments[-1].sensed) if moments else {},
+            rate=timing.rate,
             achieved_rate=rate,
-            speed=self.clock.speed,
+            speed=timing.clock.speed,
             achieved_speed=speed,
             printed=self._printed(),
             bridge=self.bridge.status.sentence,
@@ -660,14 +459,15 @@ class Loop:
         """Apply a command; return its result, and what it raised."""
         restarts, program = self.interpreter.restarts, self.interpreter.program
         self._driven_by = threading.get_ident()
+        record = self.record
         try:
             if not command.mends:
                 self._check_whole()
-            self._note_names()
-            with self._calling(), self._deriving(command.recorded):  # blocks, hooks and code of the caller
+            record.note_names()
+            with self._calling(), record.deriving(command.recorded):  # blocks, hooks and code of the caller
                 result = command.apply(self)
             if command.recorded:
-                self._note(command)
+                record.note(command)
                 if not command.undoes and (hit := self._hit()) is not None:
                     self._pause_at(hit)
             if self.interpreter.paused and self.status == "running":
@@ -686,62 +486,29 @@ class Loop:
             return None, LRPError(str(error) if issubclass(kind, Interrupted) else sentence_of(error))
         finally:
             if self.interpreter.program is not program:
-                self.names.watch(self.names_used())
+                record.names.watch(record.names_used())
             if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                 self.bridge.stop_all()
 
-    # -- the inputs ------------------------------------------------------------------------------
+    def _check_whole(self) -> None:
+        if self.fault:
+            raise LRPError(
+                "The session itself failed, not the program. Start it again, or reset it; "
+                "its `fault` is the traceback."
+            )
 
-    def _note(self, what: object) -> None:
-        """Record an input, after the stops of other threads."""
-        with self.inputs.lock:
-            self._note_stops()
-            self._add(what)
-
-    def _note_names(self) -> None:
-        """Record that names of the namespace have changed since a tick that may have read them."""
-        change = self.names.change()
-        if change is not None and self.interpreter.tick:
-            self._note(change)
-
-    def _note_stops(self) -> None:
-        """Record what other threads have stopped."""
-        with self.inputs.lock:  # or another thread could take the last one between these two lines
-            while self._stops:
-                self._add(self._stops.popleft())
-
-    def _add(self, what: object, tick: int | None = None) -> None:
-        """Give an input its number, keep it and write it down; it came after a tick, by default the last."""
-        with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
-            entry = self.inputs.next(self.interpreter.tick if tick is None else tick, self.now, what)
-            if self._remembers and not (isinstance(what, Command) and what.undoes):
-                kept, letters = what.kept(self) if isinstance(what, Command) else (what, 0)
-                self.inputs.keep(entry._replace(what=kept), letters)
-            if self.record is not None:
-                self.record(entry)
+    # -- robot and observers ---------------------------------------------------------------------
 
     def _from_outside(self, what: object, surely: bool) -> None:
         """Record what was done to the robot, unless the program or a recorded input did it."""
         if isinstance(what, (RobotStopped, RobotArmed)) and threading.get_ident() != self._driven_by:
-            self._stops.append(what)
-            self._pending_at = 0.0
-        elif self._kept is not None:
-            self._kept.append(what)
-        elif surely or not (self._replayed or self.ticking):
-            self._note(what)
-
-    @contextmanager
-    def _deriving(self, derived: bool = True) -> Iterator[None]:
-        """Note that what happens meanwhile follows from a recorded input."""
-        outer, self._replayed = self._replayed, derived or self._replayed
-        try:
-            yield
-        finally:
-            self._replayed = outer
+            self.record.note_later(what)
+        elif surely or not self.ticking:
+            self.record.note_outside(what, surely)
 
     def emit(self, kind: str, data: object) -> None:
         """Tell the observers of the interpreter what happened now, in its order."""
-        self.interpreter.emit(kind, data, self.now)
+        self.interpreter.emit(kind, data, self.timing.now)
 
     def _origin(self) -> Origin:
         """Return the block that is calling now, if it is one of the running program."""
@@ -754,20 +521,15 @@ class Loop:
             return Origin(interpreter.tick)
         return Origin(interpreter.tick, block.f_code.co_name, block.f_lineno)
 
-    def _check_whole(self) -> None:
-        if self.fault:
-            raise LRPError(
-                "The session itself failed, not the program. Start it again, or reset it; "
-                "its `fault` is the traceback."
-            )
+    # -- what commands do ------------------------------------------------------------------------
 
     def pause(self, reason: str = "") -> None:
         """Pause program, time and robot; the reason is a sentence, or empty. Paper: §6.3."""
         if self.status == "running":
-            with self._deriving():
-                self.interpreter.pause(self.now, reason)
+            with self.record.deriving():
+                self.interpreter.pause(self.timing.now, reason)
                 self._stand_still(reason)
-            self._note(Paused(reason))
+            self.record.note(Paused(reason))
         elif self.status in ("ready", "paused") and reason:
             self.paused_by = None
             self._unstarted = self._unstarted or self.status == "ready"
@@ -776,7 +538,7 @@ class Loop:
     def _stand_still(self, reason: str) -> None:
         """Pause time and robot; the interpreter has paused already."""
         self.status, self.reason = "paused", reason
-        self.clock.pause()
+        self.timing.clock.pause()
         self._call_hook(self.bridge.on_pause)
 
     def resume(self) -> None:
@@ -785,85 +547,39 @@ class Loop:
             return
         first, self._unstarted = self.status == "ready" or self._unstarted, False
         self.status, self.reason, self.paused_by = "running", "", None
-        self.clock.resume()
-        self.clock.rebase(self.now)
-        self.due = max(self.due, self.now)
-        self._measured = None
-        with self._deriving():
+        self.timing.resume()
+        with self.record.deriving():
             self._call_hook(self.bridge.on_start if first else self.bridge.on_resume)
-            self.interpreter.resume(self.now)
-        self._note(Resumed())
+            self.interpreter.resume(self.timing.now)
+        self.record.note(Resumed())
 
     def step(self) -> None:
         """Run one tick and one period of time; paused before and after. Paper: §6.3."""
+        timing = self.timing
         self.pause()
         if self.status == "ready" or self._unstarted:
             self._unstarted = False
             self._call_hook(self.bridge.on_start)
         if self.status != "stopped":
             self.status, self.reason, self.paused_by = "paused", "", None
-        self.clock.pause()
-        self.due = self.now
+        timing.clock.pause()
+        timing.due = timing.now
         self.tick()
-        self.advance(self.period)
-        self.clock.rebase(self.now)
+        timing.advance(timing.period)
+        timing.clock.rebase(timing.now)
 
     def rewind(self, ticks: int) -> None:
-        """Step back by this number of ticks: program, world and time.
-
-        The world returns to the moment before the first undone tick, so that the next step repeats it.
-
-        Raises
-        ------
-        BridgeError
-            A real robot is armed, or the world cannot go back so far.
-        ValueError
-            Fewer ticks can be undone.
-        """
-        bridge, interpreter = self.bridge, self.interpreter
-        if bridge.hardware and bridge.safety.armed:
-            raise BridgeError(f"`{bridge.name}` is armed: a real robot cannot go back. Disarm it first.")
-        have = min(interpreter.journal, len(self.moments))
-        if not 0 <= ticks <= have:
-            many = "1 tick" if ticks == 1 else f"{ticks} ticks"
-            raise ValueError(f"Cannot go back {many}: only {have} can be undone.")
-        kept: list[object] = []
-        if ticks:
-            now, moment, _ = self.moments[-ticks]
-            self._kept = []
-            try:
-                bridge.rewind(moment)  # the world may refuse, and then nothing has changed
-            finally:
-                kept, self._kept = self._kept, None
-            self.moments.undo(ticks)
-            self.now = now
-            if self._step is not None:
-                self._steps = round(self.now / self._step)
-            self.due = self.now
-            self.clock.rebase(self.now)
-        interpreter.rewind(ticks)
+        """Step back by this number of ticks; see :meth:`Record.rewind`."""
+        self.record.rewind(ticks, self.status == "running")
         if self.paused_by is not None and ticks:
             self.paused_by, self.reason = None, ""  # that tick has not happened
-        bridge.safety.forget(interpreter.tick)
-        undone = self.inputs.undo(interpreter.tick, _is_of_the_world)
-        self.names.undo(entry.what for entry in undone if isinstance(entry.what, ChangeNames))
-        self.checkpoints.cut(interpreter.tick)
-        self._pending_at = 0.0
-        for what in kept:
-            self.inputs.keep(self.inputs.next(interpreter.tick, self.now, what))
-        self._note_names()  # which stay as they are
-        if self._remembers:  # the rate and the policies stay, though their inputs are dropped
-            is_first, entry = not self.checkpoints.all, self.inputs.next(interpreter.tick, self.now, None)
-            taken = self.checkpoints.add(self.checkpoint, rewound=True)
-            if taken is not None and not is_first:  # then a run from before may come to it
-                self.inputs.keep(entry._replace(what=Rewound(taken)), len(taken.snapshot.values.data))
 
     def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
         """Force a state; one that does not exist is an issue, as it is in a transition. Paper: §6.4."""
         interpreter = self.interpreter
         force = interpreter.teleport_to if how == "teleport" else interpreter.transition_to
         try:
-            force(_full_path(interpreter.program, path), self.now)
+            force(_full_path(interpreter.program, path), self.timing.now)
         except UnknownElementError as error:
             element, tick, message = Element("state", path), interpreter.tick, str(error)
             issue = Issue("unknown state", element, message, 1, 1, first_tick=tick, last_tick=tick)
@@ -892,16 +608,13 @@ class Loop:
 
     def renew(self, program: Program) -> None:
         """Make a broken session whole: a new run of a program, ready to start; the robot's world stays."""
-        self.interpreter.renew(program, self.now)
-        self.moments.clear()
-        self.inputs.clear()
-        self.checkpoints.clear()
-        self._pending_at = 0.0
+        self.interpreter.renew(program, self.timing.now)
+        self.record.clear()
         self.fault = self.reason = ""
         if self.status == "broken":
             self.status = "ready"
-        self.clock.pause()
-        self.due = self.now
+        self.timing.clock.pause()
+        self.timing.due = self.timing.now
 
     def _call_hook(self, hook: Callable[[], None]) -> None:
         """Call a hook of the bridge; it is foreign code, and if it fails its robot is stopped."""
@@ -913,11 +626,6 @@ class Loop:
         except BaseException as error:
             self.bridge.lose(hook.__name__, error)
             self.bridge.stop_all()
-
-
-def _is_of_the_world(what: object) -> bool:
-    """Return whether an input was done to the robot or its world, and not to the program or in a tick."""
-    return not isinstance(what, (Command, Paused, Resumed, Rewound, RunEnded, CommandsHeld))
 
 
 def _full_path(program: Program, path: Path) -> Path:

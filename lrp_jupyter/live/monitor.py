@@ -145,7 +145,7 @@ class Monitor:
             self._seen = wall
             return
         if loop.bridge.time_step is None:  # a simulated time stands still, too
-            loop.bridge.check_watchdog(loop.clock.now())
+            loop.bridge.check_watchdog(loop.timing.clock.now())
         if self._dead_man is not None and wall - self._seen > self._dead_man:
             self._seen = wall
             loop.bridge.stop_all()

@@ -40,13 +40,13 @@ class ChangeNames(Command):
 
     def apply(self, loop: Any) -> None:
         """See :class:`Command`."""
-        values = {name: loop.restored(value) for name, value in self.after.items()}
-        loop.names.assign({name: values.get(name, ABSENT) for name in self.names})
+        values = {name: loop.record.restored(value) for name, value in self.after.items()}
+        loop.record.names.assign({name: values.get(name, ABSENT) for name in self.names})
 
-    def kept(self, loop: Any) -> tuple[Command, int]:
+    def kept(self, record: Any) -> tuple[Command, int]:
         """See :class:`Command`: with copies of what can be changed in place."""
         after = {
-            name: loop.kept(value) if type(value) in COPIED else value for name, value in self.after.items()
+            name: record.kept(value) if type(value) in COPIED else value for name, value in self.after.items()
         }
         return replace(self, after=after), 0
 

@@ -34,18 +34,18 @@ def frame_at(loop: Loop, tick: int) -> Frame:
     """
     interpreter, bridge = loop.interpreter, loop.bridge
     history = interpreter.history
-    least = interpreter.tick - min(len(loop.moments), len(history.ticks)) + 1
+    least = interpreter.tick - min(len(loop.record.moments), len(history.ticks)) + 1
     if not least <= tick <= interpreter.tick:
         raise ValueError(history.refusal(tick, least))
     state = history.state(tick)
     variables = state.variables
-    time, moment, sensed = loop.moments[tick - interpreter.tick - 1]
+    time, moment, sensed = loop.record.moments[tick - interpreter.tick - 1]
     visits, firings = _counts_at(interpreter, tick)
-    after = loop.moments[tick - interpreter.tick][1] if tick < interpreter.tick else bridge.moment()
+    after = loop.record.moments[tick - interpreter.tick][1] if tick < interpreter.tick else bridge.moment()
     return replace(
         loop.make_frame(),
         status="paused",
-        reason=f"Looking at {time:.1f} s, {loop.now - time:.1f} s ago.",
+        reason=f"Looking at {time:.1f} s, {loop.timing.now - time:.1f} s ago.",
         tick=tick,
         time=time,
         active=state.active,
@@ -75,14 +75,14 @@ def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[],
     BridgeError
         Another world was loaded between the two, or the world cannot be reproduced so long ago.
     """
-    last, count = loop.interpreter.tick, len(loop.moments)
+    last, count = loop.interpreter.tick, len(loop.record.moments)
     first = last - count + 1
     for tick in (begin, end):
         if tick is not None and not first <= tick <= last:
             raise ValueError(loop.interpreter.history.refusal(tick, first))
     if begin is not None and end is not None and end < begin:
         raise ValueError(f"The end, tick {end}, is before the beginning, tick {begin}.")
-    moments = [each.world for each in loop.moments]
+    moments = [each.world for each in loop.record.moments]
     moments.append(loop.bridge.moment())
     final = moments[-1 if end is None else end - first + 1]
     starts = moments if begin is None else [moments[begin - first]]
@@ -99,9 +99,9 @@ def tick_of(loop: Loop, time: float) -> int:
     """
     if not time >= 0:
         raise ValueError(f"A time is a number of seconds of the run, 0 or more, not {time:g}.")
-    if time > loop.now + 1e-9:
-        raise ValueError(f"{time:g} s is later than the run, which is at {loop.now:g} s.")
-    moments = loop.moments
+    if time > loop.timing.now + 1e-9:
+        raise ValueError(f"{time:g} s is later than the run, which is at {loop.timing.now:g} s.")
+    moments = loop.record.moments
     count = bisect_right(range(len(moments)), time + 1e-9, key=lambda index: moments[index].time)
     tick = loop.interpreter.tick - len(moments) + count
     history = loop.interpreter.history

@@ -46,7 +46,7 @@ class Recorder(Trace):
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
             self.line({"lrplog": VERSION, **parts})
-        loop.record = self._input
+        loop.record.written = self._input
         loop.after_tick.append(self._tick)
         self._unobserve = loop.interpreter.observe(self)
 
@@ -60,8 +60,8 @@ class Recorder(Trace):
         """
         self._unobserve()
         loop = self._loop
-        self._input(Input(0, loop.interpreter.tick, loop.now, RunEnded()))
-        loop.record = None
+        self._input(Input(0, loop.interpreter.tick, loop.timing.now, RunEnded()))
+        loop.record.written = None
         loop.after_tick.remove(self._tick)
         if self._failure is not None:
             raise FileError(f"The recording ended early: {sentence_of(self._failure)}")
@@ -77,7 +77,7 @@ class Recorder(Trace):
         self._keep(self._readings)
 
     def _readings(self) -> Line:
-        time, _, sensed = self._loop.moments[-1]
+        time, _, sensed = self._loop.record.moments[-1]
         readings = {name: plain(value) for name, value in self._loop.bridge.readings_of(sensed).items()}
         return {"tick": self._loop.interpreter.tick, "time": time, "readings": readings}
 
@@ -100,7 +100,7 @@ def start_of(
     world = bridge.world_form()
     members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
     namespace = interpreter.namespace
-    names = sorted(name for name in loop.names_used() if name in namespace)
+    names = sorted(name for name in loop.record.names_used() if name in namespace)
     values = {name: literal(namespace[name]) for name in names if type(namespace[name]) in COPIED}
     return RunStart(
         interpreter.program.text,
@@ -108,7 +108,7 @@ def start_of(
         bridge.name,
         world,
         members,
-        loop.rate,
+        loop.timing.rate,
         interpreter.on_active_edit,
         interpreter.on_issue,
         names,

@@ -48,9 +48,9 @@ from lrp_jupyter.language.program import Program
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.input_lines import input_of
 from lrp_jupyter.live.inputs import Input
-from lrp_jupyter.live.loop import FASTEST, SLOWEST
 from lrp_jupyter.live.plain import unplain
 from lrp_jupyter.live.replay import Entry, Ticked
+from lrp_jupyter.live.timing import FASTEST, SLOWEST
 from lrp_jupyter.logs import at_line, read_log
 from lrp_jupyter.sim.worlds import load
 

@@ -84,8 +84,8 @@ def play(
             return True
     if script:
         due = script[0].time
-        loop.go_to(min(end, due))
-        loop.due = due
+        loop.timing.go_to(min(end, due))
+        loop.timing.due = due
     else:
         loop.rest()
     return False
@@ -93,7 +93,7 @@ def play(
 
 def repeat(loop: Loop, entry: Entry) -> None:
     """Do in a loop what was recorded, at the time at which it was done."""
-    loop.go_to(entry.time)
+    loop.timing.go_to(entry.time)
     if isinstance(entry, Ticked):
         if isinstance(loop.bridge, RecordedBridge) and isinstance(entry.readings, dict):
             loop.bridge.feed = entry.readings
@@ -137,7 +137,7 @@ def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
         There is something, so the recorded run went on from another state.
     """
     world = "" if loop.bridge.has_come_to(checkpoint.moment) else "the world"
-    if left := world or leftover(checkpoint, loop.checkpoint()):
+    if left := world or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
         raise ValueError(
             f"What came after tick {checkpoint.tick} cannot be repeated from an earlier tick: the session "
             f"went back to it, and {left} was no longer as before. Begin at tick {checkpoint.tick} or later."

@@ -481,11 +481,11 @@ class Session:
             self._leave_stop()
             self._loop.apply_queued()
             span = math.inf if seconds is None else seconds
-            end = self._loop.now + span
+            end = self._loop.timing.now + span
             if self._script and play(self._loop, self._script, end, ends):
                 return True
-            ended = self._loop.run(end - self._loop.now, ends)
-            return ended if ends is not None else self._loop.now >= end - 1e-6
+            ended = self._loop.run(end - self._loop.timing.now, ends)
+            return ended if ends is not None else self._loop.timing.now >= end - 1e-6
 
     @contextmanager
     def driving(self, limit: float) -> Iterator[None]:
@@ -688,7 +688,7 @@ class Session:
     @property
     def rate(self) -> float:
         """Ticks per second, 0 for as many as possible; may be set at any time. Paper: §5.1."""
-        return self._loop.rate
+        return self._loop.timing.rate
 
     @rate.setter
     def rate(self, rate: float) -> None:
@@ -697,7 +697,7 @@ class Session:
     @property
     def speed(self) -> float:
         """Seconds of the session per wall second; may be set at any time."""
-        return self._loop.clock.speed
+        return self._loop.timing.clock.speed
 
     @speed.setter
     def speed(self, speed: float) -> None:
@@ -942,7 +942,7 @@ class Session:
         initials : mapping of str to str, optional
             The expressions that replace initial values of the text.
         """
-        if self._loop.interpreter.tick or self._loop.inputs:
+        if self._loop.interpreter.tick or self._loop.record.inputs:
             raise ValueError("The session has run already. A recording begins before the first tick.")
         self.bridge.open()
         return Recorder(self._loop, write, start_of(self._loop, self.bridge, seed, initials))
@@ -1247,7 +1247,7 @@ class Session:
         observation = Observation(self._loop, tick)
         self.run(seconds, limit=_REPEATING, after_tick=observation.watch)
         open_loop = isinstance(self.bridge, RecordedBridge)
-        return observation.course(), self._loop.now, open_loop
+        return observation.course(), self._loop.timing.now, open_loop
 
     def try_values(
         self,

@@ -146,13 +146,13 @@ def timeline_of(
     ticks = history.ticks
     known = cursor is not None and cursor.epoch == epoch and ticks.start <= cursor.tick < ticks.stop
     kept = cursor.tick - 1 if known and cursor is not None else -1
-    begin = history.time(ticks.start) if ticks else loop.now
+    begin = history.time(ticks.start) if ticks else loop.timing.now
     told = Timeline(
         epoch,
         ticks.start,
         ticks.stop - 1,
         begin,
-        loop.now,
+        loop.timing.now,
         kept,
         tuple(happenings(loop, kept if known else None)),
         (),
@@ -178,7 +178,7 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
     found: list[Happening] = []
     if after is None:
         after = ticks.start - 1
-        time = history.time(ticks.start) if ticks else loop.now
+        time = history.time(ticks.start) if ticks else loop.timing.now
         found += present(history.state(after), after, time)
     first = max(after + 1, ticks.start)
     failed, failing = first - 1, _failing(history, first - 1)  # in which tick, and what
@@ -283,7 +283,7 @@ def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
     """Yield what was done from outside to the robot, its world, and names that the program reads."""
     history = loop.interpreter.history
     changed: dict[str, int] = {}
-    for entry in loop.inputs.since(first - _STREAM):
+    for entry in loop.record.inputs.since(first - _STREAM):
         if isinstance(entry.what, ChangeNames):
             new = [name for name in entry.what.names if entry.tick - changed.get(name, -_STREAM) >= _STREAM]
             changed.update(dict.fromkeys(entry.what.names, entry.tick))

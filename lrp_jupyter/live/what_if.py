@@ -132,19 +132,19 @@ class Observation:
         self._others: dict[str, list[Waypoint]] = {}
         self._touch: Touch | None = None
         self._touching = loop.bridge.touched
-        self._present = present(loop.interpreter.history.state(tick), tick, loop.now)
+        self._present = present(loop.interpreter.history.state(tick), tick, loop.timing.now)
 
     def watch(self) -> bool:
         """Note what a tick has brought; never ends the run."""
         loop = self._loop
         pose = loop.bridge.pose
         if pose is not None:
-            self._way.append((loop.now, *pose))
+            self._way.append((loop.timing.now, *pose))
         for name, place in loop.bridge.others.items():
-            self._others.setdefault(name, []).append((loop.now, *place))
+            self._others.setdefault(name, []).append((loop.timing.now, *place))
         touched = loop.bridge.touched
         if self._touch is None and (new := touched - self._touching):
-            self._touch = Touch(loop.now, min(new))
+            self._touch = Touch(loop.timing.now, min(new))
         self._touching &= touched  # what it has left can be touched again
         return False
 

@@ -130,7 +130,7 @@ def test_the_checkpoints_of_rewinds_are_the_last_to_be_dropped(monkeypatch):
         session.run(50)
         session.rewind(10)
         session.run(500)
-        assert len(session._loop.checkpoints.all) <= 6
+        assert len(session._loop.record.checkpoints.all) <= 6
         with session.fork(500, inputs=True) as fork:
             fork.run(1)
             assert fork.frame.values["n"] == 509
@@ -146,7 +146,7 @@ def test_the_names_that_a_program_uses_are_its_global_names():
         def far(self):
           return self.width + found]))) (spawn m a)"""
     with Session(program, namespace={"data": [], "limit": 1}) as session:
-        used = session._loop.names_used()
+        used = session._loop.record.names_used()
         assert used >= {"limit", "step", "found"}
         assert used.isdisjoint({"data", "light", "width", "math"})
 
@@ -156,7 +156,7 @@ def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
       (machine m (state a (running [n = [n]] [m.append(1)])))(spawn m a)"""
     with Session(program, clock=VirtualClock()) as session:
         session.run(200)
-        session._loop.checkpoint()
+        session._loop.record.checkpoint(running=False)
         assert (session.status, session.fault, session.frame.tick) == ("paused", "", 2000)
         with session.fork() as fork:
             fork.run(1)
@@ -380,7 +380,7 @@ def test_a_fork_of_the_past_with_its_inputs_comes_to_the_present(seed, bridge):
         session.run(1)
         present = wandering.seen(session)
         for _ in range(3):
-            tick = draw.randint(session._loop.checkpoints.all[0].tick, session.frame.tick)
+            tick = draw.randint(session._loop.record.checkpoints.all[0].tick, session.frame.tick)
             with session.fork(tick, inputs=True) as fork:
                 assert fork.frame.tick == tick
                 fork.run(session.frame.time - fork.frame.time)
@@ -427,7 +427,7 @@ def test_a_fork_of_any_tick_comes_to_the_present_or_says_why_not(seed, bridge):
     with walk(seed, bridge) as session:
         session.run(1)
         for _ in range(3):
-            tick = draw.randint(session._loop.checkpoints.all[0].tick, session.frame.tick)
+            tick = draw.randint(session._loop.record.checkpoints.all[0].tick, session.frame.tick)
             with session.fork(tick, inputs=True) as fork:
                 if refusal := refused(fork, session.frame.time):
                     assert "the session went back to it, and" in refusal
@@ -446,7 +446,7 @@ def test_the_frame_of_a_past_tick_is_the_frame_that_was(seed):
         for _ in range(20):
             wandering.act(draw, session, rewinds=False, removals=False)
             session.step()
-            frames[session.frame.tick] = session.frame, session._loop.period
+            frames[session.frame.tick] = session.frame, session._loop.timing.period
         for tick, (frame, period) in frames.items():
             past = session.at(tick)
             assert past.active == frame.active

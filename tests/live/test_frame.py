@@ -18,7 +18,7 @@ LOOKLEFT = ("follower", "looking", "lookalgo", "lookleft")
 
 def make_frame(interpreter, time, status="ready"):
     loop = Loop(interpreter, NullBridge(), VirtualClock(), 10, changed=lambda: None)
-    loop.now, loop.status = time, status
+    loop.timing.now, loop.status = time, status
     return loop.make_frame()
 
 

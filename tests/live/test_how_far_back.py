@@ -65,7 +65,7 @@ def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast(alwa
         session.run(150)
         session.rate = 100
         session.run(900)
-        assert len(session._loop.checkpoints.all) > 1
+        assert len(session._loop.record.checkpoints.all) > 1
 
 
 def test_a_world_is_remembered_as_long_as_the_program():
@@ -100,10 +100,10 @@ def test_what_is_remembered_is_dropped_when_no_tick_needs_it(always_rested):
             session.edit(DRIVER + f"; {number}")
             session.run(20)
         first, _ = reach(session)
-        oldest = loop.checkpoints.all[0].tick
+        oldest = loop.record.checkpoints.all[0].tick
         assert oldest < first
-        assert len(loop.moments) == session.frame.tick - oldest
-        assert next(iter(loop.inputs)).tick >= oldest
+        assert len(loop.record.moments) == session.frame.tick - oldest
+        assert next(iter(loop.record.inputs)).tick >= oldest
         assert session.bridge.safety.commands[0].origin.tick >= oldest - 1
         assert session.bridge.simulation.earliest > oldest - 1000
         with session.fork(first) as fork:
@@ -131,10 +131,10 @@ def test_a_fork_is_never_far_from_a_checkpoint(always_rested):
     with started() as session:
         for _ in range(8):
             session.run(300)
-            ticks = [each.tick for each in session._loop.checkpoints.all]
+            ticks = [each.tick for each in session._loop.record.checkpoints.all]
             gaps = [second - first for first, second in itertools.pairwise([*ticks, session.frame.tick])]
             assert max(gaps) <= 2500
-            assert len(session._loop.moments) <= 65_000
+            assert len(session._loop.record.moments) <= 65_000
 
 
 def test_memory_does_not_grow_after_that(always_rested):
@@ -159,7 +159,7 @@ def test_memory_bounds_what_a_very_fast_session_remembers(monkeypatch, always_re
         session.run(100)
         first, seconds = reach(session)
         assert 20 <= seconds < 40
-        assert len(session._loop.moments) < 90_000
+        assert len(session._loop.record.moments) < 90_000
         session.rewind(session.frame.tick - first)
         assert session.frame.values["n"] == first - 1
 
@@ -209,7 +209,7 @@ def test_what_is_new_is_found_without_going_through_what_is_old():
         session.run(1)
         cursor = session.timeline().cursor
         assert len(session.bridge.safety.commands) > 3000
-        assert len(session._loop.inputs) > 4000
+        assert len(session._loop.record.inputs) > 4000
         session.run(0.1)
         assert calls(lambda: session.timeline(cursor)) < 1500
     with started() as session:

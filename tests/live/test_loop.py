@@ -124,7 +124,7 @@ def test_a_fast_run_may_be_late_by_as_much_of_the_wall_as_any_other(session, wal
     turn(fast, wall, 0.01, times=5)
     turn(fast, wall, 0.9 * LAG)
     turn(fast, wall, 0, times=50)
-    assert fast._loop.now == pytest.approx(10 * (0.05 + 0.9 * LAG), abs=0.1), "no time is lost"
+    assert fast._loop.timing.now == pytest.approx(10 * (0.05 + 0.9 * LAG), abs=0.1), "no time is lost"
 
 
 @pytest.mark.parametrize("bridge", ["none", "sim"])
@@ -138,7 +138,7 @@ def test_a_program_that_goes_back_while_it_runs_goes_on_from_there(session, wall
     turn(running, wall, 0)
     assert running.interpreter.tick == frame.tick + 1, "the first tick undone is done again, at once"
     turn(running, wall, 0.1)
-    assert running._loop.now == pytest.approx(frame.time + 0.1)
+    assert running._loop.timing.now == pytest.approx(frame.time + 0.1)
     assert running.interpreter.tick == frame.tick + 2
 
 
@@ -160,12 +160,12 @@ def test_after_a_pause_no_time_has_passed_and_the_next_tick_is_not_late(session,
     paused.resume()
     turn(paused, wall, 0.05, times=5)
     paused.pause()
-    now, tick = paused._loop.now, paused.interpreter.tick
+    now, tick = paused._loop.timing.now, paused.interpreter.tick
     turn(paused, wall, 5, times=5)
-    assert (paused._loop.now, paused.interpreter.tick) == (now, tick)
+    assert (paused._loop.timing.now, paused.interpreter.tick) == (now, tick)
     paused.resume()
     turn(paused, wall, 0)
-    assert paused._loop.now == now
+    assert paused._loop.timing.now == now
 
 
 def test_a_run_in_virtual_time_leaves_the_clock_where_it_ended(session, wall):
@@ -288,14 +288,15 @@ def test_an_interruption_that_comes_too_late_ends_a_run_and_does_no_harm(session
 
 def test_the_rate_reached_is_that_of_a_running_program(session, monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("lrp_jupyter.live.loop.perf_counter", lambda: now[0])
+    for module in ("loop", "timing"):
+        monkeypatch.setattr(f"lrp_jupyter.live.{module}.perf_counter", lambda: now[0])
     running = session(COUNT, clock=clocks.VirtualClock())
     running.resume()
 
     def go_on(turns):
         for _ in range(turns):
             running._loop.turn()
-            running._loop.clock.rebase(running._loop.clock.now() + 0.1)
+            running._loop.timing.clock.rebase(running._loop.timing.clock.now() + 0.1)
             now[0] += 0.1
 
     go_on(30)

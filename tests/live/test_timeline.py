@@ -246,16 +246,16 @@ def test_inputs_can_be_read_while_another_thread_adds_some():
 
 def test_the_tick_of_an_input_is_read_when_no_other_is_noted(session):
     """Else a thread that was held up would add an earlier tick after a later one."""
-    loop, held = session._loop, session._loop.inputs.lock
+    loop, held = session._loop, session._loop.record.inputs.lock
     with held:
-        other = Thread(target=loop._note, args=(Resumed(),))
+        other = Thread(target=loop.record.note, args=(Resumed(),))
         other.start()
         other.join(0.05)
         for _ in range(3):
             loop.tick()
-        loop._note(Resumed())
+        loop.record.note(Resumed())
     other.join()
-    assert [entry.tick for entry in loop.inputs.since(0)] == [3, 3]
+    assert [entry.tick for entry in loop.record.inputs.since(0)] == [3, 3]
 
 
 class Contended(deque):
@@ -269,10 +269,10 @@ class Contended(deque):
 
 def test_the_stop_of_another_thread_is_noted_once_by_whoever_comes_first(session):
     loop = session._loop
-    loop._stops, noted = Contended([RobotStopped()]), []
-    loop.record = noted.append
+    loop.record._stops, noted = Contended([RobotStopped()]), []
+    loop.record.written = noted.append
     with ThreadPoolExecutor() as threads:
-        for done in [threads.submit(loop._prepare), threads.submit(loop._note, Resumed())]:
+        for done in [threads.submit(loop.record.prepare, False), threads.submit(loop.record.note, Resumed())]:
             done.result()
     assert [entry.what for entry in noted] == [RobotStopped(), Resumed()]
 

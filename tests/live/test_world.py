@@ -201,7 +201,7 @@ def test_a_turn_that_comes_late_moves_the_world_no_further_than_to_its_tick(sess
     loop.turn()
     wall[0] += 0.13
     loop.turn()
-    assert (loop.now, loop.interpreter.tick, loop.interpreter.now) == (0.1, 2, 0.1)
+    assert (loop.timing.now, loop.interpreter.tick, loop.interpreter.now) == (0.1, 2, 0.1)
 
 
 def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(session, wall):
@@ -211,9 +211,9 @@ def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(sess
     for turn in range(60):
         wall[0] += 60 if turn == 20 else 0.05
         loop.turn()
-    assert loop.clock.now() == pytest.approx(loop.now, abs=0.05)
-    assert loop.now < 3.1
-    assert loop.interpreter.tick == pytest.approx(loop.now * 10, abs=1.01)
+    assert loop.timing.clock.now() == pytest.approx(loop.timing.now, abs=0.05)
+    assert loop.timing.now < 3.1
+    assert loop.interpreter.tick == pytest.approx(loop.timing.now * 10, abs=1.01)
 
 
 def test_an_armed_robot_cannot_be_rewound_and_a_disarmed_one_can(session):

@@ -109,7 +109,7 @@ class Answers:
         reason = transition_reason(self._run, self._tests, element, program, tick)
         if at is not None or not self._loop.interpreter.paused:
             return reason
-        time = self._loop.now
+        time = self._loop.timing.now
         paused = f"The session has been paused since {time_text(time)}, so nothing is tested."
         sentence = f"{paused} In the last tick: {reason}"
         facts = {**reason.facts, "otherwise": reason.code}

@@ -60,7 +60,7 @@ class PastTests:
         self._again = again
         self._history = loop.interpreter.history
         self._changes = [
-            (entry.tick, entry.what) for entry in loop.inputs if isinstance(entry.what, ChangeNames)
+            (entry.tick, entry.what) for entry in loop.record.inputs if isinstance(entry.what, ChangeNames)
         ]
 
     def evaluation(self, case: Case) -> Evaluation | Exception | None:
@@ -138,9 +138,9 @@ class PastTests:
     ) -> Callable[[str], Any]:
         """Return what returns the value that a name had in a tick."""
         interpreter, bridge = self._loop.interpreter, self._loop.bridge
-        names, nodes = self._loop.names, bridge.nodes.table
+        names, nodes = self._loop.record.names, bridge.nodes.table
         changes = [change for completed, change in self._changes if completed >= tick]
-        readings = bridge.readings_of(self._loop.moments[tick - interpreter.tick - 1].sensed)
+        readings = bridge.readings_of(self._loop.record.moments[tick - interpreter.tick - 1].sensed)
 
         def lookup(name: str) -> Any:
             if name == "robot":

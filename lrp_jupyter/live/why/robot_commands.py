@@ -125,7 +125,7 @@ def _fate(
     if not last.sent:
         return "stopped", "It was not sent: the robot was disarmed, or had been stopped in that tick."
     notices = [each for each in safety.notices if each.kind == "command watchdog"]
-    notices = [each for each in notices if last.now < each.now <= loop.now]
+    notices = [each for each in notices if last.now < each.now <= loop.timing.now]
     if notices and (now or notices[-1].now <= run.time(tick) + 1e-9):
         return "watchdog", f"The robot was stopped at {time_text(notices[-1].now)}: {notices[-1].text}"
     for when, fact in run.backward(tick):
@@ -140,7 +140,7 @@ def _fate(
     is_last = tick == run.history.ticks.stop - 1
     stops = [
         entry
-        for entry in loop.inputs.since(given)
+        for entry in loop.record.inputs.since(given)
         if isinstance(entry.what, RobotStopped) and (is_last or entry.tick < tick)
     ]
     if stops:

@@ -1,0 +1,276 @@
+"""The record of a run: what is kept of it, to go back in it and to go on elsewhere from one of its moments.
+
+For each tick there is a moment: its time, and what the robot was then. What came from outside are inputs,
+each with its number; a snapshot from time to time is a checkpoint. All of it is bounded by the journal of the
+interpreter.
+
+*Rewinding.* Before each tick the loop records the time and the bridge's moment. Rewinding restores the
+interpreter by its journal, and the world to the moment before the first tick undone; the next step
+repeats that tick.
+
+Owned by the thread that drives the loop. Other threads add inputs, too, under the lock of these; when they
+stop or arm the robot, the loop notes it before the next tick, step of the world or input.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.nodes import RobotMethod
+from lrp_jupyter.bridges.outside import CommandsHeld
+from lrp_jupyter.bridges.robot import part_name
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.interpreter.copies import Packed, pack, unpack
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.linker import link
+from lrp_jupyter.live.checkpoints import COPIED, PLAIN, Checkpoints, SessionCheckpoint, names_of
+from lrp_jupyter.live.inbox import Command
+from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, Rewound, RunEnded
+from lrp_jupyter.live.moments import Moments
+from lrp_jupyter.live.names import ChangeNames, WatchedNames
+from lrp_jupyter.live.randomness import random_module
+from lrp_jupyter.live.timing import Timing
+
+__all__ = ["Record"]
+
+
+class Record:
+    """What is kept of a run; see the head of this module.
+
+    Parameters
+    ----------
+    interpreter : Interpreter
+    bridge : Bridge
+    timing : Timing
+    remembers : bool
+        Whether what happened is kept, for as long as the interpreter's journal.
+    """
+
+    def __init__(self, interpreter: Interpreter, bridge: Bridge, timing: Timing, remembers: bool) -> None:
+        self._interpreter = interpreter
+        self._bridge = bridge
+        self._timing = timing
+        self._remembers = remembers
+        self.moments = Moments(only_last=not remembers)
+        self.inputs = Inputs()
+        """What came from outside, as far as the run has not gone back behind it."""
+        self.checkpoints = Checkpoints()
+        self.names = WatchedNames(interpreter.namespace)
+        self.names.watch(self.names_used())
+        self.pending_at = 0.0
+        """The time from which on there is something to do before a tick: take a checkpoint, note a stop."""
+        self.written: Callable[[Input], object] | None = None
+        """Called with every input, those before a rewinding included."""
+        self._stops: deque[object] = deque()  # and armings: by other threads, not yet recorded
+        self._replayed = False  # whether what happens now follows from a recorded input
+        self._kept: list[object] | None = None  # what of the world was kept while it is rewound
+
+    # -- inputs ----------------------------------------------------------------------------------
+
+    def note(self, what: object) -> None:
+        """Record an input, after the stops of other threads."""
+        with self.inputs.lock:
+            self.note_stops()
+            self.add(what)
+
+    def note_names(self) -> None:
+        """Record that names of the namespace have changed since a tick that may have read them."""
+        change = self.names.change()
+        if change is not None and self._interpreter.tick:
+            self.note(change)
+
+    def note_stops(self) -> None:
+        """Record what other threads have stopped."""
+        if not self._stops:  # mostly, and then without the lock
+            return
+        with self.inputs.lock:  # or another thread could take the last one between these two lines
+            while self._stops:
+                self.add(self._stops.popleft())
+
+    def note_later(self, what: object) -> None:
+        """Have the loop record what another thread has stopped, or armed."""
+        self._stops.append(what)
+        self.pending_at = 0.0
+
+    def note_outside(self, what: object, surely: bool) -> None:
+        """Record what was done to the robot, unless a recorded input did it."""
+        if self._kept is not None:
+            self._kept.append(what)
+        elif surely or not self._replayed:
+            self.note(what)
+
+    def add(self, what: object, tick: int | None = None) -> None:
+        """Give an input its number, keep it and write it down; it came after a tick, by default the last."""
+        with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
+            entry = self.inputs.next(self._interpreter.tick if tick is None else tick, self._timing.now, what)
+            if self._remembers and not (isinstance(what, Command) and what.undoes):
+                kept, letters = what.kept(self) if isinstance(what, Command) else (what, 0)
+                self.inputs.keep(entry._replace(what=kept), letters)
+            if self.written is not None:
+                self.written(entry)
+
+    @contextmanager
+    def deriving(self, derived: bool = True) -> Iterator[None]:
+        """Note that what happens meanwhile follows from a recorded input."""
+        outer, self._replayed = self._replayed, derived or self._replayed
+        try:
+            yield
+        finally:
+            self._replayed = outer
+
+    # -- values ----------------------------------------------------------------------------------
+
+    def names_used(self) -> frozenset[str]:
+        """Return the global names that the blocks of the program use."""
+        return names_of(link(self._interpreter.program))
+
+    def kept(self, value: object) -> object:
+        """Return a value as it is kept: a copy, packed, if it can be changed in place."""
+        return value if type(value) in PLAIN else pack([value], {}, self._token)
+
+    def restored(self, value: object) -> object:
+        """Return a value that was :meth:`kept`."""
+        return unpack(value, [], self._find)[0] if isinstance(value, Packed) else value
+
+    def _token(self, value: object) -> object:
+        """Return what stands for an object that every session has for itself; None for any other."""
+        if value is self._interpreter.namespace:
+            return "namespace"
+        return value.path if isinstance(value, RobotMethod) else part_name(value)
+
+    def _find(self, token: object) -> object:
+        """Return the object that a token stands for here."""
+        return self._interpreter.namespace if token == "namespace" else self._bridge.nodes.table[str(token)]
+
+    # -- checkpoints -----------------------------------------------------------------------------
+
+    def checkpoint(self, running: bool) -> SessionCheckpoint:
+        """Return what a copy of this session needs to go on from here; between two ticks.
+
+        Parameters
+        ----------
+        running : bool
+            Whether the session is not paused.
+        """
+        interpreter, timing, namespace = self._interpreter, self._timing, self._interpreter.namespace
+        used = {name: namespace.get(name, self) for name in self.names_used()}
+        beside = {name: value for name, value in used.items() if type(value) in COPIED}
+        snapshot = interpreter.snapshot(self._token, beside)
+        moment = self._bridge.moment()
+        return SessionCheckpoint(
+            snapshot,
+            timing.now,
+            timing.due,
+            timing.rate,
+            running,
+            self.inputs.count,
+            moment,
+            random_module(namespace).getstate(),
+            self._bridge.safety.armed,
+        )
+
+    def begin(self, checkpoint: SessionCheckpoint) -> None:
+        """Continue from a checkpoint of another session, whose bridge was forked there.
+
+        The objects of the namespace that are copied are put into this one.
+        """
+        interpreter, timing, safety = self._interpreter, self._timing, self._bridge.safety
+        self.names.begin(interpreter.begin(checkpoint.snapshot, self._find))
+        timing.set_rate(checkpoint.rate)
+        timing.jump(checkpoint.time, checkpoint.due)
+        self.checkpoints.clear()
+        self.pending_at = 0.0
+        safety.tick(interpreter.now, timing.period)
+        safety.armed = checkpoint.armed
+
+    def prepare(self, running: bool) -> None:
+        """Note what other threads have stopped, and take a checkpoint if one is due."""
+        self.note_stops()
+        if not self._remembers:
+            self.pending_at = math.inf
+            return
+        tick, timing = self._interpreter.tick, self._timing
+        if tick >= self.checkpoints.due:
+            self.checkpoints.add(lambda: self.checkpoint(running))
+            self._forget()
+        period = 0.0 if timing.free else timing.period
+        self.pending_at = timing.now + (self.checkpoints.due - tick) * period
+
+    def _forget(self) -> None:
+        """Drop what no tick of the journal needs any more: all that is kept is bounded by the journal."""
+        tick = self._interpreter.tick
+        first = self.checkpoints.begin(tick - self._interpreter.journal)
+        if first is None:
+            return
+        self.moments.drop(first.tick - (tick - len(self.moments)))
+        self.inputs.begin(first.inputs)
+        self._bridge.safety.begin(first.tick)
+        self._bridge.forget(first.moment)
+
+    def clear(self) -> None:
+        """Drop all: a new run begins."""
+        self.moments.clear()
+        self.inputs.clear()
+        self.checkpoints.clear()
+        self.pending_at = 0.0
+
+    # -- going back ------------------------------------------------------------------------------
+
+    def rewind(self, ticks: int, running: bool) -> None:
+        """Step back by this number of ticks: program, world and time.
+
+        The world returns to the moment before the first undone tick, so that the next step repeats it.
+
+        Parameters
+        ----------
+        ticks : int
+        running : bool
+            Whether the session is not paused.
+
+        Raises
+        ------
+        BridgeError
+            A real robot is armed, or the world cannot go back so far.
+        ValueError
+            Fewer ticks can be undone.
+        """
+        bridge, interpreter, timing = self._bridge, self._interpreter, self._timing
+        if bridge.hardware and bridge.safety.armed:
+            raise BridgeError(f"`{bridge.name}` is armed: a real robot cannot go back. Disarm it first.")
+        have = min(interpreter.journal, len(self.moments))
+        if not 0 <= ticks <= have:
+            many = "1 tick" if ticks == 1 else f"{ticks} ticks"
+            raise ValueError(f"Cannot go back {many}: only {have} can be undone.")
+        kept: list[object] = []
+        if ticks:
+            time, moment, _ = self.moments[-ticks]
+            self._kept = []
+            try:
+                bridge.rewind(moment)  # the world may refuse, and then nothing has changed
+            finally:
+                kept, self._kept = self._kept, None
+            self.moments.undo(ticks)
+            timing.jump(time, due=time)
+        interpreter.rewind(ticks)
+        bridge.safety.forget(interpreter.tick)
+        undone = self.inputs.undo(interpreter.tick, _is_of_the_world)
+        self.names.undo(entry.what for entry in undone if isinstance(entry.what, ChangeNames))
+        self.checkpoints.cut(interpreter.tick)
+        self.pending_at = 0.0
+        for what in kept:
+            self.inputs.keep(self.inputs.next(interpreter.tick, timing.now, what))
+        self.note_names()  # which stay as they are
+        if self._remembers:  # the rate and the policies stay, though their inputs are dropped
+            is_first, entry = not self.checkpoints.all, self.inputs.next(interpreter.tick, timing.now, None)
+            taken = self.checkpoints.add(lambda: self.checkpoint(running), rewound=True)
+            if taken is not None and not is_first:  # then a run from before may come to it
+                self.inputs.keep(entry._replace(what=Rewound(taken)), len(taken.snapshot.values.data))
+
+
+def _is_of_the_world(what: object) -> bool:
+    """Return whether an input was done to the robot or its world, and not to the program or in a tick."""
+    return not isinstance(what, (Command, Paused, Resumed, Rewound, RunEnded, CommandsHeld))

@@ -1,0 +1,175 @@
+"""The timing of a run: what time it is in it, how fast it goes on, and when the next tick is due.
+
+With a simulated robot the clock only paces: a tick's time is the one it was due at, and if the host is too
+slow the clock is set back. With a real robot the clock is the truth: a late tick has the real time. A tick
+comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9 and ends at 1.0, and ten single steps do
+the same.
+
+Paper: §5.1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from numbers import Real
+from time import perf_counter
+
+from lrp_jupyter.arguments import check_type
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.live.clock import LAG, Clock
+
+__all__ = ["FASTEST", "ROUNDING", "SLOWEST", "STEP", "Timing"]
+
+STEP = 0.01
+"""Seconds from tick to tick at rate 0 where time is virtual."""
+
+SLOWEST, FASTEST = 0.01, 1e6
+"""The lowest and the highest rate, in ticks per second: a step waits for its period, and time must pass."""
+
+ROUNDING = 1e-6
+"""Seconds by which a time may miss another one that it equals."""
+
+_PICTURES = 30.0  # of a world that moves between two ticks, per wall second
+
+
+class Timing:
+    """The time of a run; it belongs to the thread that drives the loop.
+
+    Parameters
+    ----------
+    clock : Clock
+    bridge : Bridge
+    rate : float
+        Ticks per second; 0 for as many as possible.
+    move : callable
+        Moves the simulated world by a number of seconds, which are whole physics steps.
+
+    Attributes
+    ----------
+    clock : Clock
+        What the driver waits by.
+    step : float or None
+        Seconds of a physics step; None where time passes by itself.
+    now : float
+        Seconds of the run.
+    due : float
+        The time at which the next tick is due.
+    rate : float
+        Ticks per second.
+    period : float
+        Seconds from one tick to the next.
+    free : bool
+        Whether ticks follow each other without waiting.
+    achieved : tuple of float
+        The rate that was reached, and seconds of the run per wall second.
+    """
+
+    def __init__(self, clock: Clock, bridge: Bridge, rate: float, move: Callable[[float], object]) -> None:
+        self.clock = clock
+        self.step = bridge.time_step
+        self._bridge = bridge
+        self._move = move
+        self._steps = 0
+        self.now = self.due = 0.0
+        self._measured: tuple[float, int, float] | None = None  # wall time, tick, time
+        self.achieved = (0.0, 0.0)
+        self.set_rate(rate)
+
+    def set_rate(self, rate: float) -> None:
+        """Change the rate, in ticks per second; 0 is as fast as possible. Paper: §5.1.
+
+        Raises
+        ------
+        ValueError
+            The rate is negative, too small, too large, or not a number.
+        """
+        check_type("rate", rate, Real, "a number of ticks per second")
+        if not (rate == 0 or SLOWEST <= rate <= FASTEST):
+            raise ValueError(
+                f"A rate is between {SLOWEST:g} and {FASTEST:,.0f} ticks per second, "
+                f"or 0 for as many as possible, not {rate!r}."
+            )
+        step = self.step
+        self.rate = float(rate)
+        self.free = rate == 0 and step is None
+        if rate == 0:
+            self.period = step or STEP
+        else:
+            self.period = 1 / rate if step is None else max(1, round(1 / rate / step)) * step
+        self.due = min(self.due, self.now + self.period)
+
+    def set_speed(self, speed: float) -> None:
+        """Change the speed, in seconds of the session per wall second.
+
+        Raises
+        ------
+        ValueError
+            The speed is not above 0, or the robot is a real one.
+        """
+        if self._bridge.hardware and speed != 1:
+            raise ValueError(f"`{self._bridge.name}` is a real robot, whose time passes at speed 1.")
+        self.clock.speed = speed
+
+    def advance(self, seconds: float) -> None:
+        """Advance the time without a tick; a simulated world moves by whole steps."""
+        if self.step is None:
+            self.now = round((self.now + seconds) * 1e12) / 1e12  # half the time of round(…, 12)
+        elif (steps := math.floor(seconds / self.step + 1e-6)) > 0:
+            self._move(steps * self.step)
+            self._steps += steps
+            self.now = round(self._steps * self.step, 9)
+
+    def catch_up(self) -> None:
+        """Advance the time to that of the clock, at most to the next tick."""
+        clock = self.clock.now()
+        if self.step is None:
+            self.now = max(clock, self.now)
+            return
+        if clock - self.due > LAG * min(self.clock.speed, 1e9):
+            clock = self.due  # never a larger or a skipped step: the run becomes slower instead
+            self.clock.rebase(clock)
+        self.advance(min(clock, self.due) - self.now)
+
+    def go_to(self, time: float) -> None:
+        """Advance the time to that of a recorded entry, without a tick."""
+        if self.step is None:
+            self.now = max(self.now, time)
+        else:
+            self.advance(time - self.now)
+        self.due = self.now
+
+    def jump(self, time: float, due: float) -> None:
+        """Be at another time of the run, which is that of an earlier moment or of another session."""
+        self.now, self.due = time, due
+        if self.step is not None:
+            self._steps = round(time / self.step)
+        self.clock.rebase(time)
+
+    def resume(self) -> None:
+        """Continue after a pause; a tick that was missed meanwhile is due now."""
+        self.clock.resume()
+        self.clock.rebase(self.now)
+        self.due = max(self.due, self.now)
+        self._measured = None
+
+    def next_turn(self) -> float:
+        """Return the time of the next turn: that of the next tick, or of a frame of the world before it."""
+        if self.free:
+            return self.now
+        if self.step is None:
+            return self.due
+        ahead = self.due - self.now  # in equal parts, so that none ends just before the tick
+        parts = math.floor(ahead / max(self.step, self.clock.speed / _PICTURES) + ROUNDING)
+        return self.now + ahead / max(1, parts)
+
+    def measure(self, tick: int) -> None:
+        """Measure the achieved rate and speed, after a tick with this number."""
+        wall = perf_counter()
+        if self._measured is not None:
+            since, before, time = self._measured
+            span = wall - since
+            if span < 0.5:
+                return
+            self.achieved = ((tick - before) / span, (self.now - time) / span)
+        self._measured = (wall, tick, self.now)
