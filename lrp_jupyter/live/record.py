@@ -192,13 +192,15 @@ class Record:
         self.note_stops()
         if not self._remembers:
             self.pending_at = math.inf
-            return
-        tick, timing = self._interpreter.tick, self._timing
-        if tick >= self.checkpoints.due:
-            self.checkpoints.add(lambda: self.checkpoint(running))
-            self._forget()
-        period = 0.0 if timing.free else timing.period
-        self.pending_at = timing.now + (self.checkpoints.due - tick) * period
+        else:
+            tick, timing = self._interpreter.tick, self._timing
+            if tick >= self.checkpoints.due:
+                self.checkpoints.add(lambda: self.checkpoint(running))
+                self._forget()
+            period = 0.0 if timing.free else timing.period
+            self.pending_at = timing.now + (self.checkpoints.due - tick) * period
+        if self._stops:  # since then, by a thread whose `pending_at` this one has replaced
+            self.pending_at = 0.0
 
     def _forget(self) -> None:
         """Drop what no tick of the journal needs any more: all that is kept is bounded by the journal."""

@@ -277,6 +277,22 @@ def test_the_stop_of_another_thread_is_noted_once_by_whoever_comes_first(session
     assert [entry.what for entry in noted] == [RobotStopped(), Resumed()]
 
 
+def test_a_stop_while_a_checkpoint_is_taken_is_noted_before_the_next_tick(session):
+    loop, noted = session._loop, []
+    taken, loop.record.written = loop.record.checkpoint, noted.append
+
+    def stopped_meanwhile(running):
+        other = Thread(target=session.bridge.stop_all)
+        other.start()
+        other.join()
+        return taken(running)
+
+    loop.record.checkpoint = stopped_meanwhile
+    loop.tick()
+    loop.tick()
+    assert [(entry.tick, entry.what) for entry in noted] == [(1, RobotStopped())]
+
+
 def test_a_session_that_remembers_nothing_says_so_and_has_a_timeline():
     with Session(PROGRAM, journal=0) as session:
         session.run(1)
