@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
 
 __all__ = ["TaskEvent"]
 
@@ -26,8 +25,13 @@ class TaskEvent:
 
     async def wait(self, seconds: float | None = None) -> None:
         """Wait until it is set, at most so long; other tasks run meanwhile in any case."""
-        if seconds is not None and seconds <= 0:
+        if self._event.is_set() or (seconds is not None and seconds <= 0):
             await asyncio.sleep(0)
-            return
-        with suppress(TimeoutError):
-            await asyncio.wait_for(self._event.wait(), seconds)
+        elif seconds is None:
+            await self._event.wait()
+        else:  # `wait_for` asks for a time of the clock, which Pyodide refuses once it has passed
+            timer = self._home.call_later(seconds, self._event.set)
+            try:
+                await self._event.wait()
+            finally:
+                timer.cancel()
