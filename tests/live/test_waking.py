@@ -8,7 +8,7 @@ from lrp_jupyter.live.waking import TaskEvent
 
 
 class Strict(asyncio.SelectorEventLoop):
-    """A loop whose time jumps, as on a loaded machine, and which refuses a time that has passed, as Pyodide's."""
+    """A loop that refuses times that have passed, as Pyodide's does; time jumps, as on a loaded machine."""
 
     late = 0.0
 
