@@ -20,6 +20,7 @@ from std_msgs.msg import UInt8
 from lrp_jupyter.sim.simulation import STEP, Simulation
 
 _EVERY = 4  # physics steps between two messages
+_LATE = 0.05  # s
 
 
 def main(speed: float, world: str) -> None:
@@ -52,7 +53,10 @@ def main(speed: float, world: str) -> None:
         topics["odom"].publish(odom)
         topics["light"].publish(UInt8(readings.lights[0]))
         topics["bumper"].publish(UInt8(readings.bumper))
-        gone.wait(max(0.0, began + simulation.steps * STEP / speed - time.monotonic()))
+        ahead = began + simulation.steps * STEP / speed - time.monotonic()
+        if ahead < -_LATE:  # a robot that was held up is slow: it does not race on with an old command
+            began -= ahead
+        gone.wait(max(0.0, ahead))
 
 
 if __name__ == "__main__":
