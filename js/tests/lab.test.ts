@@ -371,6 +371,16 @@ describe("the editor", () => {
     expect(page.host.querySelector(".cm-diagnosticAction, .cm-lintRange")).toBeNull();
   });
 
+  it("sends what is typed in another text that was opened since, where nothing was or is marked", async () => {
+    page.type("; above\n");
+    page.confirm();
+    await page.drawn();
+    page.open({ document: "another", text: "(machine m)" });
+    const before = page.of("text").length;
+    page.type("; short\n");
+    expect(page.of("text").length).toBe(before + 1);
+  });
+
   it("sends what is meant with the cursor where it is now, also in a shorter text from elsewhere", () => {
     vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
     const end = page.editor.state.doc.length;

@@ -33,9 +33,9 @@ export class Underlines {
     const present: string[] = [];
     forEachDiagnostic(view.state, (mark, from, to) => present.push(identity(mark, from, to)));
     const next = wanted.map((mark) => identity(mark, mark.from, mark.to));
-    if (present.sort().join() === next.sort().join()) return;
-    this.text.become(sent);
-    view.dispatch(setDiagnostics(view.state, wanted));
+    const same = present.sort().join() === next.sort().join();
+    if (!same || !next.length) this.text.become(sent);
+    if (!same) view.dispatch(setDiagnostics(view.state, wanted));
   }
 }
 

@@ -240,15 +240,14 @@ export class Editor implements Typist {
    * if it has changes that cannot be merged with that, else null.
    */
   begin({ document, text, revision, updates, running, half_typed }: SnapshotMessage): string | null {
-    let left: string | null = null;
-    if (document === this.document && updates) this.receive(updates, revision);
-    else {
-      if (this.isAhead) left = this.text;
-      this.open(text, revision);
-    }
+    const isOther = document !== this.document || !updates;
+    const left = isOther && this.isAhead ? this.text : null;
+    if (isOther) this.open(text, revision);
+    else this.receive(updates, revision);
     this.document = document;
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
     this.answered.begin(this.confirmed, this.ahead);
+    if (isOther) this.underlines.text.become(this.answered); // it has no marks yet
     this.running.differs(this.view.state.toText(running), this.view.state.doc);
     this.typing.answered(half_typed);
     if (!this.view.hasFocus) this.typing.left(); // it was typed before the page was loaded again
