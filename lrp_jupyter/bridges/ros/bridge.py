@@ -30,19 +30,17 @@ from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
+from lrp_jupyter.bridges.ros.backends import PORTS, check_backend, make_transport
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.link import TopicLink, Transport
+from lrp_jupyter.bridges.ros.link import TopicLink
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
-from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
-from lrp_jupyter.bridges.ros.rospy import RospyTransport
 from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type, parse_address
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
-from lrp_jupyter.errors import BridgeError, NoDataYet, did_you_mean, ended
+from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 __all__ = ["RosBridge"]
 
-_BACKENDS = {"rosbridge": 9090, "rospy": 11311}  # with their ports
 _ANSWER = 1.0  # seconds that a person waits for a new connection to be made
 _ANSWER_ALL = 2.0  # … and that opening waits for those of the set-up
 
@@ -81,13 +79,8 @@ class RosBridge(Bridge):
         patience: float | str = 8.0,
     ) -> None:
         super().__init__()
-        if backend not in _BACKENDS:
-            names = " and ".join(f"`{name}`" for name in _BACKENDS)
-            raise BridgeError(
-                f"There is no back end `{backend}`, only {names}.{did_you_mean(backend, _BACKENDS)}"
-            )
-        self.backend = backend
-        self._address = parse_address(host, port, _BACKENDS[backend])
+        self.backend = check_backend(backend)
+        self._address = parse_address(host, port, PORTS[backend])
         self._patience = real_number(_number(patience), "patience")
         self._draft = Draft()
         self.wiring = Wiring(self._offer, self._withdraw)
@@ -267,7 +260,8 @@ class RosBridge(Bridge):
 
     def _start(self, searching: bool) -> None:
         """Create a link, with a new channel for each connection of the set-up."""
-        link = TopicLink(self._make_transport(), self._report, self.wiring.learned)
+        transport = make_transport(self.backend, self._address, self._warn)
+        link = TopicLink(transport, self._report, self.wiring.learned)
         self._last_status = (ConnectionState.CONNECTING, f"Connecting to {link.transport.place}.")
         self.add_method("stop", self.stop, "publish a velocity of zero on every velocity topic")
         try:
@@ -280,12 +274,6 @@ class RosBridge(Bridge):
             self.wiring.link = None
             self.nodes.clear()
             raise
-
-    def _make_transport(self) -> Transport:
-        host, port = self._address
-        if self.backend == "rospy":
-            return RospyTransport(f"http://{host}:{port}" if host else "")
-        return RosbridgeTransport(f"ws://{host or '127.0.0.1'}:{port}", self._warn)
 
     _last_status: tuple[ConnectionState, str] = (ConnectionState.DISCONNECTED, "not open")
 
@@ -368,7 +356,7 @@ class RosBridge(Bridge):
         if key == "setup":
             self.wiring.load(value)
         elif key == "host":
-            address = parse_address(value, None, _BACKENDS[self.backend])
+            address = parse_address(value, None, PORTS[self.backend])
             if address == self._address:
                 return
             self._address = address
