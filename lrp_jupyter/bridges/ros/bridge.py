@@ -10,8 +10,8 @@ without knowing of topics::
     (running [robot.move(linear_x=0.2)])
     (event there [robot.odom.x > 1])
 
-Two back ends communicate with ROS: rosbridge (the default; ROS 1 and 2, no ROS installation needed here) and
-rospy (ROS 1, where Python can import it).
+The back ends communicate with ROS: rosbridge (the default; ROS 1 and 2, no ROS installation needed here),
+rospy (ROS 1) and rclpy (ROS 2), both where Python can import them.
 
 Paper: §7.1.
 Deviation: §7.1 asks for the class of a PhaROS package when the interpreter starts; here the address
@@ -30,11 +30,11 @@ from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
-from lrp_jupyter.bridges.ros.backends import PORTS, check_backend, make_transport
+from lrp_jupyter.bridges.ros.backends import check_backend, make_transport, read_address
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import TopicLink
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
-from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type, parse_address
+from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
@@ -50,7 +50,7 @@ class RosBridge(Bridge):
 
     Parameters
     ----------
-    backend : {"rosbridge", "rospy"}
+    backend : {"rosbridge", "rospy", "rclpy"}
     host : str, optional
         Of the rosbridge server or the ROS master, ``host`` or ``host:port``. Default:
         this machine or, with rospy, the value of ``ROS_MASTER_URI``.
@@ -80,7 +80,7 @@ class RosBridge(Bridge):
     ) -> None:
         super().__init__()
         self.backend = check_backend(backend)
-        self._address = parse_address(host, port, PORTS[backend])
+        self._address = read_address(backend, host, port)
         self._patience = real_number(_number(patience), "patience")
         self._draft = Draft()
         self.wiring = Wiring(self._offer, self._withdraw)
@@ -356,7 +356,7 @@ class RosBridge(Bridge):
         if key == "setup":
             self.wiring.load(value)
         elif key == "host":
-            address = parse_address(value, None, PORTS[self.backend])
+            address = read_address(self.backend, value, None)
             if address == self._address:
                 return
             self._address = address

@@ -242,7 +242,7 @@ class Types:
         one = _DECODERS[field.base] if field.base in PRIMITIVES else self.form(field.base).decode
         if field.length < 0:
             return one
-        return _bytes if field.base in _BYTES else lambda raw: tuple(map(one, raw))
+        return _bytes if field.base in _BYTES else lambda raw: tuple(map(one, _as_list(raw)))
 
 
 # -- fields to fill -------------------------------------------------------------------------------
@@ -343,6 +343,11 @@ def _float(raw: Any) -> float:
 def _bytes(raw: Any) -> bytes:
     """Octets come as base64 over rosbridge, as bytes or a list otherwise."""
     return base64.b64decode(raw) if isinstance(raw, str) else bytes(raw)
+
+
+def _as_list(raw: Any) -> Any:
+    """Return an array of numbers, which ROS 2 gives as one of `array` or NumPy, with those of Python."""
+    return raw.tolist() if hasattr(raw, "tolist") else raw
 
 
 def _exactly(kind: type, *also: type) -> Decode:

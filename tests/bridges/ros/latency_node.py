@@ -1,7 +1,7 @@
 """The other side of the benchmark of a robot's latency: `python latency_node.py COUNT`, with rospy.
 
-It publishes a light on `/light` that is now dark, now bright, and measures with its own clock how long it takes
-until the program's command on `/cmd_vel` has changed its sign. It prints the milliseconds as a JSON list.
+It publishes a light on `/light` that is now dark, now bright, and measures with its own clock how long it
+takes until the program's command on `/cmd_vel` has changed its sign. It prints the milliseconds as JSON.
 """
 
 from __future__ import annotations

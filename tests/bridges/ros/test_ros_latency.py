@@ -1,8 +1,8 @@
 """How long a robot waits for its program: from a published message to the command of the new state.
 
-It is a benchmark, `pytest -m ros -s tests/bridges/ros/test_ros_latency.py`, which prints a row of the table in the
-documentation for each back end and rate (`CHANGES=100` measures longer). Nothing is asserted about times but that
-each change of the light is answered.
+It is a benchmark, `pytest -m ros tests/bridges/ros/test_ros_latency.py`, which prints a row of the table in
+the documentation for each back end and rate (`CHANGES=100` measures longer). Nothing is asserted about times
+but that each change of the light is answered.
 """
 
 from __future__ import annotations
@@ -57,4 +57,4 @@ def test_every_change_of_the_light_is_answered(
 def tell(capsys: pytest.CaptureFixture[str], backend: str, rate: int, times: list[float]) -> None:
     median, slow = statistics.median(times), statistics.quantiles(times, n=20)[-1]
     with capsys.disabled():
-        print(f"\n| {backend} | {rate} Hz | {median:.0f} | {slow:.0f} |")
+        sys.stdout.write(f"\n| {backend} | {rate} Hz | {median:.0f} | {slow:.0f} |\n")

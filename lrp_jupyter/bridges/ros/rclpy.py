@@ -1,0 +1,202 @@
+"""The rclpy back end: ROS 2 by its own library, where this Python can import it.
+
+Python can import it in a shell in which ROS 2 was set up (``source /opt/ros/jazzy/setup.bash``). Then ROS
+knows everything itself: the types of messages, and who publishes what with which quality of service. Unlike
+rospy it can make and end any number of nodes in a process, each in a context of its own.
+
+It follows rclpy's documentation (Humble to Kilted). No package registry carries rclpy, so it was not run with
+the real one.
+"""
+
+from __future__ import annotations
+
+import importlib
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from lrp_jupyter.bridges.ros.definitions import PRIMITIVES, Definition, canonical, parse_field
+from lrp_jupyter.bridges.ros.link import RefusedError, Transport
+from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["RclpyTransport"]
+
+_NAME = "lrp"
+_QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
+_JOIN = 1.0  # seconds that ending the thread may take
+
+
+class RclpyTransport(Transport):
+    """A node of ROS 2.
+
+    Parameters
+    ----------
+    domain : int, optional
+        Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
+    """
+
+    period = 0.5
+
+    def __init__(self, domain: int | None = None) -> None:
+        super().__init__()
+        self.place = "ROS 2" if domain is None else f"ROS 2, domain {domain}"
+        self._domain = domain
+        self._context: Any = None
+        self._node: Any = None
+        self._executor: Any = None
+        self._thread: threading.Thread | None = None
+
+    def connect(self) -> None:
+        """Create the node; other nodes are found while it exists.
+
+        Raises
+        ------
+        BridgeError
+            There is no rclpy, or it cannot make a node.
+        """
+        rclpy, executors = _import("rclpy"), _import("rclpy.executors")
+        self.disconnect()
+        self._context = _import("rclpy.context").Context()
+        try:
+            rclpy.init(args=[], context=self._context, domain_id=self._domain)
+            self._node = rclpy.create_node(_NAME, context=self._context, use_global_arguments=False)
+            self._executor = executors.SingleThreadedExecutor(context=self._context)
+            self._executor.add_node(self._node)
+        except Exception as error:  # rclpy raises RuntimeError, and errors of its middleware
+            self.disconnect()
+            raise BridgeError(f"The ROS 2 node cannot be made: {error}") from error
+        spin = partial(_spin, self._executor, executors.ExternalShutdownException)
+        self._thread = threading.Thread(target=spin, name="ROS 2", daemon=True)
+        self._thread.start()
+
+    def disconnect(self) -> None:
+        """Destroy the node."""
+        executor, self._executor = self._executor, None
+        if executor is not None:
+            executor.shutdown(timeout_sec=_JOIN)
+        thread, self._thread = self._thread, None
+        if thread is not None and thread is not threading.current_thread():
+            thread.join(_JOIN)
+        node, self._node = self._node, None
+        if node is not None:
+            node.destroy_node()
+        context, self._context = self._context, None
+        if context is not None:
+            context.try_shutdown()
+
+    def trouble(self) -> str:
+        """Return an empty text: no node speaks for the robot, only its topics do."""
+        return ""
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics of other nodes that were discovered so far."""
+        return {
+            topic: canonical(types[0])
+            for topic, types in self._node.get_topic_names_and_types()
+            if types and self.taken(topic)
+        }
+
+    def define(self, type_: str) -> Mapping[str, Definition]:
+        """Return the definitions from the classes of the installed packages.
+
+        Raises
+        ------
+        RefusedError
+            The package is not installed here.
+        """
+        found: dict[str, Definition] = {}
+        _define(type_, found)
+        return found
+
+    def taken(self, topic: str) -> bool:
+        """Return whether other nodes publish it or subscribe to it."""
+        return bool(self._others(topic, "publishers") or self._others(topic, "subscriptions"))
+
+    def _others(self, topic: str, who: str) -> list[Any]:
+        """Return what is known of the endpoints of other nodes: ``publishers`` or ``subscriptions``."""
+        own = (self._node.get_name(), self._node.get_namespace())
+        infos = getattr(self._node, f"get_{who}_info_by_topic")(topic)
+        return [info for info in infos if (info.node_name, info.node_namespace) != own]
+
+    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+        """Create a subscription that asks for no more than is offered, or a reliable publisher."""
+        qos, kind = _import("rclpy.qos"), _class_of(type_)
+        if direction == "publisher":
+            return self._node.create_publisher(kind, topic, qos.QoSProfile(depth=_QUEUE))
+        offers = [info.qos_profile for info in self._others(topic, "publishers")]
+        reliable = all(offer.reliability == qos.ReliabilityPolicy.RELIABLE for offer in offers)
+        kept = bool(offers) and all(
+            offer.durability == qos.DurabilityPolicy.TRANSIENT_LOCAL for offer in offers
+        )
+        profile = qos.QoSProfile(
+            depth=1,
+            reliability=qos.ReliabilityPolicy.RELIABLE if reliable else qos.ReliabilityPolicy.BEST_EFFORT,
+            durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if kept else qos.DurabilityPolicy.VOLATILE,
+        )
+        return self._node.create_subscription(kind, topic, receive, profile)
+
+    def leave(self, handle: Any) -> None:
+        """End a subscription or a publisher; on a node that is gone it went with it."""
+        if self._node is not None:
+            is_publisher = hasattr(handle, "publish")
+            destroy = self._node.destroy_publisher if is_publisher else self._node.destroy_subscription
+            destroy(handle)
+
+    def send(self, handle: Any, values: Mapping[str, Any], urgent: bool) -> None:
+        """Publish. A header without a stamp gets the time of this node.
+
+        Raises
+        ------
+        BridgeError
+            rclpy refuses the message.
+        """
+        message = handle.msg_type()
+        try:
+            _import("rosidl_runtime_py.set_message").set_message_fields(message, dict(values))
+            header = getattr(message, "header", None)
+            if header is not None and not (header.stamp.sec or header.stamp.nanosec):
+                header.stamp = self._node.get_clock().now().to_msg()
+            handle.publish(message)
+        except Exception as error:
+            raise BridgeError(f"`{handle.topic_name}` refuses the message: {error}") from error
+
+
+def _spin(executor: Any, end: type[Exception]) -> None:
+    """Deliver messages until the context is shut down."""
+    with suppress(end):
+        executor.spin()
+
+
+def _import(module: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise BridgeError(
+            f"This Python cannot import {module} ({error}). Start it in a shell with ROS 2 set up"
+            " (`source /opt/ros/jazzy/setup.bash`), or use the back end `dds`, which needs no ROS here."
+        ) from error
+
+
+def _class_of(type_: str) -> Any:
+    package, name = canonical(type_).split("/")
+    try:
+        return getattr(importlib.import_module(f"{package}.msg"), name)
+    except (ImportError, AttributeError):
+        raise RefusedError(
+            f"`{type_}` is not installed here. Install its package, or set up the workspace that has it."
+        ) from None
+
+
+def _define(type_: str, found: dict[str, Definition]) -> None:
+    name = canonical(type_)
+    if name in PRIMITIVES or name in found:
+        return
+    fields = {
+        field: parse_field(kind) for field, kind in _class_of(name).get_fields_and_field_types().items()
+    }
+    found[name] = Definition(name, fields)
+    for field in fields.values():
+        _define(field.base, found)

@@ -1,0 +1,257 @@
+"""The part of rclpy's interface that the bridge uses, written from its documentation, with topics in memory.
+
+rclpy comes with ROS 2 only, so what is tested with this is our side: which calls are made, what is made of
+their results, and that all is ended. Messages arrive on the executor's thread, as in rclpy, and arrays are
+those of `array` and NumPy.
+"""
+
+from __future__ import annotations
+
+import array
+import queue
+import sys
+from dataclasses import dataclass, field
+from enum import Enum
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy
+import pytest
+
+from lrp_jupyter.bridges.ros.definitions import FLOATS, INTEGERS, KNOWN, Definition, FieldType
+
+SPELLED = {"float64": "double", "float32": "float", "bool": "boolean"}
+CODES = {"float64": "d", "float32": "f", "uint8": "B", "int32": "i"}
+STAMP = Definition("builtin_interfaces/Time", {"sec": FieldType("int32"), "nanosec": FieldType("uint32")})
+HEADER = Definition("std_msgs/Header", {"stamp": FieldType(STAMP.type), "frame_id": FieldType("string")})
+TYPES = {**KNOWN, STAMP.type: STAMP, HEADER.type: HEADER}
+
+
+class ReliabilityPolicy(Enum):
+    RELIABLE = 1
+    BEST_EFFORT = 2
+
+
+class DurabilityPolicy(Enum):
+    TRANSIENT_LOCAL = 1
+    VOLATILE = 2
+
+
+@dataclass
+class QoSProfile:
+    depth: int
+    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE
+
+
+@dataclass
+class Endpoint:
+    """A publisher or a subscription of this node, or of another one."""
+
+    topic_name: str
+    msg_type: Any
+    qos_profile: QoSProfile
+    node_name: str = "robot"
+    node_namespace: str = "/"
+    callback: Any = None
+
+
+@dataclass
+class Publisher(Endpoint):
+    graph: Any = None
+
+    def publish(self, message: Any) -> None:
+        self.graph.published.append((self.topic_name, message))
+
+
+class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
+    pass
+
+
+@dataclass
+class Graph:
+    """All that there is of ROS 2."""
+
+    domain: int | None = None
+    publishers: list[Endpoint] = field(default_factory=list)
+    subscriptions: list[Endpoint] = field(default_factory=list)
+    published: list[tuple[str, Any]] = field(default_factory=list)
+    arrivals: queue.SimpleQueue[Any] = field(default_factory=queue.SimpleQueue)
+    alive: list[object] = field(default_factory=list)
+    refuses: str = ""
+
+    def other_publishes(self, topic: str, type_: str, **qos: Any) -> None:
+        self.publishers.append(Endpoint(topic, type_, QoSProfile(5, **qos)))
+
+    def deliver(self, topic: str, message: Any) -> None:
+        """Let a message of another node arrive."""
+        for subscription in self.subscriptions:
+            if subscription.topic_name == topic and subscription.callback is not None:
+                self.arrivals.put((subscription.callback, message))
+
+
+class Node:
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        graph.alive.append(self)
+
+    def get_name(self) -> str:
+        return "lrp"
+
+    def get_namespace(self) -> str:
+        return "/"
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        ends = [*self._graph.publishers, *self._graph.subscriptions]
+        spelled = {end.topic_name: end.msg_type for end in ends if isinstance(end.msg_type, str)}
+        return [(name, [type_.replace("/", "/msg/")]) for name, type_ in spelled.items()]
+
+    def get_publishers_info_by_topic(self, topic: str) -> list[Endpoint]:
+        return [end for end in self._graph.publishers if end.topic_name == topic]
+
+    def get_subscriptions_info_by_topic(self, topic: str) -> list[Endpoint]:
+        return [end for end in self._graph.subscriptions if end.topic_name == topic]
+
+    def create_publisher(self, msg_type: Any, topic: str, qos_profile: QoSProfile) -> Publisher:
+        made = Publisher(topic, msg_type, qos_profile, "lrp", graph=self._graph)
+        self._graph.publishers.append(made)
+        return made
+
+    def create_subscription(self, msg_type: Any, topic: str, callback: Any, qos_profile: Any) -> Endpoint:
+        made = Endpoint(topic, msg_type, qos_profile, "lrp", callback=callback)
+        self._graph.subscriptions.append(made)
+        return made
+
+    def destroy_publisher(self, publisher: Endpoint) -> None:
+        self._graph.publishers.remove(publisher)
+
+    def destroy_subscription(self, subscription: Endpoint) -> None:
+        self._graph.subscriptions.remove(subscription)
+
+    def get_clock(self) -> Any:
+        now = SimpleNamespace(to_msg=lambda: message_class(STAMP.type)(sec=77, nanosec=5))
+        return SimpleNamespace(now=lambda: now)
+
+    def destroy_node(self) -> None:
+        self._graph.alive.remove(self)
+
+
+class SingleThreadedExecutor:
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+
+    def add_node(self, node: Node) -> None:
+        assert node in self._graph.alive
+
+    def spin(self) -> None:
+        while (arrival := self._graph.arrivals.get()) is not None:
+            callback, message = arrival
+            callback(message)
+        raise ExternalShutdownException
+
+    def shutdown(self, timeout_sec: float) -> bool:
+        self._graph.arrivals.put(None)
+        return timeout_sec > 0
+
+
+class Context:
+    def try_shutdown(self) -> None:
+        assert self in GRAPHS[0].alive
+        GRAPHS[0].alive.remove(self)
+
+
+GRAPHS: list[Graph] = []
+_classes: dict[str, type] = {}
+
+
+def message_class(name: str) -> Any:
+    """Return a class of messages as ROS 2 generates it."""
+    if name not in _classes:
+        fields = TYPES[name].fields
+
+        def make(self: Any, **values: Any) -> None:
+            for each, kind in fields.items():
+                setattr(self, each, values.get(each, _default(kind)))
+
+        def types(cls: type) -> dict[str, str]:
+            return {each: _spelled(kind) for each, kind in fields.items()}
+
+        body = {"__init__": make, "get_fields_and_field_types": classmethod(types)}
+        _classes[name] = type(name.partition("/")[2], (), body)
+    return _classes[name]
+
+
+def _default(kind: FieldType) -> Any:
+    if kind.length > 0:
+        return numpy.zeros(kind.length, dtype=kind.base)
+    if kind.length == 0:
+        return array.array(CODES[kind.base]) if kind.base in CODES else []
+    if kind.base in FLOATS:
+        return 0.0
+    if kind.base in INTEGERS:
+        return 0
+    return {"string": "", "bool": False}[kind.base] if "/" not in kind.base else message_class(kind.base)()
+
+
+def _spelled(kind: FieldType) -> str:
+    base = SPELLED.get(kind.base, kind.base)
+    if kind.length < 0:
+        return base
+    return f"{base}[{kind.length}]" if kind.length else f"sequence<{base}>"
+
+
+def set_message_fields(message: Any, values: dict[str, Any]) -> None:
+    if GRAPHS[0].refuses:
+        raise ValueError(GRAPHS[0].refuses)
+    for name, value in values.items():
+        if isinstance(value, dict):
+            set_message_fields(getattr(message, name), value)
+        else:
+            setattr(message, name, value)
+
+
+def install(patch: pytest.MonkeyPatch) -> Graph:
+    """Make it importable as rclpy, with the packages of messages; return what it is about."""
+    graph = Graph()
+    patch.setattr(sys.modules[__name__], "GRAPHS", [graph])
+
+    def init(*, args: list[str], context: Context, domain_id: int | None) -> None:
+        assert args == []
+        graph.domain = domain_id
+        graph.alive.append(context)
+
+    def create_node(name: str, *, context: Context, use_global_arguments: bool) -> Node:
+        assert name == "lrp"
+        assert context in graph.alive
+        assert not use_global_arguments
+        return Node(graph)
+
+    def executor(context: Context) -> SingleThreadedExecutor:
+        assert context in graph.alive
+        return SingleThreadedExecutor(graph)
+
+    modules: dict[str, dict[str, Any]] = {
+        "rclpy": {"init": init, "create_node": create_node},
+        "rclpy.context": {"Context": Context},
+        "rclpy.executors": {
+            "SingleThreadedExecutor": executor,
+            "ExternalShutdownException": ExternalShutdownException,
+        },
+        "rclpy.qos": {
+            "QoSProfile": QoSProfile,
+            "ReliabilityPolicy": ReliabilityPolicy,
+            "DurabilityPolicy": DurabilityPolicy,
+        },
+        "rosidl_runtime_py": {},
+        "rosidl_runtime_py.set_message": {"set_message_fields": set_message_fields},
+    }
+    for name in TYPES:
+        package, _, kind = name.partition("/")
+        if kind:
+            modules.setdefault(package, {})
+            modules.setdefault(f"{package}.msg", {})[kind] = message_class(name)
+    for name, names in modules.items():
+        module = ModuleType(name)
+        module.__dict__.update(names)
+        patch.setitem(sys.modules, name, module)
+    return graph

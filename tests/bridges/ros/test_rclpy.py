@@ -1,0 +1,126 @@
+"""The rclpy back end, with a stand-in for rclpy: the calls it makes, and what it makes of answers."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.errors import BridgeError
+
+HERE = Path(__file__).parent
+
+
+def _stand_in() -> Any:
+    name = "rclpy_stand_in"
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, HERE / f"{name}.py")
+        assert spec is not None
+        assert spec.loader is not None
+        sys.modules[name] = module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    return sys.modules[name]
+
+
+@pytest.fixture
+def stand_in() -> Any:
+    return _stand_in()
+
+
+@pytest.fixture
+def graph(stand_in: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
+    graph = stand_in.install(monkeypatch)
+    graph.other_publishes("/odom", "nav_msgs/Odometry")
+    return graph
+
+
+@pytest.fixture
+def ros(graph: Any) -> Iterator[RosBridge]:
+    bridge = RosBridge(backend="rclpy")
+    bridge.open()
+    bridge.arm()
+    yield bridge
+    bridge.close()
+    assert graph.alive == []
+    assert [end for end in (*graph.publishers, *graph.subscriptions) if end.node_name == "lrp"] == []
+
+
+def test_topics_of_other_nodes_are_listed_with_their_types(
+    ros: RosBridge, until: Callable[..., None]
+) -> None:
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    assert dict(ros.topics) == {"/odom": "nav_msgs/Odometry"}
+
+
+def test_a_message_arrives_with_its_arrays(
+    ros: RosBridge, graph: Any, stand_in: Any, until: Callable[..., None]
+) -> None:
+    ros.subscribe("odom", "/odom")
+    message = stand_in.message_class("nav_msgs/Odometry")()
+    message.pose.pose.position.x = 1.5
+    message.pose.covariance[7] = 0.25
+    graph.deliver("/odom", message)
+    until(lambda: ros.status.state is ConnectionState.CONNECTED)
+    assert ros.robot.odom.x == 1.5
+    assert ros.robot.odom.pose.covariance[7] == 0.25
+
+
+@pytest.mark.parametrize("kind", ["BEST_EFFORT", "RELIABLE"])
+def test_a_subscription_asks_for_what_is_offered(
+    ros: RosBridge, graph: Any, stand_in: Any, kind: str
+) -> None:
+    offered = stand_in.ReliabilityPolicy[kind]
+    kept = stand_in.DurabilityPolicy.TRANSIENT_LOCAL
+    graph.other_publishes("/scan", "sensor_msgs/LaserScan", reliability=offered, durability=kept)
+    ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
+    (made,) = [end for end in graph.subscriptions if end.topic_name == "/scan"]
+    assert made.qos_profile.reliability is offered
+    assert made.qos_profile.durability is kept
+
+
+def test_a_command_is_published_reliably(ros: RosBridge, graph: Any, stand_in: Any) -> None:
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    ros.robot.move(linear=0.2, angular=-1)
+    ((topic, sent),) = graph.published
+    assert topic == "/cmd_vel"
+    assert (sent.linear.x, sent.angular.z) == (0.2, -1.0)
+    (made,) = [end for end in graph.publishers if end.topic_name == "/cmd_vel"]
+    assert made.qos_profile.reliability is stand_in.ReliabilityPolicy.RELIABLE
+    assert made.qos_profile.durability is stand_in.DurabilityPolicy.VOLATILE
+
+
+def test_a_stamped_command_has_the_time_of_the_node(ros: RosBridge, graph: Any) -> None:
+    ros.publish("move", "/cmd_vel", "geometry_msgs/TwistStamped")
+    ros.robot.move(linear=0.2)
+    ((_topic, sent),) = graph.published
+    assert (sent.header.stamp.sec, sent.header.stamp.nanosec) == (77, 5)
+    assert sent.twist.linear.x == 0.2
+
+
+def test_a_topic_of_another_type_is_refused(ros: RosBridge) -> None:
+    with pytest.raises(BridgeError, match="carries `nav_msgs/Odometry`, not `std_msgs/UInt8`"):
+        ros.subscribe("odom", "/odom", "std_msgs/UInt8")
+
+
+def test_a_type_that_is_not_installed_is_told(ros: RosBridge) -> None:
+    with pytest.raises(BridgeError, match="`lift_msgs/Lift` is not installed here"):
+        ros.subscribe("lift", "/lift", "lift_msgs/Lift")
+
+
+def test_a_message_that_rclpy_refuses_is_told(ros: RosBridge, graph: Any) -> None:
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    graph.refuses = "too fast"
+    with pytest.raises(BridgeError, match="`/cmd_vel` refuses the message: too fast"):
+        ros.robot.move(linear=0.2)
+    graph.refuses = ""
+
+
+def test_without_rclpy_it_says_what_to_do() -> None:
+    with pytest.raises(BridgeError, match=r"cannot import rclpy .*setup\.bash.*`dds`"):
+        RosBridge(backend="rclpy").open()
