@@ -37,7 +37,7 @@ class Transport(ABC):
 
     All methods are called on the link's thread and may block, for a bounded time; `send` is called
     on any thread and must not block. A failure raises `BridgeError`, and `RefusedError` where only one
-    topic is affected.
+    topic is affected. What a back end cannot know (who else commands, the round trip, a hint) has a default.
 
     Attributes
     ----------
@@ -47,10 +47,16 @@ class Transport(ABC):
         Seconds between two comparisons with the robot.
     changed : callable
         To be called, on any thread, when the link should compare at once.
+    pace : float
+        Seconds between two readings that the program can use; a topic that is faster may be thinned out.
+    round_trip : float or None
+        Seconds until the robot answers a ping, as usual of late; None where that is not measured.
     """
 
     place: str = ""
     period: float = 2.0
+    pace: float = 0.01
+    round_trip: float | None = None
 
     def __init__(self) -> None:
         self.changed: Callable[[], None] = lambda: None
@@ -89,7 +95,18 @@ class Transport(ABC):
 
     @abstractmethod
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish; only a message that is `urgent` (a stop) goes to a robot that does not answer."""
+        """Publish; only a message that is `urgent` (a stop) goes to a robot that does not answer.
+
+        The time stamp of a header that the program did not set is missing: it becomes the time of sending.
+        """
+
+    def commanders(self, topic: str) -> tuple[str, ...]:
+        """Return the other nodes that publish on a topic now. Default: none is known."""
+        return ()
+
+    def hint(self, handle: object) -> str:
+        """Return why nothing arrives in a subscription, in a sentence. Default: it is not known."""
+        return ""
 
 
 OnStatus = Callable[[ConnectionState, str], None]
