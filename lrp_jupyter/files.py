@@ -10,16 +10,19 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+import traceback
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
-from lrp_jupyter.errors import FileError, ended
+from lrp_jupyter.errors import FileError, LRPError, ended, sentence_of
 
 __all__ = [
     "append_line",
     "decoded",
     "read_file",
     "read_text",
+    "run_python",
     "shown",
     "unreadable",
     "unwritable",
@@ -130,6 +133,32 @@ def read_text(path: str | os.PathLike[str]) -> str:
     except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
         raise unreadable(path, error) from error
     return decoded(data, f"`{shown(path)}`")
+
+
+def run_python(path: str | os.PathLike[str], names: dict[str, Any]) -> None:
+    """Run a Python file of the user with these global names.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read.
+    LRPError
+        It raised something; the message has the line of the file, and the cause is what it raised.
+    """
+    try:
+        exec(compile(read_text(path), str(path), "exec"), names)
+    except FileError:
+        raise
+    except Exception as error:
+        raise LRPError(f"{shown(path)}{_line(error, str(path))}: {sentence_of(error)}") from error
+
+
+def _line(error: Exception, path: str) -> str:
+    """Return which line of a file failed, in words."""
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == path]
+    line = error.lineno if isinstance(error, SyntaxError) else (lines or [None])[-1]
+    return "" if line is None else f", line {line}"
 
 
 def unreadable(path: str | os.PathLike[str], error: OSError | ValueError) -> FileError:

@@ -1,7 +1,8 @@
 """Discovery of the available bridges, and the choice among them.
 
 Packages offer bridges as entry points of the group ``lrp.bridges``; a class defined in a notebook
-is there as soon as it is defined, and wins over a package's of the same name. Listing them
+is there as soon as it is defined, and wins over a package's of the same name. A Python file that
+defines one can be named in the place of a bridge: ``--bridge mine.py``. Listing them
 imports nothing: a bridge's own libraries are loaded when it is opened.
 
 Paper: §7.3 (the interpreter finds the subclass of the abstract bridge by reflection).
@@ -19,10 +20,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.errors import BridgeError, did_you_mean
+from lrp_jupyter.files import run_python
 
 __all__ = ["GROUP", "Offer", "check_options", "choose_bridge", "find_bridges", "make_bridge", "open_bridge"]
 
@@ -99,17 +103,43 @@ def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:
 
     The default is the simulator for lab, magic and command line, and ``"none"`` for a session.
 
+    Parameters
+    ----------
+    explicit : str, optional
+        A name, or a Python file that defines a bridge: it is run, and the name is that of its last one.
+    default : str
+
     Raises
     ------
     BridgeError
-        There is no bridge of that name; the message lists the known ones.
+        There is no bridge of that name, and the message lists the known ones; or the file defines none.
+    LRPError
+        The file cannot be read, or raises something.
     """
     name = explicit or default
+    if name.endswith(".py"):
+        return _from_file(name)
     known = find_bridges()
     if name not in known:
         listed = ", ".join(f"`{other}`" for other in known)
-        raise BridgeError(f"There is no bridge `{name}`; there are {listed}.{did_you_mean(name, known)}")
+        hint = did_you_mean(name, known) or " Or name a Python file that defines one, as in `mine.py`."
+        raise BridgeError(f"There is no bridge `{name}`; there are {listed}.{hint}")
     return name
+
+
+def _from_file(path: str) -> str:
+    """Run a Python file and return the name of the bridge that it defines last."""
+    before = list(Bridge.registry.values())
+    module = ModuleType(f"lrp_bridge_{Path(path).stem}")
+    module.__file__ = path
+    sys.modules[module.__name__] = module  # where a dataclass looks for the names in its annotations
+    run_python(path, vars(module))
+    new = [
+        name for name, kind in Bridge.registry.items() if kind not in before and not inspect.isabstract(kind)
+    ]
+    if not new:
+        raise BridgeError(f"`{path}` defines no bridge. Write a subclass of `Bridge` in it.")
+    return new[-1]
 
 
 def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
@@ -137,7 +167,8 @@ def _class_of(which: str | type[Bridge] | None) -> type[Bridge]:
     if which is None:
         return NullBridge
     if isinstance(which, str):
-        return find_bridges()[choose_bridge(which)].load()
+        name = choose_bridge(which)  # first: a file that it runs defines one
+        return find_bridges()[name].load()
     if isinstance(which, type) and issubclass(which, Bridge):
         return which
     kind = which.__name__ if isinstance(which, type) else type(which).__name__

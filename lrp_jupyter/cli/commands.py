@@ -137,7 +137,9 @@ def run(
         str | None,
         typer.Option(
             autocompletion=complete.bridges,
-            help="The robot: see `lrp bridges`. Naming hardware arms it. Default: the simulator.",
+            metavar="NAME|FILE",
+            help="The robot: see `lrp bridges`, or a Python file with a bridge. Naming hardware arms it."
+            " Default: the simulator.",
         ),
     ] = None,
     world: Annotated[

@@ -40,7 +40,7 @@ def shipped_notebooks() -> Path:
 
 
 def copy_notebooks(folder: Path) -> list[Path]:
-    """Copy the notebooks and their pictures to a folder, without overwriting existing files.
+    """Copy notebooks, pictures and example bridges to a folder, without overwriting existing files.
 
     Returns
     -------
@@ -51,7 +51,8 @@ def copy_notebooks(folder: Path) -> list[Path]:
     source = shipped_notebooks()
     for file in sorted(source.rglob("*")):
         target = folder / file.relative_to(source)
-        if file.suffix in (".ipynb", ".svg", ".png", ".json") and not os.path.lexists(target):
+        wanted = file.suffix in (".ipynb", ".svg", ".png", ".json") or file.match("bridges/*.py")
+        if wanted and not os.path.lexists(target):
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(file, target)
             copied.append(target)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import traceback
 from pathlib import Path
 
-from lrp_jupyter.errors import FileError, LRPError, did_you_mean, sentence_of
-from lrp_jupyter.files import read_text
+from lrp_jupyter.errors import LRPError, did_you_mean
+from lrp_jupyter.files import run_python
 from lrp_jupyter.grading.bundled import BUNDLED
 from lrp_jupyter.grading.challenge import Challenge, Hint, folder
 
@@ -71,25 +70,13 @@ def load(what: str | os.PathLike[str]) -> Challenge:
     names = {"__name__": f"challenge in {path.name}", "__file__": str(path)}
     token = folder.set(path.parent)
     try:
-        exec(compile(read_text(path), str(path), "exec"), names)
-    except FileError:
-        raise
-    except Exception as error:
-        raise LRPError(f"{path}{_line(error, path)}: {sentence_of(error)}") from error
+        run_python(path, names)
     finally:
         folder.reset(token)
     latest = challenges()[-1]
     if latest is before:
         raise LRPError(f"{path} registers no challenge. Let it call `register(Challenge(…))`.")
     return latest
-
-
-def _line(error: Exception, path: Path) -> str:
-    """Return which line of a file failed, in words."""
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == str(path)]
-    line = error.lineno if isinstance(error, SyntaxError) else (lines or [None])[-1]
-    return "" if line is None else f", line {line}"
 
 
 def _plain(name: str) -> str:

@@ -13,7 +13,7 @@ import pytest
 from lrp_jupyter.bridges import discovery
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge, open_bridge
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, LRPError
 
 
 @pytest.fixture
@@ -256,3 +256,69 @@ def test_a_text_for_an_option_that_is_a_number_is_read_as_one(registry: dict[str
     assert make_bridge("test-knob", port="7", name="8", gain="0.5").taken == (7, "8", 0.5)  # type: ignore[attr-defined]
     with pytest.raises(BridgeError, match="`port=seven` is not a number"):
         make_bridge("test-knob", port="seven")
+
+
+# -- a bridge in a Python file --------------------------------------------------------------------
+
+MINE = """
+from __future__ import annotations
+from dataclasses import dataclass
+from typing import ClassVar
+from lrp_jupyter import Bridge
+
+@dataclass
+class Pose:
+    x: float
+    count: ClassVar[int] = 0
+
+class Mine(Bridge):
+    name = "test-mine"
+
+    def __init__(self, depth: int = 3):
+        self.depth = depth
+
+    def open_interface(self):
+        self.add_variable("depth", lambda: self.depth, "below the surface", "m")
+"""
+
+
+def test_a_python_file_can_be_named_in_the_place_of_a_bridge(registry: object, tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(MINE)
+    assert choose_bridge(str(file)) == "test-mine"
+    bridge = open_bridge(str(file), depth=4)
+    assert bridge.robot.depth == 4
+    bridge.close()
+
+
+def test_a_file_that_was_changed_is_run_again(registry: object, tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(MINE)
+    assert make_bridge(str(file)).depth == 3  # type: ignore[attr-defined]
+    file.write_text(MINE.replace("depth: int = 3", "depth: int = 5"))
+    assert make_bridge(str(file)).depth == 5  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x = 1", "defines no bridge. Write a subclass of `Bridge` in it."),
+        ("from lrp_jupyter import Bridge\nclass Half(Bridge): pass", "defines no bridge."),
+        ("import nothing_of_that_name", "line 1: ModuleNotFoundError: No module named"),
+        ("x = 1\ny = (", "line 2: SyntaxError"),
+    ],
+)
+def test_a_file_without_a_usable_bridge_is_told_in_a_sentence(
+    registry: object, tmp_path: Path, text: str, sentence: str
+) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(text)
+    with pytest.raises(LRPError) as raised:
+        choose_bridge(str(file))
+    assert "mine.py" in str(raised.value)
+    assert sentence in str(raised.value)
+
+
+def test_a_file_that_is_not_there_is_told_with_its_name(tmp_path: Path) -> None:
+    with pytest.raises(LRPError, match=r"`.*other\.py` cannot be read: No such file"):
+        choose_bridge(str(tmp_path / "other.py"))

@@ -163,6 +163,7 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--world", "lin"], "Did you mean `line`?"),
         (["--world", "no.json"], "cannot be read"),
         (["--bridge", "simm"], "There is no bridge `simm`"),
+        (["--bridge", "no/such/bridge.py"], "`no/such/bridge.py` cannot be read: No such file or directory."),
         (["--bridge", "none", "--world", "line"], "--world is for the simulator"),
         (["--bridge", "none", "--option", "port=1"], "has no question `port`"),
         (["--bridge", "sim", "--host", "10.0.0.1"], "no option `host`"),
