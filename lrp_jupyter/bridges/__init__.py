@@ -5,6 +5,7 @@ Paper: §7.
 
 from lrp_jupyter.bridges.bridge import Bridge, Member, MemberError, NullBridge, Panel, Robot, Twist
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge, open_bridge
+from lrp_jupyter.bridges.guard import Stopper
 
 __all__ = [
     "Bridge",
@@ -13,6 +14,7 @@ __all__ = [
     "NullBridge",
     "Panel",
     "Robot",
+    "Stopper",
     "Twist",
     "choose_bridge",
     "find_bridges",

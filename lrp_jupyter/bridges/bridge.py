@@ -18,7 +18,7 @@ A bridge for a robot of one's own needs one method::
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
 `add_members`, `close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`,
-`press`, `panel`. A session calls, on the interpreter's thread unless stated otherwise::
+`press`, `panel`, `stopper`. A session calls, on the interpreter's thread unless stated otherwise::
 
     bridge.open()                          # once
     bridge.on_start()                      # the program starts
@@ -142,13 +142,11 @@ class Bridge(Interface, ABC):
         bridge = super().__new__(cls)
         bridge._ticks = 0
         bridge._status = BridgeStatus(ConnectionState.DISCONNECTED, f"`{cls.name}` is not open.")
-        bridge._is_open = False
         bridge._opened_panel = None
         return bridge
 
     _ticks: int
     _status: BridgeStatus
-    _is_open: bool
     _opened_panel: Panel | None
 
     # -- what the author of a bridge writes -------------------------------------------------------
@@ -334,11 +332,6 @@ class Bridge(Interface, ABC):
         connection = ConnectionState(state)
         self._status = BridgeStatus(connection, sentence or f"`{self.name}` is {connection.value}.")
 
-    @property
-    def is_open(self) -> bool:
-        """Whether `open` succeeded and `close` was not called since."""
-        return self._is_open
-
     def open(self) -> Panel | None:
         """Open the interface, once; return the panel.
 
@@ -360,6 +353,7 @@ class Bridge(Interface, ABC):
                 raise
             raise BridgeError(f"The bridge `{self.name}` could not be opened: {sentence}") from error
         self._is_open = True
+        self._begin_guarding()
         if self._status.state is ConnectionState.CONNECTING:
             self.set_status(ConnectionState.CONNECTED)
         return self._opened_panel
@@ -370,6 +364,7 @@ class Bridge(Interface, ABC):
             return
         self.stop_all()
         self._is_open = False
+        self._guard.end()
         try:
             self.close_interface()
         except KeyboardInterrupt:

@@ -12,13 +12,14 @@ import inspect
 from collections.abc import Callable
 from typing import ClassVar, Self
 
+from lrp_jupyter.bridges.guard import NOBODY, Guard, Stopper
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.robot import Robot
-from lrp_jupyter.bridges.safety import CommandRecord, Origin, Safety
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.bridges.safety import CommandRecord, Notice, NoticeKind, Origin, Safety
+from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = ["Interface"]
 
@@ -57,6 +58,8 @@ class Interface:
         interface.readings = {}
         interface.origin = Origin
         interface.outside = _ignore
+        interface._is_open = False
+        interface._guard = Guard(interface)
         return interface
 
     nodes: Nodes
@@ -66,6 +69,13 @@ class Interface:
     readings: dict[str, object]
     origin: Callable[[], Origin]
     outside: Callable[[object, bool], object]
+    _is_open: bool
+    _guard: Guard
+
+    @property
+    def is_open(self) -> bool:
+        """Whether `open` succeeded and `close` was not called since."""
+        return self._is_open
 
     # -- members ----------------------------------------------------------------------------------
 
@@ -174,19 +184,80 @@ class Interface:
     # -- commands and safety ----------------------------------------------------------------------
 
     def arm(self) -> None:
-        """Arm the bridge: commands are sent from now on."""
+        """Arm the bridge: commands are sent from now on, and a guard watches this process."""
         if not self.safety.armed:
             self.safety.armed = True
             self.outside(RobotArmed(True), False)
-            self.safety.notice("armed", f"`{self.name}` is armed: commands move the robot.")
+            who = f"`{self.name}` is armed: commands move the robot. {self.failsafe}"
+            self.safety.notice("armed", who.rstrip())
+            self._begin_guarding()
+        self.safety.go_on()
 
     def disarm(self) -> None:
         """Stop the robot and disarm the bridge: commands are recorded and shown, not sent."""
         if self.safety.armed:
             self.stop_all()
             self.safety.armed = False
+            self._guard.end()
             self.outside(RobotArmed(False), False)
             self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent.")
+
+    def stopper(self) -> Stopper | None:
+        """Return how another process can stop the robot when this one is dead or suspended. Default: None.
+
+        Asked ten times a second while the bridge is open and armed, on a thread of its own: it returns at
+        once. The process connects to the robot when it is asked first, and again when another `Stopper` is
+        returned.
+        """
+        return None
+
+    @property
+    def failsafe(self) -> str:
+        """Who stops the robot when this program or this computer dies: a sentence; empty for a simulation."""
+        if not self.hardware:
+            return ""
+        try:
+            guarded, trouble = self.stopper() is not None, self._guard.trouble
+        except Exception as error:
+            guarded, trouble = True, sentence_of(error)
+        if trouble:
+            return f"{NOBODY.removesuffix('.')}. The robot is not guarded: {trouble}"
+        return self.guarded_by if guarded else NOBODY
+
+    guarded_by: ClassVar[str] = (
+        "If this program dies or hangs, a guard process stops the robot. If this computer sleeps or is cut"
+        " off, nobody does, unless the robot stops by itself."
+    )
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether the robot may move by a command that was sent since the last stop."""
+        return bool(self.safety.driven)
+
+    def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
+        """Return whether the robot may move by a command. Default: by any but a velocity of zero."""
+        return _moves(arguments) if method.velocity else True
+
+    def notice(self, kind: NoticeKind, text: str) -> Notice:
+        """Log a notice; for the guard."""
+        return self.safety.notice(kind, text)
+
+    def lapse(self, what: Callable[[], str]) -> None:
+        """Stop the robot, and send nothing until a person goes on: this process was suspended.
+
+        Parameters
+        ----------
+        what : callable
+            Returns a sentence about it, after the stop.
+        """
+        self.safety.suspend()
+        self.stop_all()
+        self.safety.suspend(what())
+        self.safety.notice("guard", self.safety.suspended)
+
+    def _begin_guarding(self) -> None:
+        if self.hardware and self.safety.armed:
+            self._guard.start()
 
     def stop(self) -> None:
         """Stop the robot. Called on any thread, at any time, also while disarmed.
@@ -227,11 +298,13 @@ class Interface:
         """
         if not method.command:
             return method.perform(command)
-        safety = self.safety
+        safety, guard = self.safety, self._guard
         origin = self.origin()
         clamped = method.clamp(command)
         for name, sentence in clamped.items():
             safety.notice("limited", sentence, f"{method.path} {name} {origin.line}", origin)
+        if guard.is_on:
+            guard.check()
         sent = safety.admit()
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
         limited = tuple(clamped.values())
@@ -239,10 +312,16 @@ class Interface:
         self.outside(RobotCommanded(method.path, arguments), False)
         if not sent:
             if safety.armed:
-                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped in this tick.")
+                why = safety.suspended or "the robot was stopped in this tick."
+                safety.notice("held", f"`{method.path}` was not sent: {why[0].lower()}{why[1:]}")
             else:
                 safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")
             return None
+        if guard.is_on:
+            stood = not safety.driven
+            safety.drive(method.path, self.drives(method, arguments))
+            if stood and safety.driven:
+                guard.moves()  # first: this process may die right after the command
         if method.velocity:
             safety.moving(method.path, _moves(arguments), method.mover)
         try:

@@ -19,7 +19,9 @@ from lrp_jupyter.errors import sentence_of
 
 __all__ = ["BY_HAND", "COMMANDS", "CommandRecord", "Motion", "Notice", "Origin", "Safety", "patience"]
 
-NoticeKind = Literal["armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "fault"]
+NoticeKind = Literal[
+    "armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "guard", "fault"
+]
 
 Motion = dict[str, tuple[str, float]]
 """The robots that move, by name, with the last velocity command and its time; never changed in place."""
@@ -128,6 +130,12 @@ class Safety:
         self.now = 0.0
         self.period = 0.0
         self.held = False
+        self.blocked = False
+        """Whether nothing is sent until a person goes on."""
+        self.suspended = ""
+        """Why that is so: a sentence, as soon as it is known."""
+        self.driven: frozenset[str] = frozenset()
+        """The commands that were sent since the last stop, and may move the robot."""
         self.sent = 0
         """How many commands were sent in this tick."""
         self.most: int | None = None
@@ -222,7 +230,7 @@ class Safety:
         self.now, self.period = now, period
         self._last_tick = now
         self._overdue_reported = False
-        self.held = False
+        self.held = self.blocked
         self.sent = 0
 
     def admit(self) -> bool:
@@ -250,10 +258,24 @@ class Safety:
         others = {other: motion for other, motion in self._moving.items() if other != mover}
         self._moving = {**others, mover: (name, self.now)} if is_moving else others
 
+    def drive(self, name: str, moves: bool) -> None:
+        """Register a command that is to be sent: whether the robot may move by it."""
+        if moves is not (name in self.driven):
+            self.driven = self.driven | {name} if moves else self.driven - {name}
+
+    def suspend(self, sentence: str = "") -> None:
+        """Send nothing until a person goes on."""
+        self.blocked, self.held, self.suspended = True, True, sentence
+
+    def go_on(self) -> None:
+        """Send commands again: a person has seen why they were held."""
+        if self.blocked:
+            self.blocked, self.held, self.suspended = False, False, ""
+
     def stopped(self) -> None:
         """Register a stop: nothing more is sent in this tick."""
         self._moving = {}
-        self.held = self.ticking
+        self.held = self.ticking or self.blocked
 
     def run_stop(self, stop: Callable[[], None], timeout: float | None) -> bool:
         """Call a bridge's `stop`: on a thread of its own if it may block. Never raises.
@@ -284,12 +306,14 @@ class Safety:
                 failures.append(f"no answer for {timeout:g} s.")
         if failures:
             self.notice("fault", f"The robot may not have stopped: {failures[0]}")
+        else:
+            self.driven = frozenset()
         return not failures
 
     def rest(self) -> None:
         """Expect no ticks for now: the program is paused or has ended."""
         self._last_tick = None
-        self.held = False
+        self.held = self.blocked
 
     def commands_overdue(self, now: float) -> dict[str, str]:
         """Return the notices for the robots that move without new commands."""

@@ -228,6 +228,8 @@ class Loop:
             self._pause_at(hit)
         if interpreter.paused and self.status == "running":
             self._stop_at_issue()
+        if bridge.safety.suspended:
+            self.pause(bridge.safety.suspended)
 
     def settle(self) -> None:
         """Apply what waits to be done to the robot's world."""
@@ -547,6 +549,7 @@ class Loop:
             return
         first, self._unstarted = self.status == "ready" or self._unstarted, False
         self.status, self.reason, self.paused_by = "running", "", None
+        self.bridge.safety.go_on()
         self.timing.resume()
         with self.record.deriving():
             self._call_hook(self.bridge.on_start if first else self.bridge.on_resume)
@@ -557,6 +560,7 @@ class Loop:
         """Run one tick and one period of time; paused before and after. Paper: §6.3."""
         timing = self.timing
         self.pause()
+        self.bridge.safety.go_on()
         if self.status == "ready" or self._unstarted:
             self._unstarted = False
             self._call_hook(self.bridge.on_start)

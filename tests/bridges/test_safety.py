@@ -42,7 +42,7 @@ def test_arming_sends_from_then_on_and_nothing_of_before(disarmed: Any) -> None:
     assert disarmed.sent == []
     disarmed.robot.move(linear=0.3)
     assert disarmed.sent == [(0.3, 0.0)]
-    assert texts(disarmed)[1:] == ["`test-cart` is armed: commands move the robot."]
+    assert texts(disarmed)[1:] == [f"`test-cart` is armed: commands move the robot. {disarmed.failsafe}"]
 
 
 def test_disarming_stops_the_robot_first(cart: Any) -> None:

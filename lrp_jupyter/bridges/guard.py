@@ -1,0 +1,325 @@
+"""The guard: a process that stops the robot when this one cannot do it any more.
+
+While hardware is armed, a thread sends beats through a pipe, ten in a second. The process at its other end
+(:mod:`~lrp_jupyter.bridges.guard_process`) stops the robot by the bridge's `Stopper` when the pipe closes or
+no beat comes for a second: after ``kill -9``, a crash, a call of C that keeps the interpreter lock, or while
+this process is suspended. When it wakes up, it finds that its last beat is old *before* it sends a command,
+stops the robot itself, and sends nothing until a person goes on.
+
+The process acts only where something may move: it is told so before the first command that moves the robot,
+and that it stands after a stop. So it does not disturb another driver of the same robot.
+"""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+import weakref
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from lrp_jupyter.bridges.safety import Notice, NoticeKind
+from lrp_jupyter.errors import BridgeError, ended, sentence_of
+
+__all__ = ["NOBODY", "SILENCE", "Guard", "Guarded", "Stopper", "now"]
+
+SILENCE = 1.0
+"""Seconds without a beat after which the process stops the robot."""
+NOBODY = "Nobody stops the robot when this program or this computer dies: it goes on with its last command."
+
+_BEAT = 0.1  # s between two beats
+_LAPSE = 0.8 * SILENCE  # s after which this side takes itself for suspended: sooner than the other side does
+_CONNECT = 5.0  # s that the process may take to reach the robot before it is reported
+_STEADY = 5.0  # s: a process that ended earlier after its start is not started again
+_JOIN = 1.0  # s that ending the thread may take
+_REPORT = 0.3  # s to wait for the report of what happened meanwhile
+
+
+def now() -> float:
+    """Return seconds of a clock that goes on while the computer sleeps, where it has one."""
+    clock = getattr(time, "CLOCK_BOOTTIME", getattr(time, "CLOCK_MONOTONIC", None))
+    return time.monotonic() if clock is None else time.clock_gettime(clock)
+
+
+@dataclass(frozen=True, slots=True)
+class Stopper:
+    """How another process can stop a robot.
+
+    Parameters
+    ----------
+    target : str, class or function
+        ``"module:Class"`` or ``"module:function"``, or the object itself, also one of a notebook. A class
+        connects in its constructor and has the methods ``stop()`` and, where wanted, ``close()``. A subclass
+        of `Bridge` is opened, and its ``stop`` is called; a function is called for every stop.
+    arguments : mapping of str to object
+        Keyword arguments of the class or the function, with a JSON form.
+    """
+
+    target: str | Callable[..., object]
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+    def as_json(self) -> str:
+        """Return a text in one line.
+
+        Raises
+        ------
+        BridgeError
+            The target or an argument cannot be sent to another process.
+        """
+        target: dict[str, str] = {}
+        if isinstance(self.target, str):
+            target["name"] = self.target
+        try:
+            if not target:
+                import cloudpickle
+
+                target["pickled"] = base64.b64encode(cloudpickle.dumps(self.target)).decode()
+            return json.dumps({**target, "arguments": dict(self.arguments)})
+        except Exception as error:  # whatever the objects to be pickled raise
+            raise BridgeError(
+                f"The stopper cannot be sent to another process. {sentence_of(error)}"
+            ) from error
+
+
+class Guarded(Protocol):
+    """What a guard needs to know of its bridge."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is connected."""
+        ...
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether the robot may move by a command."""
+        ...
+
+    def stopper(self) -> Stopper | None:
+        """Return how another process can stop the robot."""
+        ...
+
+    def lapse(self, what: Callable[[], str]) -> None:
+        """Stop the robot and send nothing more: this process was suspended. `what` returns a sentence."""
+        ...
+
+    def notice(self, kind: NoticeKind, text: str) -> Notice:
+        """Log a notice."""
+        ...
+
+
+class Guard:
+    """The near end of the guard of one bridge.
+
+    Owner: its thread. `check` and `moves` are called on the thread that commands the robot, before it does.
+
+    Parameters
+    ----------
+    bridge : Guarded
+
+    Attributes
+    ----------
+    is_on : bool
+    trouble : str
+        Why the robot is not guarded; empty if it is, or if the bridge has no stopper.
+    """
+
+    def __init__(self, bridge: Guarded) -> None:
+        self._bridge = weakref.ref(bridge)
+        self.is_on = False
+        self.trouble = ""
+        self._beat = 0.0
+        self._stopper: Stopper | None = None
+        self._process: _Process | None = None
+        self._end = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._changing = threading.Lock()
+
+    def start(self) -> None:
+        """Guard the robot from now on; idempotent."""
+        with self._changing:
+            if self.is_on:
+                return
+            self.is_on, self.trouble, self._stopper = True, "", None
+            self._beat = now()
+            self._end = threading.Event()
+            self._thread = threading.Thread(target=self._run, args=(self._end,), name="guard", daemon=True)
+            self._thread.start()
+
+    def end(self) -> None:
+        """End the process, which does nothing more to the robot; idempotent."""
+        with self._changing:
+            self.is_on = False
+            self._end.set()
+            process, self._process = self._process, None
+            thread, self._thread = self._thread, None
+        if process is not None:
+            process.end()
+        if thread is not None and thread is not threading.current_thread():
+            thread.join(_JOIN)
+
+    def check(self) -> None:
+        """Have the bridge stop where this process was suspended; before a command is sent."""
+        silence = now() - self._beat
+        bridge = self._bridge()
+        if silence > _LAPSE and bridge is not None and bridge.in_motion:
+            bridge.lapse(lambda: self._lapsed(silence))
+
+    def moves(self) -> None:
+        """Tell the process, before the command that moves the robot is sent."""
+        process = self._process
+        if process is not None:
+            process.beat(lambda: True)
+
+    # -- on its thread --------------------------------------------------------------------------------
+
+    def _run(self, over: threading.Event) -> None:
+        while (bridge := self._bridge()) is not None:
+            self.check()
+            process = self._process
+            if process is not None and process.stopped.is_set():  # though this side was in time
+                bridge.lapse(lambda: self._lapsed(SILENCE))
+            self._beat = now()
+            try:
+                self._attend(bridge, over)
+            except Exception as error:  # also the bridge's own, in `stopper`
+                self._stopper = None
+                self._report(bridge, sentence_of(error))
+            process = self._process
+            if process is not None:
+                process.beat(lambda: bridge.in_motion)
+            del bridge, process
+            if over.wait(_BEAT):
+                return
+        self.end()
+
+    def _lapsed(self, silence: float) -> str:
+        """Return what happened meanwhile, as the process reports it."""
+        process = self._process
+        by_guard = process is not None and process.stopped.wait(_REPORT)
+        if process is not None:
+            process.stopped.clear()
+        return (
+            f"This program was suspended for {silence:.1f} s"
+            f"{', and the guard stopped the robot' if by_guard else ': the robot was stopped'}. "
+            "Resume it when the way is clear."
+        )
+
+    def _attend(self, bridge: Guarded, over: threading.Event) -> None:
+        """Start a process where there is none, or one for another stopper; report what is wrong with it."""
+        stopper = bridge.stopper() if bridge.is_open else None
+        process = self._process
+        changed = stopper != self._stopper
+        if changed:
+            self._stopper, self.trouble = stopper, ""
+        if process is not None and (changed or process.is_gone):
+            with self._changing:
+                self._process = None
+            process.end()
+            if not changed:
+                self._lost(bridge, process)
+        if stopper is not None and self._process is None and not self.trouble:
+            process = _Process(stopper)
+            with self._changing:
+                if not over.is_set():
+                    self._process = process
+            if over.is_set():
+                process.end()
+        if self._process is not None:
+            self._report(bridge, self._process.problem())
+
+    def _lost(self, bridge: Guarded, process: _Process) -> None:
+        """Report a process that has ended by itself; there is to be another one unless it ended at once."""
+        how = f"The guard process ended by itself (exit code {process.exit_code})"
+        if now() - process.began > _STEADY:
+            self.trouble = ""
+            bridge.notice("guard", f"{how}. Another one is started.")
+        else:
+            self._report(bridge, f"{how}. Arm the robot again to start another one.")
+
+    def _report(self, bridge: Guarded, problem: str) -> None:
+        before, self.trouble = self.trouble, problem
+        if problem and problem != before:
+            bridge.notice("guard", f"The robot is not guarded. {ended(problem)}")
+        elif before and not problem:
+            bridge.notice("guard", "The robot is guarded again.")
+
+
+class _Process:
+    """One guard process, with a thread that listens to it until it has ended.
+
+    Raises
+    ------
+    BridgeError
+        It cannot be started.
+    """
+
+    def __init__(self, stopper: Stopper) -> None:
+        first = stopper.as_json().encode() + b"\n"
+        self.began = now()
+        self.stopped = threading.Event()
+        self.is_gone = False
+        self.exit_code: int | None = None
+        self._is_ready = False
+        self._failure = ""
+        self._writing = threading.Lock()
+        if sys.platform == "emscripten":
+            raise BridgeError("A page of a browser cannot start a process.")
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "lrp_jupyter.bridges.guard_process"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                bufsize=0,
+                start_new_session=True,  # neither Ctrl-C in the terminal nor the end of a kernel's group
+                creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            )
+        except OSError as error:
+            raise BridgeError(f"The guard process cannot be started: {error.strerror or error}.") from error
+        threading.Thread(target=self._listen, name="guard's reports", daemon=True).start()
+        assert self._process.stdin is not None
+        self._pipe = self._process.stdin
+        with contextlib.suppress(OSError):  # it has ended: `_listen` finds out
+            while first:
+                first = first[self._pipe.write(first) or 0 :]
+            if os.name == "posix":  # a process that hangs must not hold up a tick
+                os.set_blocking(self._pipe.fileno(), False)
+
+    def problem(self) -> str:
+        """Return why it cannot stop the robot; empty if it can, or may still be connecting."""
+        if self._failure or self._is_ready or now() - self.began < _CONNECT:
+            return self._failure
+        return f"The guard process has not reached the robot within {_CONNECT:g} s."
+
+    def beat(self, moves: Callable[[], bool]) -> None:
+        """Send a beat: whether the robot may move, which is asked at the last moment."""
+        with self._writing, contextlib.suppress(OSError):
+            if not self._pipe.closed:
+                self._pipe.write(b"m" if moves() else b"s")
+
+    def end(self) -> None:
+        """Have it end, without touching the robot."""
+        with self._writing, contextlib.suppress(OSError):
+            self._pipe.write(b"e")
+        self._pipe.close()
+
+    def _listen(self) -> None:
+        process = self._process
+        assert process.stdout is not None
+        with process.stdout as reports:
+            for line in iter(reports.readline, b""):
+                what, _, text = line.decode(errors="replace").strip().partition(" ")
+                if what == "stopped":
+                    self.stopped.set()
+                else:
+                    self._is_ready, self._failure = what == "ready", text
+        self.exit_code = process.wait()
+        self.is_gone = True
