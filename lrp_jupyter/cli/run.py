@@ -224,7 +224,8 @@ class _Run:
         self._was_hung = False
         self._stuck = ""  # a sentence about the block because of which the run was ended
         self._notices: set[str] = set()  # of the robot, printed already
-        self._connection = ConnectionState.CONNECTED
+        # where nothing real moves, being connected is nothing to say
+        self._connection = None if session.bridge.hardware else ConnectionState.CONNECTED
         self._last: deque[str] = deque(maxlen=_LAST)
         self._values: dict[Path, str] = {}
         self.pace: Pace

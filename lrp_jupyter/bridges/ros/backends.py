@@ -1,8 +1,16 @@
-"""The back ends of the ROS bridge, i.e. the ways to communicate with ROS, by their names."""
+"""The back ends of the ROS bridge, i.e. the ways to communicate with ROS, and the choice among them.
+
+A person who names none gets the one for which the environment is set up, since it knows most: the shell of
+somebody who works with ROS. Otherwise it is the first one that answers.
+"""
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.util import find_spec
 
 from lrp_jupyter.bridges.ros.link import Transport
 from lrp_jupyter.bridges.ros.rclpy import RclpyTransport
@@ -11,58 +19,119 @@ from lrp_jupyter.bridges.ros.rospy import RospyTransport
 from lrp_jupyter.bridges.ros.setup import parse_address
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["PORTS", "check_backend", "make_transport", "read_address"]
+__all__ = ["AUTO", "BACKENDS", "Choice", "check_backend", "choose_backend", "make_transport"]
 
-PORTS: Mapping[str, int] = {"rosbridge": 9090, "rospy": 11311, "rclpy": 0}
-"""The back ends with the port at which each finds its robot; 0: it needs no address."""
+AUTO = "auto"
+"""The name that leaves the choice to this module."""
+
+_PORTS: Mapping[str, int] = {"rosbridge": 9090, "rospy": 11311}
+_SCHEMES: Mapping[str, str] = {"ws": "rosbridge", "wss": "rosbridge", "http": "rospy"}
+_LIBRARIES: Mapping[str, str] = {"rosbridge": "websockets", "rospy": "rospy", "rclpy": "rclpy"}
+
+BACKENDS = (*_LIBRARIES,)
+"""The back ends, in the order in which they are asked."""
 
 
-def check_backend(name: str) -> str:
-    """Return the name of a back end.
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A back end, and why it is this one; a person who named it knows."""
+
+    backend: str
+    reason: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.backend}, because {self.reason}" if self.reason else self.backend
+
+
+def check_backend(name: str, host: str | None = None, port: int | str | None = None) -> str:
+    """Return the name of a back end, or `AUTO`, if the address fits it.
 
     Raises
     ------
     BridgeError
-        There is none of that name.
+        There is none of that name, it is not an address, or the back end takes none.
     """
-    if name not in PORTS:
-        names = ", ".join(f"`{known}`" for known in PORTS)
-        raise BridgeError(f"There is no back end `{name}`; there are {names}.{did_you_mean(name, PORTS)}")
+    known = (AUTO, *BACKENDS)
+    if name not in known:
+        names = ", ".join(f"`{each}`" for each in known)
+        raise BridgeError(f"There is no back end `{name}`; there are {names}.{did_you_mean(name, known)}")
+    if name == AUTO or name in _PORTS:
+        parse_address(host, port, _PORTS.get(name, 1))
+    elif host or port:
+        raise BridgeError(
+            f"The back end `{name}` takes no address: it finds every node of its domain."
+            " Set `ROS_DOMAIN_ID` instead."
+        )
     return name
 
 
-def read_address(backend: str, host: str | None, port: int | str | None) -> tuple[str, int]:
-    """Return the host, which may be empty, and the port at which a back end finds its robot.
-
-    Raises
-    ------
-    BridgeError
-        It is not an address, or there is one where robots are found without.
-    """
-    if PORTS[backend]:
-        return parse_address(host, port, PORTS[backend])
-    if host or port:
-        raise BridgeError(
-            f"The back end `{backend}` takes no address: it finds every node of its domain."
-            " Set `ROS_DOMAIN_ID` instead."
-        )
-    return "", 0
-
-
-def make_transport(backend: str, address: tuple[str, int], warn: Callable[[str], None]) -> Transport:
+def make_transport(
+    backend: str, host: str | None, port: int | str | None, warn: Callable[[str], None]
+) -> Transport:
     """Return a transport that is not connected yet.
 
     Parameters
     ----------
     backend : str
-    address : tuple of str and int
-        Host and port; an empty host: this machine or, with rospy, the value of ``ROS_MASTER_URI``.
+    host, port : str and int, optional
+        Default: this machine or, with rospy, the value of ``ROS_MASTER_URI``.
     warn : callable
         Called with a sentence for each complaint of the robot's side.
     """
-    host, port = address
-    if backend == "rospy":
-        return RospyTransport(f"http://{host}:{port}" if host else "")
     if backend == "rclpy":
         return RclpyTransport()
-    return RosbridgeTransport(f"ws://{host or '127.0.0.1'}:{port}", warn)
+    name, number = parse_address(host, port, _PORTS[backend])
+    if backend == "rospy":
+        return RospyTransport(f"http://{name}:{number}" if name else "")
+    return RosbridgeTransport(f"ws://{name or '127.0.0.1'}:{number}", warn)
+
+
+def choose_backend(backend: str, host: str | None = None, port: int | str | None = None) -> Choice:
+    """Return the back end to use: the named one, else one that is set, else the first one that answers.
+
+    It takes a few seconds at most.
+
+    Raises
+    ------
+    BridgeError
+        Nobody answers.
+    """
+    if backend != AUTO:
+        return Choice(backend)
+    if scheme := _SCHEMES.get((host or "").partition("://")[0]):
+        return Choice(scheme, f"`{host}` is an address of its kind")
+    return (None if host or port else _choose_by_environment()) or _choose_by_answer(host, port)
+
+
+def _choose_by_environment() -> Choice | None:
+    for backend, is_set, reason in (
+        ("rclpy", os.environ.get("ROS_VERSION") == "2", "ROS 2 is set up in this environment"),
+        ("rospy", os.environ.get("ROS_MASTER_URI"), "`ROS_MASTER_URI` is set"),
+    ):
+        if is_set and _is_installed(backend):
+            return Choice(backend, reason)
+    return None
+
+
+def _choose_by_answer(host: str | None, port: int | str | None) -> Choice:
+    failures: dict[str, str] = {}
+    missing = []
+    for backend in BACKENDS:
+        if (host or port) and backend not in _PORTS:
+            continue
+        if not _is_installed(backend):
+            missing.append(f"`{_LIBRARIES[backend]}`")
+            continue
+        transport = make_transport(backend, host, port, lambda _complaint: None)
+        failures[backend] = transport.silence()
+        if not failures[backend]:
+            return Choice(backend, f"`{transport.place}` answers")
+    parts = [f"{backend}: {why}" for backend, why in failures.items()]
+    if missing:
+        parts.append(f"Not asked, because Python cannot import them here: {', '.join(missing)}.")
+    raise BridgeError(f"No ROS robot answers. {' '.join(parts)}")
+
+
+def _is_installed(backend: str) -> bool:
+    library = _LIBRARIES[backend]
+    return library in sys.modules or find_spec(library) is not None

@@ -10,8 +10,8 @@ without knowing of topics::
     (running [robot.move(linear_x=0.2)])
     (event there [robot.odom.x > 1])
 
-The back ends communicate with ROS: rosbridge (the default; ROS 1 and 2, no ROS installation needed here),
-rospy (ROS 1) and rclpy (ROS 2), both where Python can import them.
+Back ends communicate with ROS: rosbridge (ROS 1 and 2, no ROS installation needed here), rospy (ROS 1) and
+rclpy (ROS 2), both where Python can import them. `lrp_jupyter.bridges.ros.backends` chooses one of them.
 
 Paper: §7.1.
 Deviation: §7.1 asks for the class of a PhaROS package when the interpreter starts; here the address
@@ -30,9 +30,9 @@ from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
-from lrp_jupyter.bridges.ros.backends import check_backend, make_transport, read_address
+from lrp_jupyter.bridges.ros.backends import Choice, check_backend, choose_backend, make_transport
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.link import TopicLink
+from lrp_jupyter.bridges.ros.link import TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
 from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
@@ -50,12 +50,13 @@ class RosBridge(Bridge):
 
     Parameters
     ----------
-    backend : {"rosbridge", "rospy", "rclpy"}
+    backend : {"auto", "rosbridge", "rospy", "rclpy"}
+        With ``"auto"`` that for which the environment is set up, else the first one that answers.
     host : str, optional
         Of the rosbridge server or the ROS master, ``host`` or ``host:port``. Default:
         this machine or, with rospy, the value of ``ROS_MASTER_URI``.
     port : int, optional
-        9090 for rosbridge, 11311 for rospy.
+        Default: 9090 for rosbridge, 11311 for rospy.
     setup : path or mapping, optional
         The connections; see `lrp_jupyter.bridges.ros.setup`. Later
         changes are written to a file.
@@ -72,15 +73,16 @@ class RosBridge(Bridge):
 
     def __init__(
         self,
-        backend: str = "rosbridge",
+        backend: str = "auto",
         host: str | None = None,
         port: int | str | None = None,
         setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
         patience: float | str = 8.0,
     ) -> None:
         super().__init__()
-        self.backend = check_backend(backend)
-        self._address = read_address(backend, host, port)
+        self.backend = check_backend(backend, host, port)
+        self._host, self._port = (host or "").strip(), port
+        self._chosen: Choice | None = None
         self._patience = real_number(_number(patience), "patience")
         self._draft = Draft()
         self.wiring = Wiring(self._offer, self._withdraw)
@@ -260,9 +262,9 @@ class RosBridge(Bridge):
 
     def _start(self, searching: bool) -> None:
         """Create a link, with a new channel for each connection of the set-up."""
-        transport = make_transport(self.backend, self._address, self._warn)
-        link = TopicLink(transport, self._report, self.wiring.learned)
-        self._last_status = (ConnectionState.CONNECTING, f"Connecting to {link.transport.place}.")
+        place = f"The robot at `{self._host}`" if self._host else "The robot"
+        link = TopicLink(self._find, place, self._report, self.wiring.learned)
+        self._last_status = (ConnectionState.CONNECTING, f"{place} is being connected.")
         self.add_method("stop", self.stop, "publish a velocity of zero on every velocity topic")
         try:
             self.wiring.attach(link)
@@ -275,6 +277,11 @@ class RosBridge(Bridge):
             self.nodes.clear()
             raise
 
+    def _find(self) -> Transport:
+        """Return the way to the robot. On the link's thread, because it may have to ask who answers."""
+        self._chosen = choose_backend(self.backend, self._host, self._port)
+        return make_transport(self._chosen.backend, self._host, self._port, self._warn)
+
     _last_status: tuple[ConnectionState, str] = (ConnectionState.DISCONNECTED, "not open")
 
     def _warn(self, sentence: str) -> None:
@@ -282,6 +289,8 @@ class RosBridge(Bridge):
 
     def _report(self, state: ConnectionState, sentence: str) -> None:
         """Apply a change of the connection; stop a robot that does not answer. On the link's thread."""
+        if state is ConnectionState.CONNECTED:
+            sentence = f"{sentence} Back end: {self.connected_by}."
         before, self._last_status = self._last_status[0], (state, sentence)
         self.set_status(state, sentence)
         link = self.wiring.link
@@ -303,14 +312,19 @@ class RosBridge(Bridge):
     @property
     def address(self) -> str:
         """The robot's address; empty: this machine, or the one that the environment names."""
-        host, port = self._address
-        return f"{host}:{port}" if host else ""
+        return f"{self._host}:{self._port}" if self._host and self._port else self._host
+
+    @property
+    def connected_by(self) -> str:
+        """The back end, and why it is this one if it was chosen here."""
+        chosen = self._chosen
+        return self.backend if chosen is None else str(chosen)
 
     def panel(self) -> Panel:
         """Return the table of connections, the fields for a new one, and the live topics."""
         return draw_panel(
             status=self.status.sentence,
-            backend=self.backend,
+            backend=self.connected_by,
             address=self.address,
             setup=self.wiring.path,
             draft=self._draft,
@@ -356,10 +370,10 @@ class RosBridge(Bridge):
         if key == "setup":
             self.wiring.load(value)
         elif key == "host":
-            address = read_address(self.backend, value, None)
-            if address == self._address:
+            check_backend(self.backend, value, None)
+            if value == self.address:
                 return
-            self._address = address
+            self._host, self._port = value.strip(), None
             link = self.wiring.link
             if self.is_open and link is not None:
                 self.stop_all()

@@ -69,6 +69,16 @@ class Transport(ABC):
     def disconnect(self) -> None:
         """Close the connection; messages sent before are still delivered."""
 
+    def silence(self) -> str:
+        """Return why no robot answers, a sentence, or an empty text if one does; nothing stays connected."""
+        try:
+            self.connect()
+        except BridgeError as error:
+            return str(error)
+        finally:
+            self.disconnect()
+        return ""
+
     @abstractmethod
     def trouble(self) -> str:
         """Return a sentence if the robot does not answer, else an empty text. Does not block."""
@@ -117,15 +127,27 @@ class TopicLink:
 
     Parameters
     ----------
-    transport : Transport
+    find : callable
+        Returns the transport, which is not connected yet; called once, on the link's thread. It may ask who
+        answers, in bounded time, and raises `BridgeError` if nobody does.
+    place : str
+        Address of the robot, for messages, as far as it is known before that.
     report : callable
         Called with the state and a sentence when they change; on the link's thread.
     learned : callable
         Called with a channel whose type has become known; on the link's thread.
     """
 
-    def __init__(self, transport: Transport, report: OnStatus, learned: Callable[[Channel], None]) -> None:
-        self.transport = transport
+    def __init__(
+        self,
+        find: Callable[[], Transport],
+        place: str,
+        report: OnStatus,
+        learned: Callable[[Channel], None],
+    ) -> None:
+        self._find = find
+        self._place = place
+        self._transport: Transport | None = None
         self.types = Types()
         self.topics: Mapping[str, str] = {}
         self.connected = False
@@ -134,13 +156,18 @@ class TopicLink:
         self._channels: tuple[Channel, ...] = ()
         self._dropped: list[Channel] = []
         self._lock = threading.Lock()  # for the two above
-        self._trouble = f"`{transport.place}` is not connected yet"
+        self._trouble = f"{place} is not connected yet"
         self._described: set[str] = set()
         self._first: Future[None] = Future()
         self._closing = threading.Event()
         self._wake = threading.Event()
         self._thread = threading.Thread(target=self._run, name="ROS", daemon=True)
-        transport.changed = self._wake.set
+
+    @property
+    def transport(self) -> Transport:
+        """The way to the robot, once it is found."""
+        assert self._transport is not None
+        return self._transport
 
     # -- from any thread --------------------------------------------------------------------------
 
@@ -160,9 +187,9 @@ class TopicLink:
             raise
         except TimeoutError:
             self._closing.set()
-            self.transport.disconnect()  # ends what the thread waits for
+            self._disconnect()  # ends what the thread waits for
             self.close()
-            raise BridgeError(f"`{self.transport.place}` did not answer within {patience:g} s.") from None
+            raise BridgeError(f"{self._place} did not answer within {patience:g} s.") from None
 
     def search(self) -> None:
         """Connect in the background, for as long as it takes."""
@@ -225,10 +252,14 @@ class TopicLink:
         self.connected = False
         for channel in (*self._channels, *self._dropped):
             self._leave(channel)
-        self.transport.disconnect()
+        self._disconnect()
 
     def _connect(self) -> None:
-        self.transport.connect()
+        if self._transport is None:
+            self._transport = self._find()
+            self._transport.changed = self._wake.set
+            self._place = f"`{self._transport.place}`"
+        self._transport.connect()
         self._described.clear()
         for channel in (*self._channels, *self._dropped):
             self._leave(channel)
@@ -319,8 +350,12 @@ class TopicLink:
             channel.problem = sentence
             channel.owes_stop |= channel.has_moved
         self._report_change(ConnectionState.LOST, sentence)  # first: the transport may still send a stop
-        self.transport.disconnect()
+        self._disconnect()
         return _AGAIN
+
+    def _disconnect(self) -> None:
+        if self._transport is not None:
+            self._transport.disconnect()
 
     def _summary(self, channels: tuple[Channel, ...]) -> tuple[ConnectionState, str]:
         for channel in channels:

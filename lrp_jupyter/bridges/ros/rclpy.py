@@ -115,6 +115,11 @@ class RclpyTransport(Transport):
         """Return whether other nodes publish it or subscribe to it."""
         return bool(self._others(topic, "publishers") or self._others(topic, "subscriptions"))
 
+    def commanders(self, topic: str) -> tuple[str, ...]:
+        """Return the names of the other nodes that publish on a topic."""
+        infos = self._others(topic, "publishers")
+        return tuple(sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos))
+
     def _others(self, topic: str, who: str) -> list[Any]:
         """Return what is known of the endpoints of other nodes: ``publishers`` or ``subscriptions``."""
         own = (self._node.get_name(), self._node.get_namespace())

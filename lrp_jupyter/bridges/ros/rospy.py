@@ -70,6 +70,14 @@ class RospyTransport(Transport):
                 "Restart the kernel."
             )
 
+    def silence(self) -> str:
+        """Ask for the master only: a node of this process could not be made again."""
+        try:
+            self._master.ask("getPid")
+        except BridgeError as error:
+            return str(error)
+        return ""
+
     def disconnect(self) -> None:
         """Do nothing: the node stays, and its topics were unregistered one by one."""
 

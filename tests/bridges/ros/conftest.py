@@ -71,6 +71,11 @@ def rosbridge() -> ModuleType:
     return _load("rosbridge_server")
 
 
+@pytest.fixture(scope="session")
+def stand_in() -> ModuleType:
+    return _load("rclpy_stand_in")
+
+
 @pytest.fixture
 def graph(rosbridge: ModuleType) -> Any:
     graph = rosbridge.MemoryGraph(dict(KNOWN))
@@ -194,7 +199,9 @@ def make(server: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[...,
     bridges = []
 
     def build(**options: Any) -> RosBridge:
-        bridges.append(RosBridge(**{"host": "127.0.0.1", "port": server.port, **options}))
+        bridges.append(
+            RosBridge(**{"backend": "rosbridge", "host": "127.0.0.1", "port": server.port, **options})
+        )
         return bridges[-1]
 
     yield build

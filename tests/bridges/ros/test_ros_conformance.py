@@ -20,7 +20,7 @@ class TestRosbridge(BridgeConformance):
         self.port = server.port
 
     def make_bridge(self) -> Bridge:
-        return RosBridge(host="127.0.0.1", port=self.port, setup=SETUP)
+        return RosBridge(backend="rosbridge", host="127.0.0.1", port=self.port, setup=SETUP)
 
 
 @pytest.mark.ros

@@ -63,7 +63,7 @@ def commands(graph: Any) -> list[float]:
 def test_without_a_server_opening_fails_at_once_and_names_how_to_start_one() -> None:
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
-        ros = RosBridge(host="127.0.0.1", port=unused.getsockname()[1])
+        ros = RosBridge("rosbridge", "127.0.0.1", unused.getsockname()[1])
         sentence = r"No rosbridge server answers at `ws://127\.0\.0\.1.*roslaunch"
         with bounded(1), pytest.raises(BridgeError, match=sentence):
             ros.open()
@@ -106,7 +106,7 @@ def stranger() -> Iterator[Callable[[bytes], int]]:
 def test_what_is_not_a_rosbridge_server_is_reported(stranger: Callable[[bytes], int]) -> None:
     port = stranger(b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n")
     with pytest.raises(BridgeError, match="is not a rosbridge server"):
-        RosBridge(host="127.0.0.1", port=port).open()
+        RosBridge("rosbridge", "127.0.0.1", port).open()
 
 
 def test_a_silent_server_is_not_waited_for(
@@ -114,7 +114,7 @@ def test_a_silent_server_is_not_waited_for(
 ) -> None:
     monkeypatch.setattr(websocket, "_CONNECT", 0.3)
     with bounded(2), pytest.raises(BridgeError, match="No rosbridge server answers"):
-        RosBridge(host="127.0.0.1", port=stranger(b"")).open()
+        RosBridge("rosbridge", "127.0.0.1", stranger(b"")).open()
 
 
 def test_opening_has_an_end_even_if_the_server_only_shakes_hands(make: Make, graph: Any) -> None:

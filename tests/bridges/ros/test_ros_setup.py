@@ -133,7 +133,10 @@ def test_a_wrong_option_is_refused(options: dict[str, Any], sentence: str) -> No
 
 @pytest.mark.parametrize("host", ["10.0.0.5:9091", "ws://10.0.0.5:9091/", " 10.0.0.5:9091 "])
 def test_an_address_may_be_written_in_several_ways(host: str) -> None:
-    assert fields(RosBridge(host=host))["address"].value == "10.0.0.5:9091"
+    ros = RosBridge(host=host)
+    assert fields(ros)["address"].value == host.strip()
+    ros.answer("host", "10.0.0.6")
+    assert fields(ros)["address"].value == "10.0.0.6"
 
 
 # -- from Python ----------------------------------------------------------------------------------

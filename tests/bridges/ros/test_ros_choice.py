@@ -1,0 +1,133 @@
+"""`--bridge ros` without a back end takes what is set, else what answers, and says which."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros.backends import AUTO, Choice, choose_backend
+from lrp_jupyter.errors import BridgeError
+
+VARIABLES = ("ROS_VERSION", "ROS_MASTER_URI", "ROS_DOMAIN_ID")
+
+
+@pytest.fixture(autouse=True)
+def bare(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An environment in which nothing of ROS is set."""
+    if request.node.get_closest_marker("ros") is None:
+        for name in VARIABLES:
+            monkeypatch.delenv(name, raising=False)
+
+
+@pytest.fixture
+def rclpy(monkeypatch: pytest.MonkeyPatch, stand_in: Any) -> Any:
+    return stand_in.install(monkeypatch)
+
+
+def test_a_named_back_end_is_taken_whatever_is_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_VERSION", "2")
+    assert choose_backend("rospy") == Choice("rospy")
+    assert str(choose_backend("rospy")) == "rospy"
+
+
+@pytest.mark.parametrize(
+    ("host", "backend"),
+    [("ws://10.0.0.5:9091", "rosbridge"), ("wss://turtle.local", "rosbridge"), ("http://10.0.0.5", "rospy")],
+)
+def test_an_address_with_a_scheme_decides(host: str, backend: str) -> None:
+    assert choose_backend(AUTO, host).backend == backend
+
+
+def test_ros_2_is_taken_where_it_is_set_up(rclpy: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_VERSION", "2")
+    assert str(choose_backend(AUTO)) == "rclpy, because ROS 2 is set up in this environment"
+    bridge = RosBridge()
+    bridge.open()
+    status = bridge.status.sentence
+    bridge.close()
+    assert status.endswith("Back end: rclpy, because ROS 2 is set up in this environment.")
+
+
+def test_what_is_set_counts_for_this_machine_only(
+    rclpy: Any, serve: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_VERSION", "2")
+    server = serve()
+    assert choose_backend(AUTO, "127.0.0.1", server.port).backend == "rosbridge"
+
+
+def test_what_is_set_and_cannot_be_imported_is_not_taken(
+    serve: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_VERSION", "2")
+    server = serve()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lrp_jupyter.bridges.ros.backends._PORTS", {"rosbridge": server.port, "rospy": 1})
+        assert choose_backend(AUTO).backend == "rosbridge"
+
+
+def test_what_answers_is_taken_and_told(server: Any) -> None:
+    bridge = RosBridge(host="127.0.0.1", port=server.port)
+    shown = {field.key: field.value for field in bridge.panel().fields}
+    assert shown["backend"] == AUTO
+    panel = bridge.open()
+    assert panel is not None
+    shown = {field.key: field.value for field in panel.fields}
+    bridge.close()
+    why = f"rosbridge, because `ws://127.0.0.1:{server.port}` answers"
+    assert shown["backend"] == why
+    assert f"Back end: {why}." in shown["status"]
+
+
+def test_where_nobody_answers_each_one_says_why() -> None:
+    with pytest.raises(
+        BridgeError, match=r"No ROS robot answers\. rosbridge: No rosbridge server .*roslaunch"
+    ):
+        RosBridge(host="127.0.0.1", port=1).open()
+
+
+@pytest.mark.parametrize("backend", ["rclpy"])
+def test_an_address_is_refused_where_robots_are_found_without(backend: str) -> None:
+    with pytest.raises(BridgeError, match=f"`{backend}` takes no address.*ROS_DOMAIN_ID"):
+        RosBridge(backend=backend, host="10.0.0.5")
+
+
+def test_a_new_address_is_asked_who_answers_there(
+    server: Any, serve: Callable[..., Any], until: Callable[..., None]
+) -> None:
+    bridge = RosBridge(host="127.0.0.1", port=server.port)
+    bridge.open()
+    other = serve()
+    bridge.answer("host", f"127.0.0.1:{other.port}")
+    until(lambda: f"because `ws://127.0.0.1:{other.port}` answers" in bridge.connected_by)
+    bridge.close()
+
+
+@pytest.mark.ros
+def test_the_master_that_is_set_is_taken(real: Any) -> None:
+    assert choose_backend(AUTO) == Choice("rospy", "`ROS_MASTER_URI` is set")
+
+
+@pytest.mark.ros
+def test_a_master_is_found_at_its_address(real: Any) -> None:
+    found = choose_backend(AUTO, "127.0.0.1", real.master_port)
+    assert found == Choice("rospy", f"`http://127.0.0.1:{real.master_port}` answers")
+
+
+@pytest.mark.ros
+def test_the_command_line_says_which_back_end_it_took(real: Any, tmp_path: Path) -> None:
+    setup = tmp_path / "robot.json"
+    setup.write_text(
+        json.dumps({"publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}}})
+    )
+    program = tmp_path / "m.lrp"
+    program.write_text("(machine m (state a) (state b) (ontime 100 a -> b)) (spawn m a)")
+    command = ("run", str(program), "--bridge", "ros", "--option", f"setup={setup}", "--until", "b")
+    done = real.call(sys.executable, "-m", "lrp_jupyter", *command)
+    assert "Back end: rospy, because `ROS_MASTER_URI` is set" in done
