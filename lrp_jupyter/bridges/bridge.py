@@ -142,12 +142,17 @@ class Bridge(Interface, ABC):
         bridge = super().__new__(cls)
         bridge._ticks = 0
         bridge._status = BridgeStatus(ConnectionState.DISCONNECTED, f"`{cls.name}` is not open.")
+        bridge._late = None
         bridge._is_open = False
         bridge._opened_panel = None
+        if cls.time_step is not None:
+            bridge.fed.clock = lambda: bridge.safety.now
         return bridge
 
     _ticks: int
     _status: BridgeStatus
+    _late: BridgeStatus | None
+    """The status while data are too old to drive on."""
     _is_open: bool
     _opened_panel: Panel | None
 
@@ -326,8 +331,11 @@ class Bridge(Interface, ABC):
 
     @property
     def status(self) -> BridgeStatus:
-        """The state of the connection."""
-        return self._status
+        """The state of the connection; of one that is up, also whether its data are too old to drive on."""
+        own, late = self._status, self._late
+        if late is None or own.state in (ConnectionState.LOST, ConnectionState.DISCONNECTED):
+            return own
+        return late
 
     def set_status(self, state: ConnectionState | str, sentence: str = "") -> None:
         """Set the state of the connection; for authors of bridges, from any thread."""
@@ -349,6 +357,7 @@ class Bridge(Interface, ABC):
         """
         if self._is_open:
             return self.panel()
+        self.is_closed = False
         self.set_status(ConnectionState.CONNECTING)
         try:
             self.add_members()
@@ -370,6 +379,7 @@ class Bridge(Interface, ABC):
             return
         self.stop_all()
         self._is_open = False
+        self.is_closed = True
         try:
             self.close_interface()
         except KeyboardInterrupt:
@@ -377,6 +387,8 @@ class Bridge(Interface, ABC):
         except BaseException as error:  # closing continues: no caller could do anything about it
             self.safety.notice("fault", f"Closing `{self.name}` failed: {sentence_of(error)}")
         self.nodes.clear()
+        self.fed.clear()
+        self._late, self.safety.blind = None, ""
         self.safety.rest()
         self.set_status(ConnectionState.DISCONNECTED, f"`{self.name}` is closed.")
 
@@ -388,10 +400,28 @@ class Bridge(Interface, ABC):
         self.safety.tick(now, period)
         try:
             self.sense(now)
+            self.fed.latch()
+            if self.nodes.timed or self._late is not None:
+                self.judge_ages()
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             self.lose("sense", error)
+
+    def judge_ages(self) -> None:
+        """Let nothing move the robot while a reading is too old to drive on, or has never arrived."""
+        late = [variable for variable in self.nodes.timed if variable.judge()]
+        if not late:
+            self._late, self.safety.blind = None, ""
+            return
+        stale = [variable for variable in late if variable.is_stale]
+        sentence = (stale or late)[0].lateness
+        began = self._late is None
+        self._late = BridgeStatus(ConnectionState.STALE if stale else ConnectionState.WAITING, sentence)
+        self.safety.blind = sentence
+        if began:
+            self.safety.notice("stale", f"{sentence} Until new data arrive, nothing moves the robot.")
+            self.stop_all()
 
     def end_tick(self, now: float) -> None:
         """End the tick. Never raises."""
@@ -402,6 +432,7 @@ class Bridge(Interface, ABC):
         except BaseException as error:
             self.lose("act", error)
         self.latch = 0  # between ticks a person reads what is there now
+        self.fed.release()
         for mover, sentence in self.safety.commands_overdue(now).items():
             self.safety.notice("command watchdog", sentence)
             self.stop_mover(mover)

@@ -361,9 +361,9 @@ class _Run:
         changed = frozenset(path for path, value in values.items() if self._values.get(path, value) != value)
         self._values = values
         readings = [
-            (member.name.removesuffix(".data"), _short(member.value))
+            (member.name.removesuffix(".data"), member.absence or _short(member.value))
             for member in self._bridge.members()
-            if member.kind == "variable" and member.value is not None
+            if member.kind == "variable" and (member.stale or member.value is not None)
         ]
         return BoardState(
             frame=frame,
