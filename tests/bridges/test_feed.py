@@ -327,6 +327,8 @@ def test_what_was_not_sent_because_of_old_data_is_not_sent_in_a_replay(tmp_path:
             session.run(0.5)
             buggy.time += 2
             session.run(0.5)
+            why = session.why("robot.move")
+            assert "It was not sent: `robot.light.data` is stale: its value is 2.0 s old." in str(why)
             buggy.feed("light.data", 9)
             session.run(0.5)
         sent = [(command.name, command.sent) for command in buggy.safety.commands]

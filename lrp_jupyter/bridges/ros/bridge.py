@@ -71,6 +71,7 @@ class RosBridge(Bridge):
     """
 
     name = "ros"
+    stops_when_found = True  # each velocity topic, as soon as it is connected again
 
     def __init__(
         self,
@@ -293,16 +294,13 @@ class RosBridge(Bridge):
         self.safety.notice("fault", sentence)
 
     def _report(self, state: ConnectionState, sentence: str) -> None:
-        """Apply a change of the connection; stop a robot that does not answer. On the link's thread."""
-        before, self._last_status = self._last_status[0], (state, sentence)
+        """Apply a change of the connection; stop a robot that may not answer. On the link's thread."""
+        self._last_status = (state, sentence)
         self.set_status(state, sentence)
         link = self.wiring.link
-        if link is None or state not in (ConnectionState.LOST, ConnectionState.STALE):
-            return
-        if state is ConnectionState.LOST or link.transport.trouble():
+        if state is ConnectionState.STALE and link is not None and link.transport.trouble():
             self.safety.notice("fault", sentence)
-            if before is not ConnectionState.LOST:
-                self.stop_all()
+            self.stop_all()
 
     # -- the panel --------------------------------------------------------------------------------
 
