@@ -25,6 +25,7 @@ __all__ = [
     "SessionClosedError",
     "SessionTimeoutError",
     "Severity",
+    "StaleData",
     "UnknownElementError",
     "did_you_mean",
     "edited",
@@ -183,6 +184,10 @@ class NotAValue:
 
 class NoDataYet(LRPError):  # noqa: N818  (not an error: the reading has not arrived yet)
     """A reading has not arrived yet: an event that needs it does not occur."""
+
+
+class StaleData(NoDataYet):
+    """The last reading is too old to act on, as if it had not arrived; the message contains its age."""
 
 
 def ended(text: str) -> str:

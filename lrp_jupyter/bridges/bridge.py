@@ -42,6 +42,7 @@ looks up its members, so that members can come and go while a program holds it.
 
 from __future__ import annotations
 
+import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -75,7 +76,13 @@ __all__ = [
 
 
 class ConnectionState(StrEnum):
-    """The state of the connection between a bridge and its robot."""
+    """The state of the connection between a bridge and its robot.
+
+    Only two of them have consequences. ``LOST``: the robot does not answer; it is stopped once, as far as it
+    can be reached, commands are refused, and when it is found it is stopped again before anything else.
+    ``STALE``, where the base sets it: data are too old to drive on; the robot is stopped once, and nothing
+    moves it until new ones arrive.
+    """
 
     DISCONNECTED = "disconnected"
     CONNECTING = "connecting"
@@ -91,6 +98,10 @@ class BridgeStatus:
 
     state: ConnectionState
     sentence: str
+
+
+_UP = (ConnectionState.CONNECTED, ConnectionState.WAITING, ConnectionState.STALE)
+"""The states in which the robot answers."""
 
 
 class Bridge(Interface, ABC):
@@ -114,6 +125,9 @@ class Bridge(Interface, ABC):
         `advance` only. None where time passes by itself.
     stop_timeout : float or None
         Seconds that `stop` may take; None where it cannot block and is called directly.
+    stops_when_found : bool
+        Whether the bridge itself stops a robot that was lost, as the first thing over the new connection; if
+        not, the base does when the status says that it is found.
     complete : bool
         Whether `add_members` adds every member that there will be, so that a program which uses another one
         is wrong, and the checks say so before it runs.
@@ -124,6 +138,7 @@ class Bridge(Interface, ABC):
     """
 
     time_step: ClassVar[float | None] = None
+    stops_when_found: ClassVar[bool] = False
     complete: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Bridge]]] = {}
 
@@ -142,11 +157,21 @@ class Bridge(Interface, ABC):
         bridge = super().__new__(cls)
         bridge._ticks = 0
         bridge._status = BridgeStatus(ConnectionState.DISCONNECTED, f"`{cls.name}` is not open.")
+        bridge._late = None
+        bridge._failed = None
+        bridge._changing_status = threading.Lock()
         bridge._opened_panel = None
+        if cls.time_step is not None:
+            bridge.fed.clock = lambda: bridge.safety.now
         return bridge
 
     _ticks: int
     _status: BridgeStatus
+    _late: BridgeStatus | None
+    """The status while data are too old to drive on."""
+    _failed: tuple[str, BridgeStatus, BridgeStatus] | None
+    """The hook because of which the robot is lost, with the status since then, and the one before."""
+    _changing_status: threading.Lock
     _opened_panel: Panel | None
 
     # -- what the author of a bridge writes -------------------------------------------------------
@@ -324,13 +349,49 @@ class Bridge(Interface, ABC):
 
     @property
     def status(self) -> BridgeStatus:
-        """The state of the connection."""
-        return self._status
+        """The state of the connection; of one that is up, also whether its data are too old to drive on."""
+        own, late = self._status, self._late
+        if late is None or own.state in (ConnectionState.LOST, ConnectionState.DISCONNECTED):
+            return own
+        return late
 
     def set_status(self, state: ConnectionState | str, sentence: str = "") -> None:
-        """Set the state of the connection; for authors of bridges, from any thread."""
+        """Set the state of the connection; for authors of bridges, from any thread.
+
+        ``"lost"`` stops the robot, once, and refuses its commands until the state is ``"connected"``,
+        ``"waiting for data"`` or ``"stale"``; then a robot that had been commanded is stopped again, since
+        nobody knows what it has done meanwhile. Nothing is sent a second time. After `close` the call does
+        nothing.
+
+        Parameters
+        ----------
+        state : ConnectionState or str
+        sentence : str, optional
+            For the user: what has happened and, if something is wrong, what to do.
+
+        Raises
+        ------
+        ValueError
+            There is no such state.
+        """
         connection = ConnectionState(state)
-        self._status = BridgeStatus(connection, sentence or f"`{self.name}` is {connection.value}.")
+        if self.is_closed and connection is not ConnectionState.DISCONNECTED:
+            return  # said by a connection that is gone
+        status = BridgeStatus(connection, sentence or f"`{self.name}` is {connection.value}.")
+        safety, is_lost = self.safety, connection is ConnectionState.LOST
+        before, was_lost = self._status, bool(safety.lost)
+        if was_lost and connection in _UP and safety.has_commanded and not self.stops_when_found:
+            safety.has_commanded = not self.stop_all()  # before any command is allowed again
+        with self._changing_status:
+            if was_lost and not is_lost and self._status is not before:
+                return  # it was lost again meanwhile
+            began = is_lost and not safety.lost
+            self._status = status
+            if is_lost or connection in _UP:
+                safety.lost = status.sentence if is_lost else ""
+        if began and self._is_open:
+            safety.notice("fault", status.sentence)
+            self.stop_all()
 
     def open(self) -> Panel | None:
         """Open the interface, once; return the panel.
@@ -342,6 +403,7 @@ class Bridge(Interface, ABC):
         """
         if self._is_open:
             return self.panel()
+        self.is_closed, self.safety.lost = False, ""
         self.set_status(ConnectionState.CONNECTING)
         try:
             self.add_members()
@@ -365,6 +427,7 @@ class Bridge(Interface, ABC):
         self.stop_all()
         self._is_open = False
         self._guard.end()
+        self.is_closed = True
         try:
             self.close_interface()
         except KeyboardInterrupt:
@@ -372,6 +435,10 @@ class Bridge(Interface, ABC):
         except BaseException as error:  # closing continues: no caller could do anything about it
             self.safety.notice("fault", f"Closing `{self.name}` failed: {sentence_of(error)}")
         self.nodes.clear()
+        self.fed.clear()
+        self._late, self._failed = None, None
+        self.safety.blind = self.safety.lost = ""
+        self.safety.has_commanded = False
         self.safety.rest()
         self.set_status(ConnectionState.DISCONNECTED, f"`{self.name}` is closed.")
 
@@ -383,10 +450,31 @@ class Bridge(Interface, ABC):
         self.safety.tick(now, period)
         try:
             self.sense(now)
+            self.fed.latch()
+            if self.nodes.timed or self._late is not None:
+                self.judge_ages()
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             self.lose("sense", error)
+        else:
+            if self._failed is not None and self._failed[0] != "act":
+                self._find_again()
+
+    def judge_ages(self) -> None:
+        """Let nothing move the robot while a reading is too old to drive on, or has never arrived."""
+        late = [variable for variable in self.nodes.timed if variable.judge()]
+        if not late:
+            self._late, self.safety.blind = None, ""
+            return
+        stale = [variable for variable in late if variable.is_stale]
+        sentence = (stale or late)[0].lateness
+        began = self._late is None
+        self._late = BridgeStatus(ConnectionState.STALE if stale else ConnectionState.WAITING, sentence)
+        self.safety.blind = sentence
+        if began:
+            self.safety.notice("stale", f"{sentence} Until new data arrive, nothing moves the robot.")
+            self.stop_all()
 
     def end_tick(self, now: float) -> None:
         """End the tick. Never raises."""
@@ -396,7 +484,11 @@ class Bridge(Interface, ABC):
             raise
         except BaseException as error:
             self.lose("act", error)
+        else:
+            if self._failed is not None and self._failed[0] == "act":
+                self._find_again()
         self.latch = 0  # between ticks a person reads what is there now
+        self.fed.release()
         for mover, sentence in self.safety.commands_overdue(now).items():
             self.safety.notice("command watchdog", sentence)
             self.stop_mover(mover)
@@ -414,14 +506,23 @@ class Bridge(Interface, ABC):
         return notice
 
     def lose(self, hook: str, error: BaseException) -> None:
-        """Stop the robot of a bridge whose hook failed, and mark it as lost; the loop keeps its rate."""
+        """Mark the robot as lost until a hook that failed works again; the loop keeps its rate."""
         sentence = sentence_of(error)
         if not isinstance(error, BridgeError):
             sentence = f"`{hook}` raised {sentence}"
-        self.safety.notice("fault", sentence)
-        if self._status.state is not ConnectionState.LOST:
-            self.set_status(ConnectionState.LOST, sentence)
-            self.stop_all()
+        if self.safety.lost:
+            self.safety.notice("fault", sentence)
+            return
+        before = self._status
+        self.set_status(ConnectionState.LOST, sentence)
+        self._failed = hook, self._status, before
+
+    def _find_again(self) -> None:
+        """Return to the status before a hook failed, unless there is a newer one."""
+        assert self._failed is not None
+        (_, since, before), self._failed = self._failed, None
+        if self._status is since:
+            self.set_status(before.state, before.sentence)
 
 
 class NullBridge(Bridge):

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from functools import partial
 from typing import ClassVar, Self
 
+from lrp_jupyter.bridges.fed import FedValues
 from lrp_jupyter.bridges.guard import NOBODY, Guard, Stopper
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message
@@ -23,6 +25,8 @@ from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = ["Interface"]
 
+_STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
+
 
 class Interface:
     """Members and commands of one robot.
@@ -33,6 +37,8 @@ class Interface:
         See :class:`~lrp_jupyter.bridges.bridge.Bridge`.
     nodes : Nodes
         The members by their names.
+    fed : FedValues
+        What was fed; its clocks are for tests.
     latch : int
         Number of the tick that readings are latched for; 0 between ticks.
     readings : dict of str to object
@@ -53,6 +59,8 @@ class Interface:
         interface = super().__new__(cls)
         interface.nodes = Nodes(lambda path: Robot(interface, f"{path}."))
         interface.latch = 0
+        interface.fed = FedValues()
+        interface.is_closed = False
         interface.safety = Safety(armed=not cls.hardware)
         interface.robot = Robot(interface)
         interface.readings = {}
@@ -63,6 +71,7 @@ class Interface:
         return interface
 
     nodes: Nodes
+    fed: FedValues
     latch: int
     safety: Safety
     robot: Robot
@@ -71,6 +80,8 @@ class Interface:
     outside: Callable[[object, bool], object]
     _is_open: bool
     _guard: Guard
+    is_closed: bool
+    """Whether it was closed; what arrives then belongs to a connection that is gone."""
 
     @property
     def is_open(self) -> bool:
@@ -88,6 +99,7 @@ class Interface:
         *,
         type: type | str | None = None,  # noqa: A002  (what a view calls it)
         age: Callable[[], float | None] | None = None,
+        stale_after: float | None = None,
     ) -> None:
         """Register a reading as ``robot.<name>``; a second one of that name replaces the first.
 
@@ -102,9 +114,85 @@ class Interface:
         type : type or str, optional
             Known before the first reading arrives; a class shows its annotated fields.
         age : callable, optional
-            Seconds since the reading arrived, where the bridge knows better than "when it was read".
+            Seconds since the reading arrived, where the bridge knows better than "when it was read"; None
+            before the first.
+        stale_after : float, optional
+            Seconds after which a reading is too old to drive on: then reading it raises
+            :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and nothing moves it until a new
+            one arrives. Needs `age`. Default: never.
+
+        Raises
+        ------
+        ValueError
+            The name cannot be written after ``robot.``, or `stale_after` is not a positive number or lacks
+            an `age`.
+
+        See Also
+        --------
+        feed : For values that arrive by themselves.
         """
-        self.nodes.add(RobotVariable(self, name, getter, doc or _doc_of(getter), unit, type, age))
+        text = doc or _doc_of(getter)
+        self.nodes.add(RobotVariable(self, name, getter, text, unit, type, age, stale_after))
+
+    def feed(
+        self,
+        name: str,
+        value: object = None,
+        *,
+        doc: str = "",
+        unit: str = "",
+        type: type | str | None = None,  # noqa: A002  (as for add_variable)
+        stamp: float | None = None,
+        stale_after: float | None = _STALE_AFTER,
+    ) -> None:
+        """Set the value of the reading ``robot.<name>``; on any thread, whenever one has arrived.
+
+        The first call adds the variable; without a value it only declares it, in `add_members` or
+        `open_interface`, so that it is known before anything arrives. A tick sees what had arrived when it
+        began. When no new value comes for `stale_after` seconds, reading it raises
+        :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and nothing moves it until a new one
+        arrives. After `close` the call does nothing.
+
+        Parameters
+        ----------
+        name : str
+            May be dotted: ``"light.data"`` is ``robot.light.data``.
+        value : object
+            A new object each time, not the last one changed. None: declare the variable only.
+        doc, unit, type
+            As for `add_variable`; what is given in one call holds for all later ones.
+        stamp : float, optional
+            When the value was measured, in seconds of `time.time`, by a clock that agrees with this
+            computer's. Default: now.
+        stale_after : float or None
+            Seconds, 1 unless given; None: it never becomes stale, as the charge of a battery does not.
+
+        Raises
+        ------
+        ValueError
+            The name cannot be written after ``robot.``, or `stale_after` is not a positive number.
+        """
+        if self.is_closed:
+            return
+        known = self.nodes.table.get(name)
+        if not (isinstance(known, RobotVariable) and known.getter is self.fed.getter(name)):
+            self._add_fed(name, doc, unit, type, stale_after)
+        elif (
+            doc not in ("", known.doc)
+            or unit not in ("", known.unit)
+            or type not in (None, known.type)
+            or stale_after not in (_STALE_AFTER, known.stale_after)
+        ):
+            late = known.stale_after if stale_after == _STALE_AFTER else stale_after
+            self._add_fed(name, doc or known.doc, unit or known.unit, type or known.type, late)
+        if value is not None:
+            self.fed.put(name, value, stamp)
+
+    def _add_fed(
+        self, name: str, doc: str, unit: str, kind: type | str | None, stale_after: float | None
+    ) -> None:
+        getter, age = self.fed.getter(name), partial(self.fed.age, name)
+        self.add_variable(name, getter, doc, unit, type=kind, age=age, stale_after=stale_after)
 
     def add_method(
         self,
@@ -174,12 +262,17 @@ class Interface:
 
         Between ticks, on the interpreter's thread. Failing readings stay as they were.
         """
+        if self.safety.blind:  # there may be no tick that would find it over
+            self.judge_ages()
         for node in self.nodes.members():
             if isinstance(node, RobotVariable):
                 try:
                     node.read()
                 except (BridgeError, NoDataYet):
                     continue
+
+    def judge_ages(self) -> None:
+        """Find out whether the readings are too old to drive on."""
 
     # -- commands and safety ----------------------------------------------------------------------
 
@@ -299,23 +392,27 @@ class Interface:
         if not method.command:
             return method.perform(command)
         safety, guard = self.safety, self._guard
+        if safety.blind and not self.latch:
+            self.judge_ages()
         origin = self.origin()
         clamped = method.clamp(command)
         for name, sentence in clamped.items():
             safety.notice("limited", sentence, f"{method.path} {name} {origin.line}", origin)
         if guard.is_on:
             guard.check()
-        sent = safety.admit()
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
+        hindrance = safety.hindrance(method.velocity and not _stands(method.path, arguments))
         limited = tuple(clamped.values())
-        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited, origin))
+        safety.record(CommandRecord(method.path, arguments, safety.now, hindrance is None, limited, origin))
         self.outside(RobotCommanded(method.path, arguments), False)
-        if not sent:
-            if safety.armed:
-                why = safety.suspended or "the robot was stopped in this tick."
-                safety.notice("held", f"`{method.path}` was not sent: {why[0].lower()}{why[1:]}")
-            else:
-                safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")
+        if hindrance == "lost":
+            raise BridgeError(f"`robot.{method.path}` was not sent: {safety.why}")
+        if hindrance == "held":
+            why = safety.suspended or "the robot was stopped in this tick."
+            safety.notice("held", f"`{method.path}` was not sent: {why[0].lower()}{why[1:]}")
+        if hindrance == "disarmed":
+            safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")
+        if hindrance is not None:  # a notice about stale data was logged when they became stale
             return None
         if guard.is_on:
             stood = not safety.driven
@@ -333,6 +430,11 @@ class Interface:
 
 def _ignore(what: object, surely: bool) -> None:
     """Do nothing: there is no recording."""
+
+
+def _stands(path: str, arguments: dict[str, object]) -> bool:
+    """Whether a velocity command lets the robot stand: a ``stop``, or nothing but zeros."""
+    return path.rpartition(".")[2] == "stop" or (bool(arguments) and not _moves(arguments))
 
 
 def _moves(value: object) -> bool:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["Member", "MemberError", "describe_value"]
+__all__ = ["Member", "MemberError", "age_text", "describe_value"]
 
 _DEEPEST = 6  # levels of nested fields that are described; a value may contain itself
 _PLAIN = (bool, int, float, str, bytes, type(None))
@@ -43,6 +43,8 @@ class Member:
         ``"(linear=0.0, angular=0.0)"`` for a method, else empty.
     fields : tuple of Member
         Members of the value: ``odom`` has the fields ``odom.x``, ``odom.y``, ``odom.theta``.
+    stale : bool
+        Whether the last reading is too old for a program to act on.
     """
 
     name: str
@@ -54,6 +56,16 @@ class Member:
     value: object = None
     signature: str = ""
     fields: tuple[Member, ...] = ()
+    stale: bool = False
+
+    @property
+    def absence(self) -> str:
+        """What to show for want of a value: ``"waiting"``, ``"stale, 1.4 s old"``; empty if there is one."""
+        if self.kind == "method":
+            return ""
+        if self.stale:
+            return f"stale, {age_text(self.age)} old"
+        return "waiting" if self.value is None else ""
 
     def as_dict(self) -> dict[str, Any]:
         """Return a JSON form; a value without one becomes a short text."""
@@ -67,7 +79,14 @@ class Member:
             "value": _json_value(self.value),
             "signature": self.signature,
             "fields": [field.as_dict() for field in self.fields],
+            "stale": self.stale,
         }
+
+
+def age_text(seconds: float | None) -> str:
+    """Return an age as it is shown: with tenths of a second up to ten seconds."""
+    age = seconds or 0.0
+    return f"{age:.1f} s" if age < 10 else f"{age:,.0f} s"
 
 
 def _json_value(value: object) -> object:
@@ -112,6 +131,8 @@ def describe_value(member: Member, type_: object = None, depth: int = _DEEPEST) 
     for name, value in _public_fields(member.value, type_).items():
         field_type = hints.get(name) if value is None else type(value)
         text = field_type if isinstance(field_type, str) else getattr(field_type, "__name__", "")
-        field = Member(f"{member.name}.{name}", "variable", text, age=member.age, value=value)
+        field = Member(
+            f"{member.name}.{name}", "variable", text, age=member.age, value=value, stale=member.stale
+        )
         fields.append(describe_value(field, field_type, depth - 1))
     return dataclasses.replace(member, fields=tuple(fields))

@@ -1,21 +1,22 @@
 """The members of a robot: readings, methods, and the tree of their names.
 
 Owner: the interpreter's thread. Other threads may read: the table of members is never changed in
-place, a new one replaces it.
+place, a new one replaces it. They may also add and remove, one after the other.
 """
 
 from __future__ import annotations
 
 import inspect
 import keyword
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from types import TracebackType
 from typing import NoReturn, Protocol
 
-from lrp_jupyter.bridges.members import Member, MemberError, describe_value
+from lrp_jupyter.bridges.members import Member, MemberError, age_text, describe_value
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.safety import Safety
-from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue, did_you_mean
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue, StaleData, did_you_mean
 
 __all__ = ["Limits", "MemberOwner", "Nodes", "RobotMethod", "RobotVariable"]
 
@@ -56,17 +57,27 @@ class RobotVariable:
     """A reading: read at most once in a tick, so that one tick sees one world.
 
     Owner: the interpreter's thread; other threads may read `value` and `arrived`.
+
+    Attributes
+    ----------
+    stale_after : float or None
+        Seconds after which a reading is too old to act on; None: never.
+    lateness : str
+        Why the robot must not drive on this reading in the present tick; empty if it may.
     """
 
     __slots__ = (
         "_age",
         "_bridge",
         "_failure",
-        "_getter",
         "_seen",
+        "_waiting_since",
         "arrived",
         "doc",
+        "getter",
+        "lateness",
         "path",
+        "stale_after",
         "type",
         "unit",
         "value",
@@ -81,8 +92,15 @@ class RobotVariable:
         unit: str,
         type_: type | str | None,
         age: Callable[[], float | None] | None,
+        stale_after: float | None = None,
     ) -> None:
-        self._bridge, self.path, self._getter, self._age = bridge, path, getter, age
+        if stale_after is not None and age is None:
+            raise ValueError(f"`{path}`: `stale_after` needs an `age`; or `feed` the values.")
+        if stale_after is not None and not stale_after > 0:
+            raise ValueError(f"`{path}`: `stale_after` is a number of seconds above 0, or None: never.")
+        self._bridge, self.path, self.getter, self._age = bridge, path, getter, age
+        self.stale_after, self.lateness = stale_after, ""
+        self._waiting_since: float | None = None
         self.doc, self.unit, self.type = doc, unit, type_
         self.value: object = None
         self.arrived: float | None = None
@@ -96,6 +114,8 @@ class RobotVariable:
         ------
         NoDataYet
             Nothing has arrived yet (the getter raised it, or returned None).
+        StaleData
+            What arrived last is older than `stale_after`.
         BridgeError
             The robot could not be read.
         """
@@ -104,9 +124,10 @@ class RobotVariable:
             self._seen = tick
             self._failure = None
             try:
-                value = self._getter()
-            except NoDataYet:
+                value = self.getter()
+            except NoDataYet as error:
                 value = None
+                self._failure = error if str(error) else None
             except BridgeError as error:
                 self._failure = error
             except Exception as error:
@@ -115,6 +136,8 @@ class RobotVariable:
             if self._failure is None:
                 if value is None:
                     self._failure = NoDataYet(f"`robot.{self.path}` has no data yet.")
+                elif self.stale_after is not None and (late := self.lateness if tick else self.judge()):
+                    self._failure = StaleData(late)
                 else:
                     self.value, self.arrived = value, self._bridge.safety.now
             if tick:
@@ -122,6 +145,37 @@ class RobotVariable:
         if self._failure is not None:
             raise self._failure.with_traceback(None)
         return self.value
+
+    @property
+    def knows_age(self) -> bool:
+        """Whether the bridge says how old it is; if not, its age is the time since it was read."""
+        return self._age is not None
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether its last value is too old to act on, now."""
+        age, most = self.age(), self.stale_after
+        return most is not None and age is not None and age > most
+
+    def judge(self) -> str:
+        """Return, and keep for the tick, why the robot must not drive on this reading; empty if it may.
+
+        That the first value is awaited is no reason before it has been for `stale_after` seconds of the run.
+        """
+        age, most, now = self.age(), self.stale_after, self._bridge.safety.now
+        self.lateness = ""
+        if most is None:
+            return ""
+        if age is None:
+            if self._waiting_since is None:
+                self._waiting_since = now
+            if now - self._waiting_since > most:
+                self.lateness = f"`robot.{self.path}`: nothing has arrived yet."
+        else:
+            self._waiting_since = None
+            if age > most:
+                self.lateness = f"`robot.{self.path}` is stale: its value is {age_text(age)} old."
+        return self.lateness
 
     def age(self) -> float | None:
         """Seconds since the reading arrived; None before the first."""
@@ -135,7 +189,9 @@ class RobotVariable:
         if kind is None:
             kind = "" if value is None else type(value).__name__
         text = kind if isinstance(kind, str) else kind.__name__
-        member = Member(self.path, "variable", text, self.unit, self.doc, self.age(), value)
+        member = Member(
+            self.path, "variable", text, self.unit, self.doc, self.age(), value, stale=self.is_stale
+        )
         return describe_value(member, self.type)
 
 
@@ -327,11 +383,20 @@ class Nodes:
     ----------
     make_part : callable
         Returns the object that a program gets for a name with members of its own.
+
+    Attributes
+    ----------
+    table : mapping of str to object
+        Members and parts, by their paths.
+    timed : tuple of RobotVariable
+        The readings that can become stale.
     """
 
     def __init__(self, make_part: Callable[[str], object]) -> None:
         self._make_part = make_part
+        self._changing = threading.RLock()
         self.table: Mapping[str, object] = {}
+        self.timed: tuple[RobotVariable, ...] = ()
 
     def add(self, node: RobotVariable | RobotMethod) -> None:
         """Add a member; one of the same name is replaced.
@@ -341,6 +406,17 @@ class Nodes:
         ValueError
             The name cannot be written after ``robot.``, or would be a member and a part at once.
         """
+        with self._changing:
+            self._replace(self._with(node))
+
+    def _replace(self, table: Mapping[str, object]) -> None:
+        nodes = table.values()
+        self.timed = tuple(
+            node for node in nodes if isinstance(node, RobotVariable) and node.stale_after is not None
+        )
+        self.table = table
+
+    def _with(self, node: RobotVariable | RobotMethod) -> Mapping[str, object]:
         name, table = node.path, dict(self.table)
         for part in name.split("."):
             if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
@@ -353,7 +429,7 @@ class Nodes:
             elif isinstance(table[name[:end]], (RobotVariable, RobotMethod)):
                 raise ValueError(f"`{name[:end]}` is already a member and cannot have members of its own.")
         table[name] = node
-        self.table = table
+        return table
 
     def remove(self, name: str) -> None:
         """Remove a member, or a part with all its members.
@@ -363,6 +439,10 @@ class Nodes:
         MemberError
             There is no member of that name.
         """
+        with self._changing:
+            self._replace(self._without(name))
+
+    def _without(self, name: str) -> Mapping[str, object]:
         if name not in self.table:
             raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
         left = [node for node in self.members() if node.path != name and not node.path.startswith(f"{name}.")]
@@ -370,11 +450,12 @@ class Nodes:
         for path, node in self.table.items():
             if any(other.path == path or other.path.startswith(f"{path}.") for other in left):
                 table[path] = node
-        self.table = table
+        return table
 
     def clear(self) -> None:
         """Remove all members."""
-        self.table = {}
+        with self._changing:
+            self._replace({})
 
     def members(self) -> Iterator[RobotVariable | RobotMethod]:
         """Iterate over the members in the order of their registration."""

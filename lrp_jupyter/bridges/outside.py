@@ -16,9 +16,21 @@ class RobotStopped:
 
 @dataclass(frozen=True, slots=True)
 class CommandsHeld:
-    """The robot was stopped in the middle of the next tick: of its commands, only so many are sent."""
+    """Of the commands of the next tick, only so many are sent.
+
+    Parameters
+    ----------
+    sent : int
+        How many are.
+    blind : str
+        Why those that move the robot are not: its data are too old. Empty if it was stopped instead.
+    lost : str
+        Why those after them were refused: the robot did not answer. Empty if it did.
+    """
 
     sent: int
+    blind: str = ""
+    lost: str = ""
 
 
 @dataclass(frozen=True, slots=True)

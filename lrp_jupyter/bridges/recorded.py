@@ -31,7 +31,7 @@ class RecordedBridge(Bridge, offered=False):
 
     Attributes
     ----------
-    feed : mapping of str to object
+    given : mapping of str to object
         The readings of the next tick, by path; an error where a reading failed.
     """
 
@@ -41,7 +41,7 @@ class RecordedBridge(Bridge, offered=False):
 
     def __init__(self, name: str, members: Iterable[RobotVariable | RobotMethod]) -> None:
         self.recorded_name = name
-        self.feed: Mapping[str, object] = {}
+        self.given: Mapping[str, object] = {}
         self._recorded = tuple(members)
 
     def add_members(self) -> None:
@@ -68,7 +68,7 @@ class RecordedBridge(Bridge, offered=False):
         """Connect nothing."""
 
     def _read(self, path: str) -> object:
-        value = self.feed.get(path)
+        value = self.given.get(path)
         if isinstance(value, Exception):
             raise value
         if value is None:

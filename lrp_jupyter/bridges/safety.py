@@ -15,13 +15,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
+from lrp_jupyter.bridges.outside import CommandsHeld
 from lrp_jupyter.errors import sentence_of
 
 __all__ = ["BY_HAND", "COMMANDS", "CommandRecord", "Motion", "Notice", "Origin", "Safety", "patience"]
 
 NoticeKind = Literal[
-    "armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "guard", "fault"
+    "armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "stale", "guard", "fault"
 ]
+
+Hindrance = Literal["disarmed", "lost", "held", "blind"]
+"""Why a command is not sent: a lost robot gets none, one whose data are too old none that moves it."""
 
 Motion = dict[str, tuple[str, float]]
 """The robots that move, by name, with the last velocity command and its time; never changed in place."""
@@ -138,8 +142,17 @@ class Safety:
         """The commands that were sent since the last stop, and may move the robot."""
         self.sent = 0
         """How many commands were sent in this tick."""
-        self.most: int | None = None
-        """How many may be sent in it, if it repeats one in which the robot was stopped."""
+        self.again: CommandsHeld | None = None
+        """What became of the commands of the tick that this one repeats, if not all of them were sent."""
+        self.blind = ""
+        """Why no command may move the robot now: its data are too old. Empty if it may."""
+        self.lost = ""
+        """Why no command can be sent now: the robot does not answer. Empty if it does."""
+        self.why = ""
+        """Why the last command was not sent that was refused or held because of `lost` or `blind`."""
+        self.has_commanded = False
+        """Whether anything was sent since the robot was known to stand."""
+        self._refused = ""  # why commands of this tick were refused
         self.notice_count = 0
         self.command_count = 0
         self._last_tick: float | None = None
@@ -232,12 +245,42 @@ class Safety:
         self._overdue_reported = False
         self.held = self.blocked
         self.sent = 0
+        self._refused = ""
 
-    def admit(self) -> bool:
-        """Return whether a command may be sent now, and count it."""
-        is_sent = self.armed and not self.held and self.sent != self.most
-        self.sent += is_sent
-        return is_sent
+    def hindrance(self, moves: bool) -> Hindrance | None:
+        """Return why a command may not be sent now; if it may, count it and return None.
+
+        Parameters
+        ----------
+        moves : bool
+            Whether it may set the robot in motion.
+        """
+        if not self.armed:
+            return "disarmed"
+        again = self.again
+        is_last = again is not None and self.sent == again.sent
+        if lost := self.lost or (again.lost if again is not None and is_last else ""):
+            self.why = self._refused = lost
+            return "lost"
+        if self.held:
+            return "held"
+        if moves and (blind := self.blind or (again.blind if again is not None else "")):
+            self.why = blind
+            return "blind"
+        if is_last:
+            return "held"
+        self.sent += 1
+        self.has_commanded = True
+        return None
+
+    def hindered(self) -> CommandsHeld | None:
+        """Return what became of the commands of this tick, if not all of them could be sent."""
+        blind, lost = self.blind, self._refused
+        if self.again is not None:
+            blind = blind or self.again.blind
+        elif not (self.held or blind or lost):
+            return None
+        return CommandsHeld(self.sent, blind, lost)
 
     @property
     def ticking(self) -> bool:

@@ -50,6 +50,8 @@ class BoardState:
         Whether the keyboard is read.
     differs : str
         Why the file on disk is not what runs, a sentence; empty if it is.
+    trouble : str
+        Why the robot does not move: it is lost, or its data are too old. Empty if neither.
     """
 
     frame: Frame
@@ -62,6 +64,7 @@ class BoardState:
     changed: frozenset[Path] = frozenset()
     keys: bool = False
     differs: str = ""
+    trouble: str = ""
 
 
 class Board:
@@ -130,7 +133,8 @@ def board_text(state: BoardState, width: int, rows: dict[str, int] | None = None
         body = [_beside(a, b) for a, b in zip_longest(left, right, fillvalue=Text())]
     else:
         body = [*left, *right]
-    lines = [Text(), _header(state), Text(state.differs, "bold red"), *body, *_issues(state.frame, width)]
+    warning = Text("  ".join(filter(None, (state.differs, state.trouble))), "bold red")
+    lines = [Text(), _header(state), warning, *body, *_issues(state.frame, width)]
     if state.keys:
         keys = "space: pause or resume   s: one step   r: restart   q: quit"
         lines += [Text(), Text(f"i: interrupt the block   {keys}" if state.frame.hung else keys, "dim")]

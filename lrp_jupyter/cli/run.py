@@ -50,6 +50,7 @@ __all__ = ["open_robot", "run_file", "where"]
 
 _REFRESH = 1 / 12  # s between two refreshes of the display
 _LAST = 3  # number of recent transitions on the board
+_BAD = (ConnectionState.LOST, ConnectionState.STALE)
 
 
 def run_file(file: str, wanted: RunOptions) -> int:
@@ -336,14 +337,20 @@ class _Run:
         self._printed, printed = self.session.output.since(self._printed)
         for line in printed:
             self.print(line)
+        self._print_robot(frame)
+
+    def _print_robot(self, frame: Frame) -> None:
+        """Print what happened to the connection, each time, and to the safety, once."""
+        status = self._bridge.status
+        if status.state not in (self._connection, ConnectionState.DISCONNECTED):
+            self._connection = status.state
+            self._notices.add(status.sentence)  # the notice of a loss is its status
+            style = "bold red" if status.state in _BAD else "yellow"
+            self.print(Text(f"{frame.time:8.1f} s  robot: {status.sentence}", style))
         for notice in self._bridge.safety.notices:
             if notice.text not in self._notices:
                 self._notices.add(notice.text)
                 self.print(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
-        status = self._bridge.status
-        if status.state not in (self._connection, ConnectionState.DISCONNECTED):
-            self._connection = status.state
-            self.print(Text(f"{frame.time:8.1f} s  robot: {status.sentence}", "yellow"))
 
     def _print_hang(self, frame: Frame) -> None:
         """Print that a block does not return, once."""
@@ -362,9 +369,9 @@ class _Run:
         changed = frozenset(path for path, value in values.items() if self._values.get(path, value) != value)
         self._values = values
         readings = [
-            (member.name.removesuffix(".data"), _short(member.value))
+            (member.name.removesuffix(".data"), member.absence or _short(member.value))
             for member in self._bridge.members()
-            if member.kind == "variable" and member.value is not None
+            if member.kind == "variable" and (member.stale or member.value is not None)
         ]
         return BoardState(
             frame=frame,
@@ -377,6 +384,7 @@ class _Run:
             changed=changed,
             keys=self._keys is not None,
             differs=self._differs,
+            trouble=status.sentence if (status := self._bridge.status).state in _BAD else "",
         )
 
     def _drawn(self, frame: Frame) -> list[str]:

@@ -66,8 +66,9 @@ def input_line(what: object, loop: Loop) -> Line:
             return {"input": "stop"}
         case RobotArmed(armed):
             return {"input": "arm", "armed": armed}
-        case CommandsHeld(sent):
-            return {"input": "hold", "sent": sent}
+        case CommandsHeld(sent, blind, lost):
+            why = {"blind": blind, "lost": lost}
+            return {"input": "hold", "sent": sent} | {name: text for name, text in why.items() if text}
         case RobotCommanded(name, arguments):
             return {"input": "command", "name": name, "arguments": plain(arguments)}
         case WorldLoaded(world):
@@ -142,7 +143,7 @@ def input_of(line: Line, program: Callable[[str], Program]) -> object:
         case "arm":
             return RobotArmed(bool(line["armed"]))
         case "hold":
-            return CommandsHeld(int(line["sent"]))
+            return CommandsHeld(int(line["sent"]), str(line.get("blind", "")), str(line.get("lost", "")))
         case "command":
             return RobotCommanded(line["name"], unplain(line["arguments"]))
         case "world":

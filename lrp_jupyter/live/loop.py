@@ -37,7 +37,7 @@ from types import FrameType, MappingProxyType
 from typing import Any, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotStopped
+from lrp_jupyter.bridges.outside import RobotArmed, RobotStopped
 from lrp_jupyter.bridges.safety import Origin
 from lrp_jupyter.errors import LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
@@ -215,11 +215,10 @@ class Loop:
             interpreter.step(now)
             hit = None if self.breakpoints is None else self._hit()
             bridge.end_tick(now)
-            safety = bridge.safety
-            if safety.held or safety.most is not None:
-                record.add(CommandsHeld(safety.sent), interpreter.tick - 1)
+            if (held := bridge.safety.hindered()) is not None:
+                record.add(held, interpreter.tick - 1)
         finally:
-            self.ticking = bridge.safety.most = None
+            self.ticking = bridge.safety.again = None
         on_time = step is None and now - timing.due <= LAG
         timing.due = (timing.due if on_time else now) + timing.period
         for call in self.after_tick:

@@ -96,7 +96,7 @@ def repeat(loop: Loop, entry: Entry) -> None:
     loop.timing.go_to(entry.time)
     if isinstance(entry, Ticked):
         if isinstance(loop.bridge, RecordedBridge) and isinstance(entry.readings, dict):
-            loop.bridge.feed = entry.readings
+            loop.bridge.given = entry.readings
         loop.tick()
     else:
         _apply(loop, entry.what)
@@ -120,8 +120,8 @@ def _apply(loop: Loop, what: object) -> None:
         case Rewound(checkpoint):
             _check_rewound(loop, checkpoint)
             loop.settle_as(checkpoint)
-        case CommandsHeld(sent):
-            bridge.safety.most = sent
+        case CommandsHeld():
+            bridge.safety.again = what
         case RobotCommanded(name, arguments):
             bridge.nodes.table[name](**arguments)  # type: ignore[operator]
         case _:

@@ -118,7 +118,7 @@ def _robot(session: Session) -> InspectView:
     facets = [
         _facet(
             f"robot.{member.name}{member.signature}",
-            "" if member.kind == "method" else "waiting" if member.value is None else render(member.value),
+            member.absence or ("" if member.kind == "method" else render(member.value)),
             member.unit or member.type,
         )
         for member in bridge.members()

@@ -273,7 +273,7 @@ def _hover(session: Session, chain: str, scope: str) -> HoverView | None:
 
 
 def _member_card(title: str, member: Member) -> HoverView:
-    value = "" if member.kind == "method" else "waiting" if member.value is None else render(member.value)
+    value = member.absence or ("" if member.kind == "method" else render(member.value))
     return _hover_view(title + member.signature, member.type, value, member.doc)
 
 
@@ -366,7 +366,8 @@ def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
 
 
 def _field(member: Member) -> Option:
-    value = "" if member.value is None or member.fields else render(member.value, of_type)[:40]
+    is_shown = member.value is not None and not (member.fields or member.stale)
+    value = render(member.value, of_type)[:40] if is_shown else ""
     kind = "method" if member.kind == "method" else "property"
     detail = value or member.signature or member.type
     return {"label": member.name.rpartition(".")[2], "kind": kind, "detail": detail, "info": member.doc}

@@ -15,6 +15,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.codes import FINDINGS
+from lrp_jupyter.errors import NoDataYet, StaleData
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.breakpoint import Breakpoint
 from lrp_jupyter.interpreter.frame import Frame, Hit
@@ -435,12 +436,13 @@ def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
 
 def _member_values(members: Iterable[Member], past: Mapping[str, object]) -> dict[str, str]:
     """Return the last reading of every variable of the robot, or one of the past, as text."""
-    values = {
-        member.name: past.get(member.name, member.value)
+    return {
+        member.name: _short(past[member.name])
+        if member.name in past
+        else member.absence or _short(member.value)
         for member in members
         if member.kind == "variable" and not member.fields
     }
-    return {name: "waiting" if value is None else _short(value) for name, value in values.items()}
 
 
 def listed_members(bridge: Bridge) -> Iterator[Member]:
@@ -468,6 +470,8 @@ def _member_view(member: Member) -> MemberView:
 
 
 def _short(value: object) -> str:
+    if isinstance(value, NoDataYet):
+        return "stale" if isinstance(value, StaleData) else "waiting"
     return format(value, ".4g") if isinstance(value, float) else render(value)
 
 

@@ -165,3 +165,10 @@ def test_the_board_says_that_the_file_on_disk_is_not_what_runs():
     assert shown[2] == differs
     assert len(shown) == len(usual)
     assert differs not in usual
+
+
+def test_the_board_says_why_the_robot_does_not_move():
+    trouble, differs = "`robot.light.data` is stale: its value is 1.4 s old.", "The file has errors."
+    shown = text_of(state_after(0.1, trouble=trouble))
+    assert shown[2] == trouble
+    assert text_of(state_after(0.1, trouble=trouble, differs=differs))[2] == f"{differs}  {trouble}"

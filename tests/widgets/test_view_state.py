@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter.bridges import Bridge
 from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.widgets import layouts
 from lrp_jupyter.widgets.protocol import FrameMessage, ViewState
@@ -156,3 +157,36 @@ def test_a_long_layout_delays_no_command(bench, monkeypatch, act):
         go.set()
         publisher.join(20)
     assert len(page.merged("layouts")["m"]["states"]) == 2
+
+
+class Ear(Bridge):
+    """A robot that is fed what it hears; the test is its clock."""
+
+    name = "test-ear"
+
+    def __init__(self):
+        self.time = 0.0
+        self.fed.clock = lambda: self.time
+
+    def open_interface(self):
+        self.feed("sound", doc="loudness")
+
+
+def test_a_reading_that_is_too_old_is_shown_with_its_age_where_one_that_is_missing_is_waited_for(bench):
+    ear = Ear()
+    lab = bench("(machine m (state a) (state b) (on [robot.sound > 5] a -> b)) (spawn m a)", bridge=ear)
+    page = lab.page()
+
+    def shown():
+        lab.session.step()
+        lab.publish()
+        facet = page.ask("inspect", kind="robot", path="robot", into=[])["inspect"]["facets"][0]
+        hover = page.ask("hover", chain="robot.sound", scope="m")["hover"]
+        return {page.merged("members")["sound"], facet["text"], hover["value"]}
+
+    assert shown() == {"waiting"}
+    ear.feed("sound", 3)
+    ear.time = 0.4
+    assert shown() == {"3"}
+    ear.time = 1.4
+    assert shown() == {"stale, 1.4 s old"}

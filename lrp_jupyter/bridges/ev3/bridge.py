@@ -50,6 +50,7 @@ class EV3Bridge(Bridge):
     name = "ev3"
     complete = True
     stop_timeout = 0.8
+    stops_when_found = True  # in the first packet to a brick that was lost
 
     def __init__(
         self,
@@ -88,7 +89,7 @@ class EV3Bridge(Bridge):
 
     def _report(self, state: str, sentence: str) -> None:
         self.set_status(state, sentence)
-        if state in ("stale", "lost"):
+        if state == "stale":
             self.safety.notice("fault", sentence)
 
     def open_interface(self) -> Panel:

@@ -70,6 +70,7 @@ class RosBridge(Bridge):
     """
 
     name = "ros"
+    stops_when_found = True  # each velocity topic, as soon as it is connected again
 
     def __init__(
         self,
@@ -288,18 +289,15 @@ class RosBridge(Bridge):
         self.safety.notice("fault", sentence)
 
     def _report(self, state: ConnectionState, sentence: str) -> None:
-        """Apply a change of the connection; stop a robot that does not answer. On the link's thread."""
+        """Apply a change of the connection; stop a robot that may not answer. On the link's thread."""
         if state is ConnectionState.CONNECTED:
             sentence = f"{sentence} Back end: {self.connected_by}."
-        before, self._last_status = self._last_status[0], (state, sentence)
+        self._last_status = (state, sentence)
         self.set_status(state, sentence)
         link = self.wiring.link
-        if link is None or state not in (ConnectionState.LOST, ConnectionState.STALE):
-            return
-        if state is ConnectionState.LOST or link.transport.trouble():
+        if state is ConnectionState.STALE and link is not None and link.transport.trouble():
             self.safety.notice("fault", sentence)
-            if before is not ConnectionState.LOST:
-                self.stop_all()
+            self.stop_all()
 
     # -- the panel --------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from itertools import chain
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.nodes import RobotMethod
-from lrp_jupyter.bridges.outside import RobotStopped
+from lrp_jupyter.bridges.outside import CommandsHeld, RobotStopped
 from lrp_jupyter.bridges.safety import CommandRecord
 from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.interpreter.facts import Commanded
@@ -115,6 +115,12 @@ def _lines_with(program: Program, attribute: str) -> list[int]:
     return sorted(found)
 
 
+def _why_held(loop: Loop, tick: int) -> str:
+    """Return why the bridge sent no such command in a tick; empty if it was stopped or disarmed."""
+    held = [each.what for each in loop.record.inputs.since(tick - 1) if each.tick == tick - 1]
+    return next((each.lost or each.blind for each in held if isinstance(each, CommandsHeld)), "")
+
+
 def _fate(
     run: RecordedRun, loop: Loop, last: CommandRecord, given: int, tick: int, now: bool
 ) -> tuple[CommandCode, str]:
@@ -123,7 +129,8 @@ def _fate(
     if not last.sent and not safety.armed:
         return "disarmed", "It was not sent, because the robot is disarmed."
     if not last.sent:
-        return "stopped", "It was not sent: the robot was disarmed, or had been stopped in that tick."
+        why = _why_held(loop, given) or "the robot was disarmed, or had been stopped in that tick."
+        return "stopped", f"It was not sent: {why}"
     notices = [each for each in safety.notices if each.kind == "command watchdog"]
     notices = [each for each in notices if last.now < each.now <= loop.timing.now]
     if notices and (now or notices[-1].now <= run.time(tick) + 1e-9):
