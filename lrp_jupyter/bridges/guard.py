@@ -81,7 +81,7 @@ class Stopper:
                 import cloudpickle
 
                 target["pickled"] = base64.b64encode(cloudpickle.dumps(self.target)).decode()
-            return json.dumps({**target, "arguments": dict(self.arguments)})
+            return json.dumps({**target, "arguments": dict(self.arguments), "parent": os.getpid()})
         except Exception as error:  # whatever the objects to be pickled raise
             raise BridgeError(
                 f"The stopper cannot be sent to another process. {sentence_of(error)}"
@@ -134,7 +134,8 @@ class Guard:
         self._bridge = weakref.ref(bridge)
         self.is_on = False
         self.trouble = ""
-        self._beat = 0.0
+        self._beat = 0.0  # the last one
+        self._moved = False  # whether the robot might move then; a watchdog may have stopped it since
         self._stopper: Stopper | None = None
         self._process: _Process | None = None
         self._end = threading.Event()
@@ -142,15 +143,16 @@ class Guard:
         self._changing = threading.Lock()
 
     def start(self) -> None:
-        """Guard the robot from now on; idempotent."""
+        """Guard the robot from now on; idempotent. The process has been started when this returns."""
         with self._changing:
             if self.is_on:
                 return
             self.is_on, self.trouble, self._stopper = True, "", None
             self._beat = now()
-            self._end = threading.Event()
-            self._thread = threading.Thread(target=self._run, args=(self._end,), name="guard", daemon=True)
-            self._thread.start()
+            self._end = over = threading.Event()
+        self._turn(over)
+        self._thread = threading.Thread(target=self._run, args=(over,), name="guard", daemon=True)
+        self._thread.start()
 
     def end(self) -> None:
         """End the process, which does nothing more to the robot; idempotent."""
@@ -168,36 +170,42 @@ class Guard:
         """Have the bridge stop where this process was suspended; before a command is sent."""
         silence = now() - self._beat
         bridge = self._bridge()
-        if silence > _LAPSE and bridge is not None and bridge.in_motion:
+        if silence > _LAPSE and self._moved and bridge is not None:
+            self._moved = False
             bridge.lapse(lambda: self._lapsed(silence))
 
     def moves(self) -> None:
         """Tell the process, before the command that moves the robot is sent."""
-        process = self._process
+        self._moved, process = True, self._process
         if process is not None:
             process.beat(lambda: True)
 
     # -- on its thread --------------------------------------------------------------------------------
 
     def _run(self, over: threading.Event) -> None:
-        while (bridge := self._bridge()) is not None:
-            self.check()
-            process = self._process
-            if process is not None and process.stopped.is_set():  # though this side was in time
-                bridge.lapse(lambda: self._lapsed(SILENCE))
-            self._beat = now()
-            try:
-                self._attend(bridge, over)
-            except Exception as error:  # also the bridge's own, in `stopper`
-                self._stopper = None
-                self._report(bridge, sentence_of(error))
-            process = self._process
-            if process is not None:
-                process.beat(lambda: bridge.in_motion)
-            del bridge, process
-            if over.wait(_BEAT):
-                return
-        self.end()
+        while not over.wait(_BEAT):
+            if not self._turn(over):
+                self.end()
+
+    def _turn(self, over: threading.Event) -> bool:
+        """Send a beat to a process for the present stopper; return whether there is still a bridge."""
+        bridge = self._bridge()
+        if bridge is None:
+            return False
+        self.check()
+        process = self._process
+        if process is not None and process.stopped.is_set():  # though this side was in time
+            bridge.lapse(lambda: self._lapsed(SILENCE))
+        self._beat, self._moved = now(), bridge.in_motion
+        try:
+            self._attend(bridge, over)
+        except Exception as error:  # also the bridge's own, in `stopper`
+            self._stopper = None
+            self._report(bridge, sentence_of(error))
+        process = self._process
+        if process is not None:
+            process.beat(lambda: bridge.in_motion)
+        return True
 
     def _lapsed(self, silence: float) -> str:
         """Return what happened meanwhile, as the process reports it."""
@@ -307,9 +315,8 @@ class _Process:
 
     def end(self) -> None:
         """Have it end, without touching the robot."""
-        with self._writing, contextlib.suppress(OSError):
-            self._pipe.write(b"e")
-        self._pipe.close()
+        with self._writing, contextlib.closing(self._pipe), contextlib.suppress(OSError, ValueError):
+            self._pipe.write(b"e")  # a ValueError: it is closed
 
     def _listen(self) -> None:
         process = self._process

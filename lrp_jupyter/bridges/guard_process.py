@@ -86,11 +86,11 @@ class _Watch:
         Set with every beat.
     """
 
-    def __init__(self, pipe: BufferedReader) -> None:
+    def __init__(self, pipe: BufferedReader, parent: int) -> None:
         self.moves = self.ended = self.over = False
         self.last = now()
         self.wake = threading.Event()
-        self._pipe, self._parent = pipe, os.getppid()
+        self._pipe, self._parent = pipe, parent
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self) -> None:
@@ -129,11 +129,12 @@ def main() -> None:
             reports.write(f"{what} {' '.join(sentence.split())}\n")
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    stopper = pipe.readline()
-    if stopper.endswith(b"\n"):  # else the parent has ended already
-        watch = _Watch(pipe)
+    line = pipe.readline()
+    if line.endswith(b"\n"):  # else the parent has ended already
+        stopper = json.loads(line)
+        watch = _Watch(pipe, stopper["parent"])
         signal.signal(signal.SIGTERM, watch.finish)
-        _guard(json.loads(stopper), watch, report)
+        _guard(stopper, watch, report)
 
 
 def _guard(stopper: dict[str, Any], watch: _Watch, report: Callable[..., None]) -> None:

@@ -1,0 +1,173 @@
+"""Programs that drive a robot and are killed or suspended: of the command line, and in a real kernel.
+
+A robot is described by how the two reach it, and by what it was told, as itself reports it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+PROGRAM = "(machine m (state s (running [robot.move(linear=0.2)]))) (spawn m s)"
+
+_LRP = "{imports}\nfrom lrp_jupyter.cli import main\nmain()"
+_CELL = """
+import signal
+from lrp_jupyter import Session
+{cell}
+session = Session({program!r}, bridge)
+session.start()
+bridge.arm()
+"""
+
+
+def wait_until(holds: Callable[[], object], what: str = "", seconds: float = 60.0) -> None:
+    """Wait for what another process or thread does."""
+    end, tick = time.monotonic() + seconds, threading.Event()
+    while not holds():
+        assert time.monotonic() < end, what or "it did not happen"
+        tick.wait(0.02)
+
+
+@dataclass
+class Robot:
+    """A robot in a process of its own.
+
+    Attributes
+    ----------
+    speeds : callable
+        Returns when it was told which speed, by `time.monotonic`, as far as the speed was another one.
+    arguments : sequence of str
+        Of ``lrp run``.
+    imports : str
+        What ``lrp`` imports before.
+    cell : str
+        Code that makes `bridge` in a notebook.
+    """
+
+    speeds: Callable[[], list[tuple[float, float]]]
+    arguments: Sequence[str]
+    cell: str
+    imports: str = ""
+    environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
+
+    @property
+    def drives(self) -> bool:
+        """Whether it was told to drive last."""
+        return any(speed for _, speed in self.speeds()[-1:])
+
+    @property
+    def stands(self) -> bool:
+        """Whether it was told to stand last."""
+        return [speed for _, speed in self.speeds()[-1:]] == [0.0]
+
+    def stood_after(self, moment: float) -> float:
+        """Seconds from a moment until it was told to stand, for the last time."""
+        return self.speeds()[-1][0] - moment
+
+
+class Driver(Protocol):
+    """A program that drives a robot.
+
+    Attributes
+    ----------
+    pid : int
+        Of its process.
+    """
+
+    pid: int
+
+    def reason(self) -> str:
+        """Return why it is paused, or all that it printed."""
+        ...
+
+    def end(self) -> None:
+        """End what is left of it."""
+        ...
+
+
+class CommandLine:
+    """``lrp run``."""
+
+    def __init__(self, robot: Robot, folder: Path) -> None:
+        program = folder / "drive.lrp"
+        program.write_text(PROGRAM, encoding="utf-8")
+        code = _LRP.format(imports=robot.imports)
+        self._log = folder / "log"
+        with self._log.open("w") as log:
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", code, "run", str(program), *robot.arguments],
+                env={**robot.environment, "PYTHONWARNINGS": ""},
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        self.pid = self.process.pid
+
+    def reason(self) -> str:
+        return " ".join(self._log.read_text().split())
+
+    def end(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait(60)
+
+
+class Kernel:
+    """A session in a real Jupyter kernel."""
+
+    def __init__(self, robot: Robot, folder: Path) -> None:
+        from jupyter_client.manager import KernelManager
+
+        self._manager = KernelManager(kernel_name="python3")
+        self._manager.start_kernel(cwd=str(folder), env={**robot.environment, "PYTHONWARNINGS": ""})
+        self._client = self._manager.client()
+        self._client.start_channels()
+        self._client.wait_for_ready(timeout=120)
+        self.pid = self._manager.provisioner.pid  # type: ignore[union-attr]
+        self._run(_CELL.format(cell=robot.cell, program=PROGRAM))
+
+    def _run(self, code: str, expression: str = "''") -> str:
+        reply = self._client.execute(code, reply=True, timeout=120, user_expressions={"it": expression})
+        assert reply["content"]["status"] == "ok", "\n".join(reply["content"].get("traceback", []))
+        data: Any = reply["content"]["user_expressions"]["it"]["data"]["text/plain"]
+        return str(data)
+
+    def reason(self) -> str:
+        return self._run("", "session.frame.reason")
+
+    def resume(self) -> None:
+        self._run("session.resume()")
+
+    def end(self) -> None:
+        self._client.stop_channels()
+        self._manager.shutdown_kernel(now=True)
+
+
+DRIVERS: Mapping[str, Callable[[Robot, Path], CommandLine | Kernel]] = {
+    "lrp run": CommandLine,
+    "kernel": Kernel,
+}
+
+
+def guards(pid: int) -> list[int]:
+    """Return the guard processes of a process, or of one that is gone (pid 1 has taken them over)."""
+    listed = subprocess.run(["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True)
+    rows = [line.split(None, 2) for line in listed.stdout.splitlines()]
+    return [int(row[0]) for row in rows if int(row[1]) == pid and "guard_process" in row[2]]
+
+
+def kill(driver: Driver, number: signal.Signals) -> float:
+    """Send a signal; return the moment, by `time.monotonic`."""
+    moment = time.monotonic()
+    os.kill(driver.pid, number)
+    return moment

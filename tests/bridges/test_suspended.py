@@ -1,0 +1,86 @@
+"""A program that was suspended does not drive on by itself; here by a clock that jumps."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import pytest
+from bridges.dying import wait_until
+
+from lrp_jupyter.bridges import guard
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.live.session import Session
+
+LATER = 3.2  # s
+
+
+@pytest.fixture
+def sleep(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Have some seconds pass in which nothing of this process runs."""
+
+    def pass_() -> None:
+        later = guard.now() + LATER
+        monkeypatch.setattr(guard, "now", lambda: later)
+
+    return pass_
+
+
+def texts(bridge: Bridge, kind: str = "guard") -> list[str]:
+    return [notice.text for notice in bridge.safety.notices if notice.kind == kind]
+
+
+def test_a_program_that_was_suspended_is_paused_before_it_sends_anything(cart: Any, sleep: Any) -> None:
+    """Also where nobody stopped the robot meanwhile."""
+    with Session("(machine m (state s (running [robot.move(linear=0.2)])))(spawn m s)", cart) as session:
+        session.run(0.35)
+        driven = len(cart.sent)
+        assert cart.sent == [(0.2, 0.0)] * driven
+        sleep()
+        session.run(1)
+        assert set(cart.sent[driven:]) == {(0.0, 0.0)}
+        assert session.status == "paused"
+        assert session.frame.reason.startswith("This program was suspended for 3.2 s: the robot was stopped.")
+        assert texts(cart) == [session.frame.reason]
+        session.run(0.15)  # a person goes on
+        assert cart.sent[-1] == (0.2, 0.0)
+
+
+def test_a_program_that_was_suspended_while_its_robot_stood_goes_on(cart: Any, sleep: Any) -> None:
+    cart.robot.move(linear=0.2)
+    cart.robot.move()
+    wait_until(lambda: not cart._guard._moved, "a beat says so")
+    sleep()
+    cart.robot.move(linear=0.3)
+    assert cart.sent[-1] == (0.3, 0.0)
+    assert texts(cart) == []
+
+
+def test_a_watchdog_that_stopped_the_robot_first_changes_nothing(cart: Any, sleep: Any) -> None:
+    cart.robot.move(linear=0.2)
+    sleep()
+    cart.stop_all()
+    cart.robot.move(linear=0.3)
+    assert (0.3, 0.0) not in cart.sent
+    held = texts(cart, "held")
+    assert held[0].startswith("`move` was not sent: ")
+
+
+def test_a_person_who_drives_by_hand_goes_on_by_arming(cart: Any, sleep: Any) -> None:
+    cart.robot.move(linear=0.2)
+    sleep()
+    cart.robot.move(linear=0.3)
+    cart.robot.move(linear=0.3)
+    assert (0.3, 0.0) not in cart.sent
+    cart.arm()
+    cart.robot.move(linear=0.3)
+    assert cart.sent[-1] == (0.3, 0.0)
+
+
+def test_a_simulated_robot_has_neither_a_guard_nor_a_sentence() -> None:
+    with Session("", "sim", world="empty") as session:
+        session.bridge.open()
+        session.bridge.disarm()
+        session.bridge.arm()
+        assert session.bridge.failsafe == ""
+        assert not [each for each in threading.enumerate() if each.name == "guard"]
