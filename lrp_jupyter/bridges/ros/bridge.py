@@ -270,7 +270,6 @@ class RosBridge(Bridge):
         """Create a link, with a new channel for each connection of the set-up."""
         link = TopicLink(self._make_transport(), self._report, self.wiring.learned)
         self._last_status = (ConnectionState.CONNECTING, f"Connecting to {link.transport.place}.")
-        self.add_method("stop", self.stop, "publish a velocity of zero on every velocity topic")
         try:
             self.wiring.attach(link)
             if searching:
