@@ -408,6 +408,7 @@ class Bridge(Interface, ABC):
         try:
             self.add_members()
             self._opened_panel = self.open_interface()
+            self.offer_stop()
         except Exception as error:
             sentence = sentence_of(error)
             self.set_status(ConnectionState.DISCONNECTED, sentence)
@@ -531,6 +532,9 @@ class NullBridge(Bridge):
     name = "none"
     hardware = False
     stop_timeout = None
+
+    def offer_stop(self) -> None:
+        """Offer nothing: there is no robot that could stop."""
 
     def open_interface(self) -> None:
         """Nothing to connect."""

@@ -355,6 +355,8 @@ class Interface:
     def stop(self) -> None:
         """Stop the robot. Called on any thread, at any time, also while disarmed.
 
+        A program reaches it as ``robot.stop()``, unless the bridge adds a `stop` of its own.
+
         Default: send a velocity of zero through every velocity method.
         """
         for node in self.nodes.members():
@@ -376,6 +378,18 @@ class Interface:
             return self._stop_now()
         finally:  # a recording that fails does not keep the robot moving
             self.outside(RobotStopped(), False)
+
+    def offer_stop(self) -> None:
+        """Add ``robot.stop()``, unless the bridge has a member of that name.
+
+        It stops the robot in bounded time, and does not hold back the later commands of the tick.
+        """
+        if "stop" not in self.nodes.table:
+            self.add_method("stop", self._stop_or_raise, "stop the robot")
+
+    def _stop_or_raise(self) -> None:
+        if not self._stop_now():
+            raise BridgeError(self.safety.notices[-1].text)
 
     def stop_mover(self, mover: str) -> None:
         """Stop one of several robots, for which the program gives no more commands. Default: stop all."""

@@ -44,6 +44,9 @@ class RecordedBridge(Bridge, offered=False):
         self.given: Mapping[str, object] = {}
         self._recorded = tuple(members)
 
+    def offer_stop(self) -> None:
+        """Offer nothing that the recorded robot did not."""
+
     def add_members(self) -> None:
         """Add the members of the recorded robot."""
         for node in self._recorded:

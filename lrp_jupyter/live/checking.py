@@ -69,6 +69,7 @@ def members_of(bridge: Bridge) -> RobotMembers:
     is_known = bridge.is_open or bool(bridge.nodes.table)
     if not is_known:
         bridge.add_members()
+        bridge.offer_stop()
     nodes = [node for node in bridge.nodes.members() if bridge.complete or isinstance(node, RobotMethod)]
     members = [_described(node.describe(), isinstance(node, RobotMethod) and node.command) for node in nodes]
     if not is_known:

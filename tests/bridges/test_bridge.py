@@ -14,6 +14,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, MemberError, NullBridge, Robot, Twist, attach
 from lrp_jupyter.bridges.panel import Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
+from lrp_jupyter.live.checking import check
 
 
 class Bare(Bridge):
@@ -51,7 +52,7 @@ def test_an_unknown_member_names_the_existing_ones_and_the_nearest(cart: Any) ->
     with pytest.raises(MemberError) as error:
         cart.robot.lihgt  # noqa: B018
     assert str(error.value) == (
-        "`robot` has no `lihgt`; it has `battery`, `beep`, `light`, `move`. Did you mean `light`?"
+        "`robot` has no `lihgt`; it has `battery`, `beep`, `light`, `move`, `stop`. Did you mean `light`?"
     )
     with pytest.raises(MemberError, match=r"`robot\.light` has no `dta`; it has `data`"):
         cart.robot.light.dta  # noqa: B018
@@ -100,8 +101,8 @@ def test_nothing_of_robot_can_be_assigned_or_deleted(cart: Any) -> None:
 
 
 def test_dir_and_repr_show_the_members(cart: Any) -> None:
-    assert dir(cart.robot) == ["battery", "beep", "light", "move"]
-    assert repr(cart.robot) == "<robot: battery, beep, light, move>"
+    assert dir(cart.robot) == ["battery", "beep", "light", "move", "stop"]
+    assert repr(cart.robot) == "<robot: battery, beep, light, move, stop>"
     assert repr(cart.robot.light) == "<robot.light: data>"
     assert repr(NullBridge().robot) == "<robot: no members>"
     assert repr(cart.robot.move).startswith("<robot.move(linear")
@@ -115,7 +116,7 @@ def test_robot_stays_the_same_object_when_members_and_bridges_change(cart: Any, 
     assert not hasattr(robot, "compass")
     bare.add_variable("depth", lambda: 3, "below the surface")
     attach(robot, bare)
-    assert dir(robot) == ["depth"]
+    assert dir(robot) == ["depth", "stop"]
 
 
 # -- members --------------------------------------------------------------------------------------
@@ -125,7 +126,7 @@ def test_a_member_of_the_same_name_replaces_the_first(bare: Bare) -> None:
     bare.add_variable("x", lambda: 1)
     bare.add_variable("x", lambda: 2)
     assert bare.robot.x == 2
-    assert len(bare.members()) == 1
+    assert [member.name for member in bare.members()] == ["stop", "x"]
 
 
 @pytest.mark.parametrize("name", ["", "1st", "a b", "class", "_hidden", "a..b", "a.", "light.if"])
@@ -141,14 +142,14 @@ def test_a_name_is_a_member_or_a_part_not_both(bare: Bare) -> None:
         bare.add_variable("light", lambda: 1)
     with pytest.raises(ValueError, match="`sound` is already a member"):
         bare.add_method("sound.level", lambda: 1)
-    assert dir(bare.robot) == ["light", "sound"]
+    assert dir(bare.robot) == ["light", "sound", "stop"]
 
 
 def test_removing_a_part_removes_all_in_it_and_removing_its_last_member_removes_the_part(bare: Bare) -> None:
     for name in ("arm.left.x", "arm.left.y", "arm.right", "leg.x"):
         bare.add_variable(name, lambda: 1)
     bare.remove_member("leg.x")
-    assert dir(bare.robot) == ["arm"]
+    assert dir(bare.robot) == ["arm", "stop"]
     bare.remove_member("arm.left")
     assert dir(bare.robot.arm) == ["right"]
     with pytest.raises(MemberError, match=r"no member `amr` to remove. Did you mean `arm`\?"):
@@ -379,6 +380,70 @@ def test_a_method_without_message_cannot_be_filled(cart: Any) -> None:
 def test_a_callable_without_signature_accepts_anything(bare: Bare) -> None:
     bare.add_method("lowest", min, "the smallest of numbers", command=False)
     assert bare.robot.lowest(3, 1, 2) == 1
+
+
+# -- robot.stop() ---------------------------------------------------------------------------------
+
+
+def test_every_robot_can_be_stopped_and_commanded_again_in_the_same_tick(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    cart.robot.stop()
+    cart.robot.move(linear=0.1)
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0), (0.1, 0.0)]
+    stop = cart.describe("stop")
+    assert (stop.doc, stop.signature) == ("stop the robot", "()")
+
+
+def test_a_stop_that_a_program_gives_is_a_command_like_others(disarmed: Any) -> None:
+    disarmed.robot.stop()
+    assert disarmed.sent == []
+    assert disarmed.safety.commands[-1].name == "stop"
+
+
+def test_after_a_stop_no_further_commands_are_expected(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    cart.robot.stop()
+    cart.end_tick(0.0)
+    cart.begin_tick(0.6, 0.1)
+    cart.end_tick(0.6)
+    assert [notice.kind for notice in cart.safety.notices] == ["armed"]
+
+
+def test_a_stop_that_fails_is_told_to_the_program(cart: Any) -> None:
+    def stop() -> None:
+        raise OSError("unplugged")
+
+    cart.stop = stop
+    with pytest.raises(BridgeError, match=r"^The robot may not have stopped: OSError: unplugged\.$"):
+        cart.robot.stop()
+
+
+def test_a_bridge_may_have_a_stop_of_its_own() -> None:
+    class Braking(Bare):
+        name = "test-braking"
+
+        def open_interface(self) -> None:
+            self.add_method("stop", lambda brake=True: brake, "stop, with or without the brakes")
+
+    braking = Braking()
+    braking.open()
+    assert braking.robot.stop(brake=False) is False
+    assert len(braking.members()) == 1
+
+
+def test_the_checks_know_that_it_can_be_stopped() -> None:
+    class Known(Bare):
+        name = "test-known"
+        complete = True
+
+        def add_members(self) -> None:
+            self.add_variable("depth", lambda: 3, "below the surface")
+
+    text = "(machine m (state a (onentry [robot.stop()] [robot.halt()]))) (spawn m a)"
+    (finding,) = check(text, bridge=Known())
+    assert finding.message == "`robot` has no `halt`. It has `depth`, `stop`."
 
 
 # -- life -----------------------------------------------------------------------------------------

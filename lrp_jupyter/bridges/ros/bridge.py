@@ -266,7 +266,6 @@ class RosBridge(Bridge):
         place = f"The robot at `{self._host}`" if self._host else "The robot"
         link = TopicLink(self._find, place, self._report, self.wiring.learned)
         self._last_status = (ConnectionState.CONNECTING, f"{place} is being connected.")
-        self.add_method("stop", self.stop, "publish a velocity of zero on every velocity topic")
         try:
             self.wiring.attach(link)
             if searching:
