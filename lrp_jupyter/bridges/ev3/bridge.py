@@ -1,4 +1,4 @@
-"""The bridge to a Lego Mindstorms EV3 brick with its own firmware, over WiFi.
+"""The bridge to a Lego Mindstorms EV3 brick with its own firmware, over WiFi, Bluetooth or USB.
 
 A program turns motors and reads sensors and does nothing else; the connection is the bridge's::
 
@@ -21,8 +21,9 @@ from collections.abc import Callable, Mapping
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.ev3 import protocol
-from lrp_jupyter.bridges.ev3.client import BrickClient, check_address, connect
+from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor, mode_name, type_name
+from lrp_jupyter.bridges.ev3.finding import check_address, connect
 from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState
 from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
 from lrp_jupyter.bridges.message import real_number
@@ -38,7 +39,8 @@ class EV3Bridge(Bridge):
     Parameters
     ----------
     host : str or None
-        Its IP address; None: the first brick whose beacon is heard, and the panel asks.
+        Its IP address, its Bluetooth address, or ``"usb"``; None: the first brick whose beacon is heard by
+        WiFi, and the panel asks.
     serial : str
         Only the brick with this serial number.
     port, beacon_port : int
@@ -177,7 +179,7 @@ class EV3Bridge(Bridge):
     def panel(self) -> Panel:
         """Return every motor and sensor with its value and buttons, the runstop, the brick's address."""
         client, reading = self.link.client, self.link.snapshot.reading
-        address = client.address[0] if client else self.host or ""
+        address = client.place if client else self.host or ""
         return Panel(
             "Lego EV3",
             fields=(
@@ -189,7 +191,7 @@ class EV3Bridge(Bridge):
             ),
             tables=(self._motor_table(reading), self._sensor_table(reading)),
             buttons=(STOP, Button("beep", "Beep")),
-            questions=(Question("host", "Address of the brick (it shows it under Brick Info)", address),),
+            questions=(Question("host", _WHERE, address),),
         )
 
     def _motor_table(self, reading: BrickReading | None) -> Table:
@@ -266,12 +268,17 @@ class EV3Bridge(Bridge):
             return
         self.host = check_address(value)
         client = self.link.client
-        if self.is_open and (client is None or client.address[0] != self.host):
+        if self.is_open and (client is None or client.place != self.host):
             self.stop_all()
             self.link.close()
             self.link = self._new_link()
             self.set_status(ConnectionState.CONNECTING, f"Connecting to {self.host}.")
             self.link.search()
+
+
+_WHERE = (
+    "Address of the brick: by WiFi or Bluetooth as it shows under Brick Info (Bluetooth: its ID), or `usb`"
+)
 
 
 def number_in(text: str) -> float:

@@ -206,7 +206,7 @@ class BrickLink:
             client.close()
             raise
         self._client = client
-        sentence = f"Connected to `{self.name}` at {client.address[0]}."
+        sentence = f"Connected to `{self.name}` at {client.place}."
         if again:
             sentence += " It had been lost, so its motors were stopped: start them again."
         self._report("connected", sentence)
@@ -222,7 +222,7 @@ class BrickLink:
             if before.reading is not None and before.reading.sensors[port].type != sensor.type:
                 self._modes[port] = SAME_MODE  # another sensor: it has other modes
         if before.trouble and client is self._client:
-            self._report("connected", f"Connected to `{self.name}` at {client.address[0]}.")
+            self._report("connected", f"Connected to `{self.name}` at {client.place}.")
 
     def _disconnect(self) -> None:
         client, self._client = self._client, None

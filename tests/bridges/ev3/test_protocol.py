@@ -127,7 +127,7 @@ def test_whatever_arrives_is_either_read_or_refused(data: bytes) -> None:
 
 
 def test_one_frame_reads_everything_that_the_brick_knows(brick: Any, emulation: ModuleType) -> None:
-    brick.motors[2].setting = (30, math.inf)
+    brick.motors[2].setting = 30
     brick.motors[2].start()
     brick.motors[2].clock.now += 2
     brick.sensors[1].mode = 1
