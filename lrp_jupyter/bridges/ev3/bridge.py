@@ -26,6 +26,7 @@ from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor,
 from lrp_jupyter.bridges.ev3.finding import check_address, connect
 from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState
 from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
+from lrp_jupyter.bridges.ev3.slices import SLICE
 from lrp_jupyter.bridges.message import real_number
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError
@@ -52,6 +53,7 @@ class EV3Bridge(Bridge):
     name = "ev3"
     complete = True
     stop_timeout = 0.8
+    clock = staticmethod(time.monotonic)  # of the slices; tests have one of their own
 
     def __init__(
         self,
@@ -86,12 +88,19 @@ class EV3Bridge(Bridge):
             serial = client.serial  # after a loss, search for this brick, not any other
             return client
 
-        return BrickLink(find, self._report)
+        return BrickLink(find, self._report, clock=self.clock)
 
     def _report(self, state: str, sentence: str) -> None:
-        self.set_status(state, sentence)
-        if state in ("stale", "lost"):
+        if state != "late":
+            self.set_status(state, sentence)
+        if state in ("stale", "lost", "late"):
             self.safety.notice("fault", sentence)
+
+    @property
+    def failsafe(self) -> str:
+        """Who stops the motors when this computer or this process dies, in a sentence."""
+        ends = f"{SLICE:g} s after the last renewal, and at the end of a `run_for`"
+        return f"The brick: it stops its motors {ends}."
 
     def open_interface(self) -> Panel:
         """Connect where an address is known, else search for a brick in the background and ask.
