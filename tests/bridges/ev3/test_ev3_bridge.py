@@ -573,7 +573,7 @@ def test_closing_ends_a_search(searching: Callable[..., EV3Bridge]) -> None:
 
 def test_the_panel_shows_every_motor_and_sensor(bridge: EV3Bridge) -> None:
     panel = bridge.panel()
-    motors, sensors = panel.tables
+    motors, sensors, _robot = panel.tables
     assert motors.keys == ("motorA", "motorB", "motorC", "motorD")
     assert motors.rows[0] == ("motorA", "large motor", "0", "0")
     assert sensors.rows == (

@@ -16,6 +16,7 @@ from lrp_jupyter.bridges.ev3.slices import SLICE
 
 pytestmark = pytest.mark.slow  # each starts a process of its own
 
+MOVING = "(machine m (state go (running [robot.move(linear=0.2)])))(spawn m go)"
 TURNING = """
 (machine m (state go (onentry [robot.motorB.start_at_speed(40); robot.motorC.start_at_power(-60)])))
 (spawn m go)
@@ -56,7 +57,7 @@ def stood_after(brick: Any, until: Any, since: float) -> float:
     return max(motor.ends for motor in brick.motors[1:3]) - since
 
 
-@pytest.mark.parametrize("program", [TURNING])
+@pytest.mark.parametrize("program", [MOVING, TURNING])
 def test_killed_in_the_middle_of_driving_the_motors_stand_at_once(
     brick: Any, drives: Callable[[str], subprocess.Popen[str]], until: Any, program: str
 ) -> None:
@@ -66,7 +67,7 @@ def test_killed_in_the_middle_of_driving_the_motors_stand_at_once(
     assert stood_after(brick, until, killed) < MEASURED
 
 
-@pytest.mark.parametrize("program", [TURNING])
+@pytest.mark.parametrize("program", [MOVING, TURNING])
 def test_stopped_in_the_middle_of_driving_the_motors_stand_at_once(
     brick: Any, drives: Callable[[str], subprocess.Popen[str]], until: Any, program: str
 ) -> None:
