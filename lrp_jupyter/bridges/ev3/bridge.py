@@ -1,8 +1,12 @@
-"""The bridge to a Lego Mindstorms EV3 brick with its own firmware, over WiFi.
+"""The bridge to a Lego Mindstorms EV3 brick with its own firmware, over WiFi, Bluetooth or USB.
 
-A program turns motors and reads sensors and does nothing else; the connection is the bridge's::
+A program drives it as it drives the simulated robot, or turns its motors and reads its sensors one by one.
+The connection is the bridge's::
 
-    (onentry [robot.motorB.start_at_speed(30); robot.motorC.start_at_speed(30)])
+    (running [robot.move(linear=0.2)])
+    (event dark [robot.light.data < 100])
+
+    (onentry [robot.motorA.start_at_speed(30)])
     (event bump [robot.sensor1.read() == 1])
 
 Readings are the latest that arrived, the same for a whole tick; commands do not wait for the brick
@@ -17,17 +21,21 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.ev3 import protocol
-from lrp_jupyter.bridges.ev3.client import BrickClient, check_address, connect
+from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor, mode_name, type_name
-from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState
+from lrp_jupyter.bridges.ev3.finding import check_address, connect
+from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState, Pose
 from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
-from lrp_jupyter.bridges.message import real_number
+from lrp_jupyter.bridges.ev3.slices import SLICE
+from lrp_jupyter.bridges.ev3.vehicle import PORTS, WHEELS, Vehicle
+from lrp_jupyter.bridges.message import Message, Twist, real_number
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = ["EV3Bridge"]
 
@@ -38,19 +46,33 @@ class EV3Bridge(Bridge):
     Parameters
     ----------
     host : str or None
-        Its IP address; None: the first brick whose beacon is heard, and the panel asks.
+        Its IP address, its Bluetooth address, or ``"usb"``; None: the first brick whose beacon is heard by
+        WiFi, and the panel asks.
     serial : str
         Only the brick with this serial number.
     port, beacon_port : int
         TCP port of the brick; UDP port of its beacon.
     patience : float
         Seconds to wait for a brick's beacon where an address is given.
+    left, right : str
+        Ports of the motors of the wheels; ``"-B"`` for a motor that is built in the other way round.
+    wheel, track : float
+        Diameter of the wheels and distance between them, in mm.
+    light, bumper, distance : int, str or None
+        Ports of the colour sensor, the touch sensor, and the ultrasonic or infrared one; None or ``"none"``:
+        there is none.
+
+    Raises
+    ------
+    BridgeError
+        An option has a mistake.
     """
 
     name = "ev3"
     complete = True
     stop_timeout = 0.8
     stops_when_found = True  # in the first packet to a brick that was lost
+    clock = staticmethod(time.monotonic)  # of the slices; tests have one of their own
 
     def __init__(
         self,
@@ -59,8 +81,17 @@ class EV3Bridge(Bridge):
         port: int = 5555,
         beacon_port: int = 3015,
         patience: float = 12.0,
+        left: str = "B",
+        right: str = "C",
+        wheel: float = 56.0,
+        track: float = 120.0,
+        light: int | str | None = "3",
+        bumper: int | str | None = "1",
+        distance: int | str | None = "4",
     ) -> None:
         super().__init__()
+        wheels = {"left": left, "right": right, "wheel": wheel, "track": track}
+        self.vehicle = Vehicle.of({**wheels, "light": light, "bumper": bumper, "distance": distance})
         self.host = check_address(host) if host else None
         self.serial, self.port = serial, port
         self._beacon_port, self._patience = beacon_port, patience
@@ -85,12 +116,24 @@ class EV3Bridge(Bridge):
             serial = client.serial  # after a loss, search for this brick, not any other
             return client
 
-        return BrickLink(find, self._report)
+        def advance(pose: Pose, degrees: tuple[int, ...]) -> Pose:
+            return self.vehicle.advanced(pose, degrees)
+
+        link = BrickLink(find, self._report, advance, self.clock)
+        link.set_usual_modes(self.vehicle.modes)
+        return link
 
     def _report(self, state: str, sentence: str) -> None:
-        self.set_status(state, sentence)
-        if state == "stale":
+        if state != "late":
+            self.set_status(state, sentence)
+        if state in ("stale", "late"):
             self.safety.notice("fault", sentence)
+
+    @property
+    def failsafe(self) -> str:
+        """Who stops the motors when this computer or this process dies, in a sentence."""
+        ends = f"{SLICE:g} s after the last renewal, and at the end of a `run_for`"
+        return f"The brick: it stops its motors {ends}."
 
     def open_interface(self) -> Panel:
         """Connect where an address is known, else search for a brick in the background and ask.
@@ -155,9 +198,50 @@ class EV3Bridge(Bridge):
             variable(f"{sensor.name}.value", sensor.read, "the same as `read()`", "", "number")
             variable(f"{sensor.name}.mode", sensor.mode, "what it measures", "", str)
             variable(f"{sensor.name}.type", sensor.type, "what is plugged in", "", str)
+        for reading in self._readings():
+            variable(*reading)
+        self._add_move()
+        self.add_method("stop", self.stop, "stop all motors, and hold them", velocity=True)
         variable("battery", lambda: self.seen().battery, "what is left in it", "%", int)
         variable("name", lambda: self.link.name or None, "the brick's name", "", str)
         self.add_method("beep", self.beep)
+
+    def _add_move(self) -> None:
+        doc = "drive: linear in m/s, angular in rad/s; what is not given is 0"
+        self.add_method("move", self._move, doc, message=Twist, limits=self.vehicle.limits)
+
+    def _move(self, message: Message) -> None:
+        linear, angular = message.linear, message.angular
+        if linear.y or linear.z or angular.x or angular.y:
+            raise BridgeError("This robot has two wheels. Set only `linear.x` and `angular.z`.")
+        for motor in self.vehicle.motors:
+            self.motors[motor].check_plugged_in()
+        percents, excess = self.vehicle.percents(linear.x, angular.z, self.link.snapshot.reading)
+        if excess > 1:
+            sentence = f"`move`: The outer wheel would be too fast: both speeds were divided by {excess:.2g}."
+            self.safety.notice("limited", sentence, "move wheel", self.origin())
+        self.link.turn(percents)
+
+    def _readings(self) -> Iterator[tuple[str, Callable[[], object], str, str, type]]:
+        """Iterate over what is read as from the simulated robot: name, getter, doc, unit, type."""
+        sense, odom = self._sense, self._odom
+        yield "light.data", partial(sense, "light"), "brightness of the floor: 0 black ... 255 white", "", int
+        yield "bumper.data", partial(sense, "bumper"), "True pressed, False free", "", bool
+        doc = "to the next obstacle ahead; inf: nothing in reach"
+        yield "distance.data", partial(sense, "distance"), doc, "m", float
+        doc = "way driven along the heading at the start, by the wheels"
+        yield "odom.x", partial(odom, 0), doc, "m", float
+        doc = "way driven to the left of the heading at the start, by the wheels"
+        yield "odom.y", partial(odom, 1), doc, "m", float
+        yield "odom.theta", partial(odom, 2), "angle turned since the start, by the wheels", "rad", float
+
+    def _sense(self, name: str) -> object:
+        modes = tuple(self.link.wanted_mode(i) for i in range(4))
+        return self.vehicle.sense(name, self.seen(), modes)
+
+    def _odom(self, axis: int) -> float:
+        self.seen()
+        return (self._latched if self.latch and self._latched else self.link.snapshot).pose[axis]
 
     def beep(self, frequency: float = 440, seconds: float = 0.2, volume: float = 50) -> None:
         """Sound a tone: frequency (Hz) 250 to 10000, duration (s), volume (%) 0 to 100."""
@@ -178,7 +262,7 @@ class EV3Bridge(Bridge):
     def panel(self) -> Panel:
         """Return every motor and sensor with its value and buttons, the runstop, the brick's address."""
         client, reading = self.link.client, self.link.snapshot.reading
-        address = client.address[0] if client else self.host or ""
+        address = client.place if client else self.host or ""
         return Panel(
             "Lego EV3",
             fields=(
@@ -187,11 +271,31 @@ class EV3Bridge(Bridge):
                 Field("address", "Address", value=address),
                 Field("battery", "Battery", value=str(reading.battery) if reading else "", unit="%"),
                 Field("speed", "Speed by hand", "number", "50", unit="%"),
+                *self._vehicle_fields(),
             ),
-            tables=(self._motor_table(reading), self._sensor_table(reading)),
-            buttons=(STOP, Button("beep", "Beep")),
-            questions=(Question("host", "Address of the brick (it shows it under Brick Info)", address),),
+            tables=(self._motor_table(reading), self._sensor_table(reading), self._robot_table()),
+            buttons=(STOP, Button("beep", "Beep"), Button("build", "Use these ports and lengths")),
+            questions=(Question("host", _WHERE, address),),
         )
+
+    def _vehicle_fields(self) -> Iterator[Field]:
+        for name, value in self.vehicle.options().items():
+            if isinstance(value, float):
+                yield Field(name, _LABELS[name], "number", f"{value:g}", unit="mm")
+            else:
+                choices = WHEELS if name in ("left", "right") else PORTS
+                yield Field(name, _LABELS[name], "choice", str(value), choices)
+
+    def _robot_table(self) -> Table:
+        rows = []
+        for name, getter, _doc, unit, _kind in self._readings():
+            try:
+                value = getter()
+            except (BridgeError, NoDataYet) as error:
+                value = str(error)
+            rows.append((name, f"{value:.3g}" if isinstance(value, float) else str(value), unit))
+        names = tuple(name for name, _value, _unit in rows)
+        return Table("robot", "Robot", ("reading", "value", "unit"), names, tuple(rows))
 
     def _motor_table(self, reading: BrickReading | None) -> Table:
         rows = [("", "", "")] * 4
@@ -235,6 +339,9 @@ class EV3Bridge(Bridge):
         if key == "stop":
             self.stop_all()
             return
+        if key == "build":
+            self._build(values or {})
+            return
         if not self.is_open:
             raise BridgeError("No brick is connected. Enter its address first.")
         motor = next((motor for motor in self.motors if motor.name == row), None)
@@ -254,6 +361,17 @@ class EV3Bridge(Bridge):
         else:
             raise BridgeError(f"The panel has no button `{key}` for {row!r}.")
 
+    def _build(self, values: Mapping[str, str]) -> None:
+        """Apply the ports and lengths that a person has filled in; the motors are stopped first."""
+        known = self.vehicle.options()
+        vehicle = Vehicle.of({name: values.get(name, value) for name, value in known.items()})
+        if self.is_open:
+            self.stop_all()
+        self.vehicle = vehicle
+        self.link.set_usual_modes(vehicle.modes)
+        if self.is_open:
+            self._add_move()
+
     def answer(self, key: str, value: str) -> None:
         """Apply the address of the brick; where the bridge is open, connect in the background.
 
@@ -267,12 +385,26 @@ class EV3Bridge(Bridge):
             return
         self.host = check_address(value)
         client = self.link.client
-        if self.is_open and (client is None or client.address[0] != self.host):
+        if self.is_open and (client is None or client.place != self.host):
             self.stop_all()
             self.link.close()
             self.link = self._new_link()
             self.set_status(ConnectionState.CONNECTING, f"Connecting to {self.host}.")
             self.link.search()
+
+
+_WHERE = (
+    "Address of the brick: by WiFi or Bluetooth as it shows under Brick Info (Bluetooth: its ID), or `usb`"
+)
+_LABELS = {
+    "left": "Left motor",
+    "right": "Right motor",
+    "wheel": "Wheel diameter",
+    "track": "Distance of the wheels",
+    "light": "Colour sensor",
+    "bumper": "Touch sensor",
+    "distance": "Distance sensor",
+}
 
 
 def number_in(text: str) -> float:

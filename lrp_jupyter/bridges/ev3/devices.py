@@ -57,16 +57,16 @@ class Motor:
     def start_at_speed(self, speed: float) -> None:
         """Turn at a regulated speed (%), -100 to 100, until the next command."""
         percent = self._percent("start_at_speed", "speed", speed)
-        self._brick.link.command(protocol.start_speed(self._port, percent))
+        self._brick.link.turn({self._index: percent})
 
     def start_at_power(self, power: float) -> None:
         """Turn with unregulated power (%), -100 to 100, until the next command."""
         percent = self._percent("start_at_power", "power", power)
-        self._brick.link.command(protocol.start_power(self._port, percent))
+        self._brick.link.turn({self._index: percent}, regulated=False)
 
     def stop(self, brake: bool = True) -> None:
         """Stop, and hold the position (brake=True) or run out."""
-        self._brick.link.command(protocol.stop(self._port, self._flag("stop", brake)))
+        self._brick.link.command(protocol.stop(self._port, self._flag("stop", brake)), self._port)
 
     def run_for(
         self,
@@ -86,13 +86,13 @@ class Motor:
             raise BridgeError(f"`{self.name}.run_for` would never end at speed {speed!r}.")
         if degrees is not None:
             angle = round(real_number(degrees, f"{self.name}.run_for(degrees=…)"))
-            amount, encode = self._amount(abs(angle)), protocol.run_degrees
-            percent = percent if angle > 0 else -percent
+            amount = self._amount(abs(angle))
+            code = protocol.run_degrees(self._port, percent if angle > 0 else -percent, amount, holds)
         else:
             amount = self._amount(round(1000 * real_number(seconds, f"{self.name}.run_for(seconds=…)")))
-            encode = protocol.run_milliseconds
+            code = protocol.run_milliseconds(self._port, percent, amount, holds)
         if amount:  # nothing to do for 0
-            self._brick.link.command(encode(self._port, percent, amount, holds))
+            self._brick.link.command(code, self._port)
 
     def reset_count(self) -> None:
         """Make the present position 0."""
@@ -118,10 +118,14 @@ class Motor:
         number = real_number(value, f"{self.name}.{method}({what}=…)")
         if not -100 <= number <= 100:
             raise BridgeError(f"`{self.name}.{method}`: {what} goes from -100 to 100, not {value!r}.")
+        self.check_plugged_in()
+        return round(number)
+
+    def check_plugged_in(self) -> None:
+        """Raise an error where no motor is plugged in."""
         reading = self._brick.link.snapshot.reading
         if reading is not None and reading.motors[self._index].type in ABSENT:
             raise BridgeError(f"`{self.name}`: Nothing is plugged into port {self.name[-1]}.")
-        return round(number)
 
     def _amount(self, number: int) -> int:
         if number < 0:

@@ -1,22 +1,29 @@
-"""The connection to a brick: one thread that reads it, detects its loss and reconnects.
+"""The connection to a brick: one thread that reads it, renews what turns, detects its loss and reconnects.
 
 The loop of a program never waits for a brick: it uses the latest reading, and its commands are sent
-without waiting for an answer. Each reading of the thread detects whether the brick is still there.
+without waiting for an answer. Each reading of the thread detects whether the brick is still there, and its
+question carries the renewals (:mod:`~lrp_jupyter.bridges.ev3.slices`).
 """
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from lrp_jupyter.bridges.ev3 import protocol
-from lrp_jupyter.bridges.ev3.client import BrickClient
-from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading
+from lrp_jupyter.bridges.ev3.client import ANSWER_TIME, BrickClient
+from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading, MotorReading
+from lrp_jupyter.bridges.ev3.slices import SLICE, Slices
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
-__all__ = ["BrickLink", "BrickState"]
+__all__ = ["NOWHERE", "BrickLink", "BrickState", "Pose"]
+
+Pose = tuple[float, float, float]
+"""x and y (metres) and the heading (radians), from where it began."""
+
+NOWHERE: Pose = (0.0, 0.0, 0.0)
 
 _PERIOD = 0.02  # seconds between two readings
 _REST = 0.5  # seconds between two searches that failed at once
@@ -24,6 +31,7 @@ _STOP_TIME = 0.3  # seconds that sending the runstop may take
 
 Find = Callable[[Callable[[], bool]], BrickClient]
 OnStatus = Callable[[str, str], None]
+Advance = Callable[[Pose, tuple[int, ...]], Pose]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +46,22 @@ class BrickState:
         The reason why it could not be read since then.
     time : float
         When it was read, by `time.monotonic`.
+    pose : tuple of float
+        Where the motors have driven it.
     """
 
     reading: BrickReading | None = None
     trouble: str = ""
     time: float = 0.0
+    pose: Pose = NOWHERE
+
+
+@dataclass(frozen=True, slots=True)
+class _Connection:
+    """A connection with what goes on turning by it: nothing of that is renewed by the next one."""
+
+    client: BrickClient
+    slices: Slices
 
 
 class BrickLink:
@@ -57,24 +76,38 @@ class BrickLink:
         a function that returns whether to stop searching.
     report : callable
         Called with the state (``connected``, ``stale``, ``lost``, ``disconnected``) and a sentence when
-        it changes.
+        it changes; with ``late`` and a sentence when the brick stopped motors which nothing renewed in time.
+    advance : callable
+        Returns the pose after a pose, when each motor has turned by an angle in degrees.
+    clock : callable
+        The time of the slices, in seconds.
     """
 
-    def __init__(self, find: Find, report: OnStatus) -> None:
+    def __init__(
+        self,
+        find: Find,
+        report: OnStatus,
+        advance: Advance = lambda pose, _degrees: pose,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._find, self._report = find, report
+        self._advance, self._clock = advance, clock
         self.snapshot = BrickState()
         self.name = ""
-        self._client: BrickClient | None = None
+        self._connection: _Connection | None = None
         self._closing = threading.Event()
         self._latest = threading.Lock()  # held while the snapshot is replaced
         self._resets = [0] * 4  # how often each motor's count was set to zero
+        self._counted: tuple[int, ...] = (0,) * 4  # … at the last reading
         self._modes = [SAME_MODE] * 4
+        self._usual: tuple[int, ...] = (SAME_MODE,) * 4
         self._thread = threading.Thread(target=self._run, name="EV3", daemon=True)
 
     @property
     def client(self) -> BrickClient | None:
         """The connection; None while there is none."""
-        return self._client
+        connection = self._connection
+        return connection.client if connection else None
 
     def open(self) -> None:
         """Find the brick and read it once; then read it periodically.
@@ -98,18 +131,38 @@ class BrickLink:
             self._thread.join(2.0)
         self._disconnect()
 
-    def command(self, code: bytes) -> None:
+    def command(self, code: bytes, motors: int = 0) -> None:
         """Send a byte code without waiting for the brick to perform it.
+
+        Parameters
+        ----------
+        code : bytes
+        motors : int
+            Bit mask of the motors that it commands: what they were to go on doing is over.
 
         Raises
         ------
         BridgeError
             There is no connection.
         """
-        client = self._client
-        if client is None:
-            raise BridgeError(self.snapshot.trouble or "No brick is connected.")
-        client.command(code)
+        connection = self._connected()
+
+        def compose() -> bytes:
+            connection.slices.release(motors)
+            return code
+
+        connection.client.command(compose)
+
+    def turn(self, percents: Mapping[int, int], regulated: bool = True) -> None:
+        """Let motors turn on until another command; see :meth:`Slices.turn`.
+
+        Raises
+        ------
+        BridgeError
+            There is no connection.
+        """
+        connection = self._connected()
+        connection.client.command(lambda: connection.slices.turn(percents, regulated))
 
     def stop(self) -> None:
         """Stop all motors in one packet.
@@ -117,14 +170,20 @@ class BrickLink:
         Raises
         ------
         BridgeError
-            The brick was lost, so its motors may turn; they are stopped when it is found again.
+            The brick was lost; it stops them by itself, and they are stopped again when it is found.
         """
-        client = self._client
-        if client is not None:
-            client.command(protocol.stop(protocol.ALL_MOTORS, brake=True), _STOP_TIME)
+        connection = self._connection
+        if connection is not None:
+            _stop(connection, _STOP_TIME)
         elif self.snapshot.reading is not None and not self._closing.is_set():
             why = self.snapshot.trouble or "The brick is being reconnected."
             raise BridgeError(f"{why} It is stopped as soon as it is found.")
+
+    def _connected(self) -> _Connection:
+        connection = self._connection
+        if connection is None:
+            raise BridgeError(self.snapshot.trouble or "No brick is connected.")
+        return connection
 
     def latest(self, snapshot: BrickState | None = None) -> BrickReading:
         """Return the latest reading (or that of a snapshot).
@@ -152,6 +211,10 @@ class BrickLink:
             if seen.reading is not None:
                 self.snapshot = replace(seen, reading=_with_zero(seen.reading, [motor]))
 
+    def set_usual_modes(self, modes: tuple[int, ...]) -> None:
+        """Set the modes of all sensors, now and whenever another sensor is plugged in; -1: its own."""
+        self._usual, self._modes = modes, list(modes)
+
     def set_mode(self, sensor: int, mode: int) -> None:
         """Set the mode of a sensor (0 to 3) from the next reading on."""
         self._modes[sensor] = mode
@@ -164,10 +227,10 @@ class BrickLink:
         while not self._closing.is_set():
             pause = _PERIOD
             try:
-                if self._client is None:
+                if self._connection is None:
                     self._adopt(self._find(self._closing.is_set), again=self.snapshot.reading is not None)
                 else:
-                    self._read(self._client)
+                    self._read(self._connection)
             except BridgeError as error:
                 pause = self._handle_trouble(str(error))
             except (
@@ -182,7 +245,7 @@ class BrickLink:
         """Report a trouble, once; return the seconds until the next attempt."""
         if self._closing.is_set():
             return 0.0
-        client, known = self._client, self.snapshot.trouble
+        client, known = self.client, self.snapshot.trouble
         refused = client is not None and not client.lost
         with self._latest:
             if refused or not known:
@@ -197,37 +260,75 @@ class BrickLink:
 
     def _adopt(self, client: BrickClient, again: bool = False) -> None:
         """Adopt a new connection. A brick that was lost may still be driving: it is stopped first."""
+        connection = _Connection(client, Slices(self._clock))
         try:
             if again:
-                client.command(protocol.stop(protocol.ALL_MOTORS, brake=True))
+                _stop(connection)
             self.name = client.request(*protocol.brick_name()).split(b"\0")[0].decode("utf-8", "replace")
-            self._read(client)
+            self._read(connection, known=False)
         except BaseException:
             client.close()
             raise
-        self._client = client
-        sentence = f"Connected to `{self.name}` at {client.address[0]}."
+        self._connection = connection
+        sentence = self._greeting(client)
         if again:
             sentence += " It had been lost, so its motors were stopped: start them again."
         self._report("connected", sentence)
 
-    def _read(self, client: BrickClient) -> None:
+    def _greeting(self, client: BrickClient) -> str:
+        return f"Connected to `{self.name}` at {client.place}."
+
+    def _read(self, connection: _Connection, known: bool = True) -> None:
+        """Ask for everything, and renew what turns; a brick that is not `known` was somewhere else before."""
+        client = connection.client
         resets, modes = tuple(self._resets), tuple(self._modes)
-        reading = protocol.parse_reading(client.request(*protocol.read_everything(modes)))
+        code, size = protocol.read_everything(modes)
+        late = 0
+
+        def compose() -> bytes:
+            nonlocal late
+            renewals, late = connection.slices.renew()
+            return renewals + code
+
+        reading = protocol.parse_reading(client.request(compose, size))
         with self._latest:
             before = self.snapshot
-            zeroed = [motor for motor in range(4) if self._resets[motor] != resets[motor]]
-            self.snapshot = BrickState(_with_zero(reading, zeroed), "", time.monotonic())
+            steady = [self._resets[i] == resets[i] == self._counted[i] for i in range(4)]
+            self._counted = resets
+            zeroed = [i for i in range(4) if self._resets[i] != resets[i]]
+            pose = before.pose
+            if known and before.reading is not None:
+                turned = map(_turned, before.reading.motors, reading.motors, steady)
+                pose = self._advance(pose, tuple(turned))
+            self.snapshot = BrickState(_with_zero(reading, zeroed), "", time.monotonic(), pose)
         for port, sensor in enumerate(reading.sensors):
             if before.reading is not None and before.reading.sensors[port].type != sensor.type:
-                self._modes[port] = SAME_MODE  # another sensor: it has other modes
-        if before.trouble and client is self._client:
-            self._report("connected", f"Connected to `{self.name}` at {client.address[0]}.")
+                self._modes[port] = self._usual[port]  # another sensor: it has other modes
+        if late:
+            names = " and ".join(f"`motor{'ABCD'[i]}`" for i in range(4) if late & 1 << i)
+            self._report("late", f"{names} stopped: nothing renewed it for {SLICE:g} s. Start it again.")
+        if before.trouble and connection is self._connection:
+            self._report("connected", self._greeting(client))
 
     def _disconnect(self) -> None:
-        client, self._client = self._client, None
-        if client is not None:
-            client.close()
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            connection.client.close()
+
+
+def _stop(connection: _Connection, timeout: float = ANSWER_TIME) -> None:
+    """Stop all motors of a brick, in one packet."""
+
+    def compose() -> bytes:
+        connection.slices.release(protocol.ALL_MOTORS)
+        return protocol.stop(protocol.ALL_MOTORS, brake=True)
+
+    connection.client.command(compose, timeout)
+
+
+def _turned(before: MotorReading, now: MotorReading, steady: bool) -> int:
+    """Return the degrees between two readings; 0 where the count began again in between."""
+    return now.degrees - before.degrees if steady and before.type == now.type else 0
 
 
 def _with_zero(reading: BrickReading, motors: list[int]) -> BrickReading:

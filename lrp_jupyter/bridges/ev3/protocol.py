@@ -30,8 +30,6 @@ __all__ = [
     "run_degrees",
     "run_milliseconds",
     "split_replies",
-    "start_power",
-    "start_speed",
     "stop",
     "variable",
 ]
@@ -127,24 +125,18 @@ def _then_start(code: bytes, ports: int) -> bytes:
     return code + _operation(0xA6, values=(0, ports))
 
 
-def start_speed(ports: int, speed: int) -> bytes:
-    """Turn motors at a regulated speed, -100 to 100, until the next command."""
-    return _then_start(_operation(0xA5, values=(0, ports, speed)), ports)
-
-
-def start_power(ports: int, power: int) -> bytes:
-    """Turn motors with unregulated power, -100 to 100, until the next command."""
-    return _then_start(_operation(0xA4, values=(0, ports, power)), ports)
-
-
 def run_degrees(ports: int, speed: int, amount: int, brake: bool) -> bytes:
     """Turn motors by an angle in degrees (at least 0; the direction is the speed's), then stop them."""
     return _then_start(_operation(0xAE, values=(0, ports, speed, 0, amount, 0, brake)), ports)
 
 
-def run_milliseconds(ports: int, speed: int, amount: int, brake: bool) -> bytes:
-    """Turn motors for a time in milliseconds, then stop them."""
-    return _then_start(_operation(0xAF, values=(0, ports, speed, 0, amount, 0, brake)), ports)
+def run_milliseconds(ports: int, percent: int, amount: int, brake: bool, regulated: bool = True) -> bytes:
+    """Turn motors for a time in milliseconds, then stop them.
+
+    Percent are those of a speed that the brick keeps (regulated), or of its power.
+    """
+    code = 0xAF if regulated else 0xAD
+    return _then_start(_operation(code, values=(0, ports, percent, 0, amount, 0, brake)), ports)
 
 
 def stop(ports: int, brake: bool) -> bytes:

@@ -1,8 +1,9 @@
-"""An emulated Lego EV3 brick on the loopback: beacon, TCP, motors that turn, sensors, faults.
+"""An emulated Lego EV3 brick on the loopback: beacon, TCP, a USB cable, motors that turn, sensors, faults.
 
 Written from the brick's documentation, not from the package's codec: the two check each other,
 and ev3-dc's classes check this one. It is strict: whatever a real brick would not take, or would
-take for something else, stands in `violations`.
+take for something else, stands in `violations`. Its motors obey as the source of the firmware
+(`d_pwm.c`) does: a timed command starts at once, and `start` concerns motors that stand.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from io import FileIO
 
 NAN = float("nan")
 NO_DEVICE = 126
@@ -31,6 +33,7 @@ OPERATIONS: dict[bytes, tuple[str, str]] = {
     b"\xa6": ("start", "layer ports"),
     b"\xa8": ("read", "layer motor >b >i"),
     b"\xa9": ("test", "layer ports >b"),
+    b"\xad": ("time_power", "layer ports percent steps steps steps flag"),
     b"\xae": ("step_speed", "layer ports percent steps steps steps flag"),
     b"\xaf": ("time_speed", "layer ports percent steps steps steps flag"),
     b"\xb2": ("clear_count", "layer ports"),
@@ -73,10 +76,11 @@ class EmulatedMotor:
 
     clock: Callable[[], float]
     type: int = 7
-    setting: tuple[float, float] = (0.0, math.inf)  # percent, seconds that it takes
+    setting: float = 0.0  # percent that it will turn with when it is started
     percent: float = 0.0
-    braked: bool = False
+    regulated: bool = True
     brakes_then: bool = False
+    starts: int = 0  # commands that made it turn
     base: float = 0.0  # degrees when it was started
     zero: float = 0.0  # degrees that count as 0
     tacho_zero: float = 0.0  # the same of the other count, which only `reset` clears
@@ -93,15 +97,27 @@ class EmulatedMotor:
         """Percent that it turns with now."""
         return self.percent if self.clock() - self.begun < self.lasting else 0.0
 
+    @property
+    def ends(self) -> float:
+        """When it stops, or stopped, by the clock."""
+        return self.begun + self.lasting
+
+    @property
+    def braked(self) -> bool:
+        return self.brakes_then and not self.turning
+
     def start(self) -> None:
+        if not self.turning:
+            self.run(self.setting, math.inf, False)
+
+    def run(self, percent: float, seconds: float, brake: bool, regulated: bool = True) -> None:
         self.base, self.begun = self.angle, self.clock()
-        self.percent, self.lasting = self.setting
-        self.braked = False
+        self.percent, self.lasting, self.brakes_then, self.regulated = percent, seconds, brake, regulated
+        self.starts += 1
 
     def stop(self, brake: bool) -> None:
         self.base, self.begun = self.angle, self.clock()
-        self.percent, self.lasting = 0.0, 0.0
-        self.braked = brake
+        self.percent, self.lasting, self.brakes_then = 0.0, 0.0, brake
 
 
 @dataclass
@@ -115,6 +131,32 @@ class EmulatedSensor:
     @property
     def value(self) -> float:
         return NAN if self.type == NO_DEVICE else self.values.get(self.mode, NAN)
+
+
+class Cable:
+    """The brick's end of a USB cable: frames in reports of 1024 bytes; it pads them with anything."""
+
+    def __init__(self, end: socket.socket, violations: list[str]) -> None:
+        self._end, self._violations = end, violations
+
+    def fileno(self) -> int:
+        return self._end.fileno()
+
+    def recv(self, _size: int) -> bytes:
+        written = self._end.recv(4096)
+        if not written:
+            return b""
+        frame = written[1 : 3 + int.from_bytes(written[1:3], "little")]
+        if written != b"\0" + frame.ljust(1024, b"\0"):
+            self._violations.append(f"a report of {len(written)} bytes: {written[:20].hex(' ')}")
+        return frame
+
+    def sendall(self, data: bytes) -> None:
+        if data:
+            self._end.sendall(data.ljust(1024, b"\xaa"))
+
+    def close(self) -> None:
+        self._end.close()
 
 
 class Brick:
@@ -131,6 +173,8 @@ class Brick:
         until the brick has received it.
     tcp_port : int
         0: any free one.
+    locked : bool
+        Whether TCP expects the unlocking text; otherwise it stands for Bluetooth.
     """
 
     def __init__(
@@ -139,6 +183,7 @@ class Brick:
         clock: Callable[[], float] = time.monotonic,
         for_ev3_dc: bool = False,
         tcp_port: int = 0,
+        locked: bool = True,
     ) -> None:
         self.serial = "0016535a1b2c"
         self.name = "SLOWPOKE"
@@ -155,6 +200,7 @@ class Brick:
         """split, half, silent, close, refuse, merge, noise, other size: what happens to replies."""
         self.unlocking_takes = 0.0  # seconds
         self.plugged = True
+        self._locked = locked
         self._beacon_port = beacon_port
         self._for_ev3_dc = for_ev3_dc
         self._closing = False
@@ -162,7 +208,7 @@ class Brick:
         self._door = self._hang_door()  # bound, but not listening: connections are refused
         self._listener: socket.socket | None = None
         self._voice: socket.socket | None = None
-        self._connection: socket.socket | None = None
+        self._connection: socket.socket | Cable | None = None
         self._buffer = b""
         self._unlocked = False
         self._next_beacon = 0.0
@@ -184,6 +230,21 @@ class Brick:
     def hang_up(self) -> None:
         """Close the connection in good order."""
         self._do(self._drop)
+
+    def insert(self, left_over: bytes = b"") -> FileIO:
+        """A USB cable is plugged in; return this computer's end of it, open as a device is."""
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        cable = Cable(theirs, self.violations)
+        if left_over:
+            cable.sendall(left_over)
+
+        def connect() -> None:
+            self._drop()
+            self._connection, self._unlocked = cable, True
+            self.connections += 1
+
+        self._do(connect)
+        return FileIO(ours.detach(), "r+")
 
     def close(self) -> None:
         self._closing = True
@@ -278,7 +339,7 @@ class Brick:
             connection.close()
             return
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._connection = connection
+        self._connection, self._unlocked = connection, not self._locked
         self.connections += 1
 
     def _receive(self) -> None:
@@ -431,7 +492,9 @@ class Operations:
 
     def speed(brick, layer, ports, percent):  # noqa: N805
         for motor in Operations._chosen(brick, ports):
-            motor.setting = (percent, math.inf)
+            motor.setting = percent
+            if motor.turning:
+                motor.run(percent, motor.ends - motor.clock(), motor.brakes_then)
 
     power = speed
 
@@ -446,11 +509,15 @@ class Operations:
     def step_speed(brick, layer, ports, percent, up, steady, down, brake):  # noqa: N805
         seconds = (up + steady + down) / (abs(percent) * DEGREES_PER_PERCENT) if percent else 0.0
         for motor in Operations._chosen(brick, ports):
-            motor.setting = (percent, seconds)
+            motor.run(percent, seconds, bool(brake))
 
     def time_speed(brick, layer, ports, percent, up, steady, down, brake):  # noqa: N805
         for motor in Operations._chosen(brick, ports):
-            motor.setting = (percent, (up + steady + down) / 1000)
+            motor.run(percent, (up + steady + down) / 1000, bool(brake))
+
+    def time_power(brick, layer, ports, percent, up, steady, down, brake):  # noqa: N805
+        for motor in Operations._chosen(brick, ports):
+            motor.run(percent, (up + steady + down) / 1000, bool(brake), False)
 
     def reset(brick, layer, ports):  # noqa: N805
         for motor in Operations._chosen(brick, ports):

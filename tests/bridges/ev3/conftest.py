@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import math
 import socket
 import sys
 import threading
@@ -16,6 +17,7 @@ import pytest
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.bridges.ev3.client import BrickClient
+from lrp_jupyter.bridges.ev3.lines import open_tcp
 
 
 def _load_emulation() -> ModuleType:
@@ -88,7 +90,7 @@ def brick(make_brick: Callable[..., Any], clock: Hands) -> Any:
 
 @pytest.fixture
 def client(brick: Any) -> Iterator[BrickClient]:
-    client = BrickClient(("127.0.0.1", brick.port))
+    client = BrickClient(open_tcp(("127.0.0.1", brick.port)))
     yield client
     client.close()
 
@@ -101,13 +103,40 @@ def free_udp_port() -> int:
 
 
 @pytest.fixture
-def bridge(brick: Any, free_udp_port: int) -> Iterator[EV3Bridge]:
-    """An open, armed bridge to the brick."""
+def bridge(brick: Any, free_udp_port: int, clock: Hands) -> Iterator[EV3Bridge]:
+    """An open, armed bridge to the brick; its slices are in the time of the motors."""
     bridge = EV3Bridge("127.0.0.1", port=brick.port, beacon_port=free_udp_port, patience=0.4)
+    bridge.clock = clock  # type: ignore[method-assign]
     bridge.open()
     bridge.arm()
     yield bridge
     bridge.close()
+
+
+@pytest.fixture
+def fresh(bridge: EV3Bridge, until: Callable[..., None]) -> Callable[[], None]:
+    """Wait for a reading that was asked for after now."""
+
+    def fresh() -> None:
+        for _ in range(2):  # the first one may have been under way
+            before = bridge.link.snapshot.time
+            until(lambda: bridge.link.snapshot.time > before)  # noqa: B023
+
+    return fresh
+
+
+@pytest.fixture
+def passes(clock: Hands, fresh: Callable[[], None]) -> Callable[[float], None]:
+    """Let the brick's time pass in steps of at most 0.3 s, each of which the bridge notices."""
+
+    def passes(seconds: float) -> None:
+        fresh()
+        steps = math.ceil(seconds / 0.3)
+        for _ in range(steps):
+            clock.now += seconds / steps
+            fresh()
+
+    return passes
 
 
 @pytest.fixture

@@ -12,10 +12,17 @@ import pytest
 from bridges.bounded import bounded
 
 from lrp_jupyter.bridges.ev3 import protocol
-from lrp_jupyter.bridges.ev3.client import BrickClient, NoBrickError, check_address, connect, parse_beacon
+from lrp_jupyter.bridges.ev3.client import BrickClient
+from lrp_jupyter.bridges.ev3.finding import check_address, connect, parse_beacon
+from lrp_jupyter.bridges.ev3.lines import NoBrickError, open_tcp
 from lrp_jupyter.errors import BridgeError
 
 NAME = protocol.brick_name()
+
+
+def turning(ports: int, percent: int) -> bytes:
+    """A slice of a motor that is to turn on."""
+    return protocol.run_milliseconds(ports, percent, 600, brake=False)
 
 
 @contextmanager
@@ -64,7 +71,7 @@ def test_the_unlocking_text_is_that_of_the_documentation(client: BrickClient, br
 
 
 def test_a_command_is_executed_without_an_answer(client: BrickClient, brick: Any) -> None:
-    client.command(protocol.start_speed(0b0101, 40))
+    client.command(turning(0b0101, 40))
     client.request(*NAME)
     assert [motor.turning for motor in brick.motors] == [40, 0, 40, 0]
 
@@ -122,12 +129,12 @@ def test_a_lost_connection_is_cut_so_that_nothing_under_way_arrives_later(
     assert brick.goodbyes == 0
     frames = len(brick.frames)
     with within_a_second():
-        client.command(protocol.start_speed(1, 50))
+        client.command(turning(1, 50))
     assert len(brick.frames) == frames
 
 
 def test_a_closed_connection_delivers_what_was_sent_before(brick: Any, until: Callable[..., None]) -> None:
-    client = BrickClient(("127.0.0.1", brick.port))
+    client = BrickClient(open_tcp(("127.0.0.1", brick.port)))
     client.command(protocol.stop(15, True))
     client.close()
     until(lambda: brick.goodbyes == 1)
@@ -174,7 +181,7 @@ def test_many_threads_share_a_connection(client: BrickClient, brick: Any) -> Non
 
     def work(port: int) -> None:
         for _ in range(20):
-            client.command(protocol.start_speed(port, port))
+            client.command(turning(port, port))
             if client.request(*NAME).rstrip(b"\0") != b"SLOWPOKE":
                 wrong.append(port)
 
@@ -189,7 +196,7 @@ def test_many_threads_share_a_connection(client: BrickClient, brick: Any) -> Non
 
 def test_a_brick_whose_network_loses_the_first_packet_is_waited_for(brick: Any) -> None:
     brick.unlocking_takes = 1.0  # as long as TCP waits before it sends that again
-    client = BrickClient(("127.0.0.1", brick.port))
+    client = BrickClient(open_tcp(("127.0.0.1", brick.port)))
     assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
     client.close()
 
@@ -247,7 +254,7 @@ def test_a_brick_is_found_by_its_beacon_and_unlocked_by_its_serial_number(
 ) -> None:
     brick = make_brick(free_udp_port)
     client = connect(beacon_port=free_udp_port, patience=3)
-    assert client.address == ("127.0.0.1", brick.port)
+    assert client.place == "127.0.0.1"
     assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
     assert brick.greetings == [b"GET /target?sn=0016535a1b2c VMTP1.0\r\nProtocol: EV3"]
     assert brick.answers >= 1
@@ -259,7 +266,7 @@ def test_a_brick_that_refuses_tcp_until_its_beacon_is_answered_is_found_by_its_a
 ) -> None:
     brick = make_brick(free_udp_port)
     with pytest.raises(BridgeError, match="refused"):
-        BrickClient(("127.0.0.1", brick.port))
+        BrickClient(open_tcp(("127.0.0.1", brick.port)))
     client = connect("127.0.0.1", port=brick.port, beacon_port=free_udp_port, patience=3)
     assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
     client.close()

@@ -22,18 +22,6 @@ STOP_ALL = "a3 00 0f 01"
 
 
 @pytest.fixture
-def fresh(bridge: EV3Bridge, until: Callable[..., None]) -> Callable[[], None]:
-    """Wait for a reading that was asked for after now."""
-
-    def fresh() -> None:
-        for _ in range(2):  # the first one may have been under way
-            before = bridge.link.snapshot.time
-            until(lambda: bridge.link.snapshot.time > before)  # noqa: B023
-
-    return fresh
-
-
-@pytest.fixture
 def searching(make_brick: Callable[..., Any], free_udp_port: int) -> Iterator[Callable[..., EV3Bridge]]:
     """Make bridges that may not find their brick at once."""
     bridges: list[EV3Bridge] = []
@@ -56,12 +44,10 @@ def sent(brick: Any) -> list[str]:
 
 
 def test_a_motor_started_at_a_speed_turns_until_the_next_command(
-    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
+    bridge: EV3Bridge, passes: Callable[[float], None]
 ) -> None:
     bridge.robot.motorB.start_at_speed(-30)
-    fresh()
-    clock.now += 2
-    fresh()
+    passes(2)
     assert bridge.robot.motorB.count == -600
     assert bridge.robot.motorB.speed == -30
     assert bridge.robot.motorA.speed == 0
@@ -106,19 +92,15 @@ def test_a_motor_runs_for_an_angle_or_a_time_and_stops(
 
 
 def test_a_count_set_to_zero_is_zero_at_once_and_counts_from_there(
-    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
+    bridge: EV3Bridge, passes: Callable[[float], None]
 ) -> None:
     bridge.robot.motorC.start_at_speed(10)
-    fresh()
-    clock.now += 5
-    fresh()
+    passes(5)
     assert bridge.robot.motorC.count == 500
     for _ in range(20):  # each time a reading may be under way that knows the old count
         bridge.robot.motorC.reset_count()
         assert bridge.robot.motorC.count == 0
-    fresh()
-    clock.now += 1
-    fresh()
+    passes(1)
     assert bridge.robot.motorC.count == 100
 
 
@@ -341,7 +323,7 @@ def test_a_pause_stops_and_going_on_sends_nothing(
 
 
 def test_a_motor_started_once_runs_on_without_new_commands(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+    bridge: EV3Bridge, brick: Any, passes: Callable[[float], None]
 ) -> None:
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.motorA.start_at_speed(100)
@@ -349,7 +331,7 @@ def test_a_motor_started_once_runs_on_without_new_commands(
     for tick in range(1, 30):
         bridge.begin_tick(tick / 10, 0.1)
         bridge.end_tick(tick / 10)
-    fresh()
+    passes(3)
     assert brick.motors[0].turning == 100
 
 
@@ -592,7 +574,7 @@ def test_closing_ends_a_search(searching: Callable[..., EV3Bridge]) -> None:
 
 def test_the_panel_shows_every_motor_and_sensor(bridge: EV3Bridge) -> None:
     panel = bridge.panel()
-    motors, sensors = panel.tables
+    motors, sensors, _robot = panel.tables
     assert motors.keys == ("motorA", "motorB", "motorC", "motorD")
     assert motors.rows[0] == ("motorA", "large motor", "0", "0")
     assert sensors.rows == (

@@ -125,11 +125,11 @@ def test_its_answer_to_our_question_for_everything_is_what_it_reads_itself(
 @pytest.mark.parametrize(
     ("code", "turning"),
     [
-        (protocol.start_speed(0b1001, 40), [40, 0, 0, 40]),
-        (protocol.start_power(0b0110, -100), [0, -100, -100, 0]),
+        (protocol.run_milliseconds(0b1001, 40, 600, False), [40, 0, 0, 40]),
+        (protocol.run_milliseconds(0b0110, -100, 600, False, regulated=False), [0, -100, -100, 0]),
         (protocol.run_degrees(0b0001, -30, 90, True), [-30, 0, 0, 0]),
         (protocol.run_milliseconds(0b1000, 99, 1, False), [0, 0, 0, 99]),
-        (protocol.start_speed(15, 40) + protocol.stop(0b0011, True), [0, 0, 40, 40]),
+        (protocol.run_milliseconds(15, 40, 600, False) + protocol.stop(0b0011, True), [0, 0, 40, 40]),
     ],
 )
 def test_our_commands_through_its_connection_move_the_motors(

@@ -18,10 +18,15 @@ from lrp_jupyter.errors import BridgeError
 INT32 = st.integers(-(2**31) + 1, 2**31 - 1)
 
 
-def test_motor_a_at_speed_50_is_the_frame_of_the_documentation() -> None:
-    assert protocol.frame(42, protocol.start_speed(1, 50)).hex(" ") == (
-        "0d 00 2a 00 80 00 00 a5 00 01 81 32 a6 00 01"
+def test_motor_a_at_speed_50_for_a_slice_is_the_frame_of_the_documentation() -> None:
+    assert protocol.frame(42, protocol.run_milliseconds(1, 50, 600, brake=False)).hex(" ") == (
+        "13 00 2a 00 80 00 00 af 00 01 81 32 00 82 58 02 00 00 a6 00 01"
     )
+
+
+def test_unregulated_power_for_a_slice_differs_in_the_operation_only() -> None:
+    power = protocol.run_milliseconds(1, 50, 600, brake=False, regulated=False)
+    assert power == b"\xad" + protocol.run_milliseconds(1, 50, 600, brake=False)[1:]
 
 
 @pytest.mark.parametrize(
@@ -127,7 +132,7 @@ def test_whatever_arrives_is_either_read_or_refused(data: bytes) -> None:
 
 
 def test_one_frame_reads_everything_that_the_brick_knows(brick: Any, emulation: ModuleType) -> None:
-    brick.motors[2].setting = (30, math.inf)
+    brick.motors[2].setting = 30
     brick.motors[2].start()
     brick.motors[2].clock.now += 2
     brick.sensors[1].mode = 1
@@ -215,7 +220,7 @@ def test_reset_count_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape]) -> No
 
 @pytest.mark.parametrize("ports", [1, 2, 4, 8, 15])
 @pytest.mark.parametrize("percent", [0, 31, 32, -33, -100, 100])
-def test_speed_power_and_angle_equal_what_ev3_dcs_encoder_makes_of_the_operations(
+def test_power_and_angle_equal_what_ev3_dcs_encoder_makes_of_the_operations(
     ev3_dc_motor: tuple[Any, Tape], ports: int, percent: int
 ) -> None:
     from ev3_dc import constants as op
@@ -227,8 +232,10 @@ def test_speed_power_and_angle_equal_what_ev3_dcs_encoder_makes_of_the_operation
     motor, tape = ev3_dc_motor
     start = operation(op.opOutput_Start, 0, ports)
     commands = [
-        (operation(op.opOutput_Speed, 0, ports, percent) + start, protocol.start_speed(ports, percent)),
-        (operation(op.opOutput_Power, 0, ports, percent) + start, protocol.start_power(ports, percent)),
+        (
+            operation(op.opOutput_Time_Power, 0, ports, percent, 0, 600, 0, 0) + start,
+            protocol.run_milliseconds(ports, percent, 600, False, regulated=False),
+        ),
         (
             operation(op.opOutput_Step_Speed, 0, ports, percent, 0, 3600, 0, 0) + start,
             protocol.run_degrees(ports, percent, 3600, False),
