@@ -68,7 +68,7 @@ class UsbLine(Line):
 
     def _number(self) -> int:
         if self._device.closed:
-            raise OSError("closed")
+            raise OSError("The device was closed.")
         return self._device.fileno()
 
 
