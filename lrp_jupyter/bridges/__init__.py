@@ -6,6 +6,7 @@ Paper: §7.
 from lrp_jupyter.bridges.bridge import Bridge, Member, MemberError, NullBridge, Panel, Robot, Twist
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge, open_bridge
 from lrp_jupyter.bridges.guard import Stopper
+from lrp_jupyter.bridges.reconnecting import ReconnectingBridge
 
 __all__ = [
     "Bridge",
@@ -13,6 +14,7 @@ __all__ = [
     "MemberError",
     "NullBridge",
     "Panel",
+    "ReconnectingBridge",
     "Robot",
     "Stopper",
     "Twist",

@@ -27,6 +27,8 @@ class FedValues:
     clock : callable
         Returns the seconds that ages are measured in. Default: `time.monotonic`; for a bridge with a world of
         its own, the world's time. Tests set it.
+    count : int
+        How many values have arrived.
     wall_clock : callable
         Returns the time that stamps are compared with. Default: `time.time`.
     """
@@ -34,6 +36,7 @@ class FedValues:
     def __init__(self) -> None:
         self.clock: Callable[[], float] = time.monotonic
         self.wall_clock: Callable[[], float] = time.time
+        self.count = 0
         self._latest: dict[str, _Fed] = {}
         self._latched: dict[str, _Fed] | None = None  # None between ticks
         self._getters: dict[str, Callable[[], object]] = {}
@@ -46,6 +49,7 @@ class FedValues:
         """Replace a value; `stamp` is when it was measured, by the wall clock, if that is known."""
         late = 0.0 if stamp is None else max(0.0, self.wall_clock() - stamp)
         self._latest[path] = _Fed(value, self.clock() - late)
+        self.count += 1
 
     def latch(self) -> None:
         """Hold the present values until `release`: a tick sees one world."""
