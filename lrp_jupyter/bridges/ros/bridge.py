@@ -28,7 +28,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.guard import Stopper
-from lrp_jupyter.bridges.message import Message, real_number
+from lrp_jupyter.bridges.message import Message, moves, real_number
 from lrp_jupyter.bridges.nodes import Limits, RobotMethod
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.ros.backends import Choice, check_backend, choose_backend, make_transport
@@ -220,7 +220,7 @@ class RosBridge(Bridge):
         if link is None:
             raise BridgeError("The bridge `ros` is closed.")
         values = message.as_dict()
-        channel.has_moved |= channel.is_velocity and _any_number(values)
+        channel.has_moved |= channel.is_velocity and moves(values)
         link.send(channel, values)
         channel.stamp()
         assert isinstance(message, RosMessage)
@@ -422,9 +422,3 @@ def _number(text: float | str) -> object:
 def _refuse(channel: Channel, *_arguments: object, **_fields: object) -> None:
     why = channel.problem or channel.waiting or "its type is not known yet"
     raise BridgeError(f"`robot.{channel.wire.variable}` was not sent: {ended(why)}")
-
-
-def _any_number(value: object) -> bool:
-    if isinstance(value, Mapping):
-        return any(map(_any_number, value.values()))
-    return isinstance(value, (int, float)) and value != 0
