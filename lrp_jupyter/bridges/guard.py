@@ -157,7 +157,7 @@ class Guard:
     def end(self) -> None:
         """End the process, which does nothing more to the robot; idempotent."""
         with self._changing:
-            self.is_on = False
+            self.is_on, self.trouble = False, ""
             self._end.set()
             process, self._process = self._process, None
             thread, self._thread = self._thread, None

@@ -16,7 +16,7 @@ from typing import ClassVar, Self
 from lrp_jupyter.bridges.fed import FedValues
 from lrp_jupyter.bridges.guard import NOBODY, Guard, Stopper
 from lrp_jupyter.bridges.members import Member
-from lrp_jupyter.bridges.message import Message
+from lrp_jupyter.bridges.message import Message, moves
 from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.robot import Robot
@@ -329,7 +329,7 @@ class Interface:
 
     def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
         """Return whether the robot may move by a command. Default: by any but a velocity of zero."""
-        return _moves(arguments) if method.velocity else True
+        return moves(arguments) if method.velocity else True
 
     def notice(self, kind: NoticeKind, text: str) -> Notice:
         """Log a notice; for the guard."""
@@ -434,7 +434,7 @@ class Interface:
             if stood and safety.driven:
                 guard.moves()  # first: this process may die right after the command
         if method.velocity:
-            safety.moving(method.path, _moves(arguments), method.mover)
+            safety.moving(method.path, moves(arguments), method.mover)
         try:
             return method.perform(command)
         finally:
@@ -448,16 +448,7 @@ def _ignore(what: object, surely: bool) -> None:
 
 def _stands(path: str, arguments: dict[str, object]) -> bool:
     """Whether a velocity command lets the robot stand: a ``stop``, or nothing but zeros."""
-    return path.rpartition(".")[2] == "stop" or (bool(arguments) and not _moves(arguments))
-
-
-def _moves(value: object) -> bool:
-    """Whether any number among arguments, however deep, is not zero."""
-    if isinstance(value, (int, float)):
-        return value != 0
-    if isinstance(value, dict):
-        return any(map(_moves, value.values()))
-    return isinstance(value, (list, tuple)) and any(map(_moves, value))
+    return path.rpartition(".")[2] == "stop" or (bool(arguments) and not moves(arguments))
 
 
 def _doc_of(function: Callable[..., object]) -> str:

@@ -23,7 +23,7 @@ from typing import Any, ClassVar, Self
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["NUMBER", "Message", "Plain", "Twist", "Vector3", "real_number"]
+__all__ = ["NUMBER", "Message", "Plain", "Twist", "Vector3", "moves", "real_number"]
 
 
 def real_number(value: object, what: str) -> float:
@@ -212,3 +212,14 @@ class Twist(Message):
     __slots__ = ()
     FIELDS = {"linear": Vector3, "angular": Vector3}  # noqa: RUF012
     WORDS = {"linear": "linear.x", "angular": "angular.z"}  # noqa: RUF012
+
+
+def moves(command: object) -> bool:
+    """Return whether any number of a command, however deep, is not zero; a header has no velocities."""
+    if isinstance(command, (int, float)):
+        return command != 0
+    if isinstance(command, Mapping):
+        return any(moves(each) for name, each in command.items() if name != "header")
+    if isinstance(command, (list, tuple)):
+        return any(map(moves, command))
+    return isinstance(command, numbers.Real) and command != 0  # numpy's

@@ -591,6 +591,59 @@ def bridges() -> None:
     list_bridges()
 
 
+GUARD_EPILOG = """
+Run it on the robot, or beside it: it works when the computer with the program sleeps or dies, and when the
+network between the two is cut. It says on stdout when it stops the robot, and goes on.
+
+**ROS**: `lrp guard --topic /cmd_vel` subscribes to the topic, and publishes a velocity of zero on it. A robot
+whose driver stops by itself when commands cease needs none.
+
+**MQTT**: `lrp guard --backend mqtt --topic robot/cmd_vel`. Commands are JSON, such as `{"linear": 0.2}`; the
+zero has the form of the last one.
+
+**Exit code**: 130 after Ctrl-C; 2 when an argument is wrong, or the robot or the broker cannot be reached at
+the beginning. Later it waits for them.
+"""
+
+
+@app.command(epilog=GUARD_EPILOG)
+def guard(
+    backend: Annotated[
+        str,
+        typer.Option(
+            autocompletion=complete.backends,
+            help="A back end of ROS, such as `rosbridge`, or `mqtt`. Default: that of ROS which is set up "
+            "or answers.",
+        ),
+    ] = "auto",
+    host: Annotated[
+        str | None,
+        typer.Option(
+            metavar="HOST[:PORT]",
+            help="Of the rosbridge server, the ROS master or the broker. Default: this machine.",
+        ),
+    ] = None,
+    topic: Annotated[
+        str | None, typer.Option(help="Of the velocities. Default: `/cmd_vel`, or `robot/cmd_vel` for MQTT.")
+    ] = None,
+    type_: Annotated[
+        str, typer.Option("--type", metavar="TYPE", help="Of its messages. Default: that of the live topic.")
+    ] = "",
+    after: Annotated[
+        float,
+        typer.Option(
+            metavar="SECONDS",
+            min=0.1,
+            help="How long the last command holds: more than a tick of the program.",
+        ),
+    ] = 0.5,
+) -> None:
+    """Stop a robot, on its own side, when its program sends no more commands."""
+    from lrp_jupyter.cli.guard import guard_robot
+
+    raise typer.Exit(guard_robot(backend, host, topic, type_, after))
+
+
 @app.command()
 def explain(
     code: Annotated[

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from lrp_jupyter.language.program import Program
 
 __all__ = [
+    "backends",
     "bridges",
     "bundled",
     "challenges",
@@ -51,6 +52,13 @@ def bridges(incomplete: str) -> list[str]:
     from lrp_jupyter.bridges.discovery import find_bridges
 
     return _beginning(incomplete, find_bridges())
+
+
+def backends(incomplete: str) -> list[str]:
+    """Complete the name of a way to a robot that is to be guarded."""
+    from lrp_jupyter.cli.guard import BACKENDS
+
+    return _beginning(incomplete, BACKENDS)
 
 
 def noises(incomplete: str) -> list[str]:

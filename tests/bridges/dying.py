@@ -1,6 +1,7 @@
 """Programs that drive a robot and are killed or suspended: of the command line, and in a real kernel.
 
-A robot is described by how the two reach it, and by what it was told, as itself reports it.
+A robot is described by how the two reach it, and by what it was told, as itself reports it. For one more
+kind, write a fixture `robot` and a subclass of `StandsStill` whose name begins with ``Test``.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from bridges.bounded import bounded
+
+_CONNECTED = 2.5  # s until a guard has connected to the robot
 PROGRAM = "(machine m (state s (running [robot.move(linear=0.2)]))) (spawn m s)"
 
 _LRP = "{imports}\nfrom lrp_jupyter.cli import main\nmain()"
@@ -69,6 +73,10 @@ class Robot:
         """Whether it was told to stand last."""
         return [speed for _, speed in self.speeds()[-1:]] == [0.0]
 
+    def has_driven_for(self, seconds: float) -> None:
+        """Wait until it has driven for a while."""
+        wait_until(lambda: self.drives and time.monotonic() - self.speeds()[-1][0] > seconds)
+
     def stood_after(self, moment: float) -> float:
         """Seconds from a moment until it was told to stand, for the last time."""
         return self.speeds()[-1][0] - moment
@@ -87,6 +95,10 @@ class Driver(Protocol):
 
     def reason(self) -> str:
         """Return why it is paused, or all that it printed."""
+        ...
+
+    def resume(self) -> None:
+        """Have it drive on; a command line without a keyboard has ended."""
         ...
 
     def end(self) -> None:
@@ -115,6 +127,9 @@ class CommandLine:
 
     def reason(self) -> str:
         return " ".join(self._log.read_text().split())
+
+    def resume(self) -> None:
+        assert self.process.wait(60) == 1, "nobody could resume it"
 
     def end(self) -> None:
         if self.process.poll() is None:
@@ -164,6 +179,55 @@ def guards(pid: int) -> list[int]:
     listed = subprocess.run(["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True)
     rows = [line.split(None, 2) for line in listed.stdout.splitlines()]
     return [int(row[0]) for row in rows if int(row[1]) == pid and "guard_process" in row[2]]
+
+
+def lives(pid: int) -> bool:
+    """Whether there is such a process."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+class StandsStill:
+    """A robot stands although the program that drives it is dead or suspended.
+
+    Attributes
+    ----------
+    guarded : bool
+        Whether a guard does that; else the robot itself.
+    """
+
+    guarded = True
+
+    def test_after_kill_9_of_its_program(
+        self, robot: Robot, driver: Driver, record_property: Callable[..., None]
+    ) -> None:
+        robot.has_driven_for(_CONNECTED)
+        processes = guards(driver.pid)
+        assert len(processes) == self.guarded
+        with bounded(1.5):
+            moment = kill(driver, signal.SIGKILL)
+            wait_until(lambda: robot.stands)
+        record_property("stands after", robot.stood_after(moment))
+        wait_until(lambda: not any(map(lives, processes)), "the guard lingers")
+
+    def test_while_its_program_is_suspended_and_does_not_drive_on_by_itself(
+        self, robot: Robot, driver: Driver, record_property: Callable[..., None]
+    ) -> None:
+        robot.has_driven_for(_CONNECTED)
+        with bounded(1.5):
+            moment = kill(driver, signal.SIGSTOP)
+            wait_until(lambda: robot.stands)
+        record_property("stands after", robot.stood_after(moment))
+        stood = len(robot.speeds())
+        kill(driver, signal.SIGCONT)
+        who = ", and the guard stopped the robot." if self.guarded else ": the robot was stopped."
+        wait_until(lambda: who in driver.reason(), "nobody is told")
+        assert "This program was suspended for" in driver.reason()
+        driver.resume()
+        assert not any(speed for _, speed in robot.speeds()[stood:]), "it drove on by itself"
 
 
 def kill(driver: Driver, number: signal.Signals) -> float:

@@ -14,8 +14,7 @@ from typing import Any
 
 import pytest
 from bridges import wheels
-from bridges.bounded import bounded
-from bridges.dying import DRIVERS, CommandLine, Kernel, Robot, guards, kill, wait_until
+from bridges.dying import CommandLine, Robot, StandsStill, guards, lives, wait_until
 
 from lrp_jupyter.bridges import guard
 from lrp_jupyter.bridges.bridge import Bridge
@@ -68,45 +67,8 @@ def port_of(robot: Robot) -> int:
     return int(robot.arguments[-1].partition("=")[2])
 
 
-@pytest.fixture(params=DRIVERS)
-def driver(request: pytest.FixtureRequest, robot: Robot, tmp_path: Path) -> Iterator[CommandLine | Kernel]:
-    """A program that drives the robot."""
-    driver = DRIVERS[request.param](robot, tmp_path)
-    try:
-        wait_until(lambda: robot.drives, driver.reason())
-        yield driver
-    finally:
-        driver.end()
-
-
-def test_a_robot_stands_after_kill_9_of_its_program(
-    robot: Robot, driver: CommandLine | Kernel, record_property: Callable[..., None]
-) -> None:
-    (process,) = guards(driver.pid)
-    with bounded(1.5):
-        moment = kill(driver, signal.SIGKILL)
-        wait_until(lambda: robot.stands)
-    record_property("stands after", robot.stood_after(moment))
-    wait_until(lambda: not _lives(process), "the guard lingers")
-
-
-def test_a_robot_stands_while_its_program_is_suspended_and_does_not_drive_on_by_itself(
-    robot: Robot, driver: CommandLine | Kernel, record_property: Callable[..., None]
-) -> None:
-    with bounded(1.5):
-        moment = kill(driver, signal.SIGSTOP)
-        wait_until(lambda: robot.stands)
-    record_property("stands after", robot.stood_after(moment))
-    stood = len(robot.speeds())
-    kill(driver, signal.SIGCONT)
-    wait_until(lambda: "the guard stopped the robot" in driver.reason(), "nobody is told")
-    assert "This program was suspended for" in driver.reason()
-    assert len(robot.speeds()) == stood
-    if isinstance(driver, Kernel):
-        driver.resume()
-        wait_until(lambda: robot.drives)
-    else:
-        assert driver.process.wait(60) == 1, "nobody could resume it"
+class TestARobotBehindASocket(StandsStill):
+    """Its stopper is a bridge of a module, or of the notebook."""
 
 
 @pytest.mark.parametrize("driver", ["lrp run"], indirect=True)
@@ -115,7 +77,7 @@ def test_ctrl_c_stops_the_robot_and_ends_the_guard(robot: Robot, driver: Command
     os.killpg(driver.pid, signal.SIGINT)  # as a terminal does
     assert driver.process.wait(60) == 130
     wait_until(lambda: robot.stands)
-    wait_until(lambda: not _lives(process), "the guard lingers")
+    wait_until(lambda: not lives(process), "the guard lingers")
 
 
 _KILLED_AT_ONCE = """
@@ -394,14 +356,6 @@ def test_nobody_guards_a_robot_in_a_browser(
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
     assert "A page of a browser cannot start a process." in bridge.failsafe
     assert guards(os.getpid()) == []
-
-
-def _lives(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
 
 
 def _all_guards() -> list[str]:

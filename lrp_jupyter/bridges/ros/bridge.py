@@ -27,12 +27,13 @@ from functools import partial
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
-from lrp_jupyter.bridges.message import Message, real_number
-from lrp_jupyter.bridges.nodes import Limits
+from lrp_jupyter.bridges.guard import Stopper
+from lrp_jupyter.bridges.message import Message, moves, real_number
+from lrp_jupyter.bridges.nodes import Limits, RobotMethod
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.ros.backends import Choice, check_backend, choose_backend, make_transport
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.link import TopicLink, Transport
+from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
 from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
@@ -41,6 +42,7 @@ from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 __all__ = ["RosBridge"]
 
+_HERE = "lrp_jupyter.bridges.ros.bridge:RosBridge"
 _ANSWER = 1.0  # seconds that a person waits for a new connection to be made
 _ANSWER_ALL = 2.0  # … and that opening waits for those of the set-up
 
@@ -62,6 +64,8 @@ class RosBridge(Bridge):
         changes are written to a file.
     patience : float
         Seconds that opening may take.
+    node : str
+        Name of the node on this side; a rosbridge server has its own.
 
     Raises
     ------
@@ -79,10 +83,12 @@ class RosBridge(Bridge):
         port: int | str | None = None,
         setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
         patience: float | str = 8.0,
+        node: str = "lrp",
     ) -> None:
         super().__init__()
         self.backend = check_backend(backend, host, port)
         self._host, self._port = (host or "").strip(), port
+        self._node = node
         self._chosen: Choice | None = None
         self._patience = real_number(_number(patience), "patience")
         self._draft = Draft()
@@ -214,7 +220,7 @@ class RosBridge(Bridge):
         if link is None:
             raise BridgeError("The bridge `ros` is closed.")
         values = message.as_dict()
-        channel.has_moved |= channel.is_velocity and _any_number(values)
+        channel.has_moved |= channel.is_velocity and moves(values)
         link.send(channel, values)
         channel.stamp()
         assert isinstance(message, RosMessage)
@@ -231,6 +237,28 @@ class RosBridge(Bridge):
                     failures.append(str(error))
         if failures:
             raise BridgeError(f"{failures[0]} It is stopped as soon as it is found.")
+
+    guarded_by = (
+        "If this program dies or hangs, a guard process stops the robot. If this computer sleeps or is cut"
+        " off, nobody does, unless `lrp guard` runs on the robot, or its driver stops it when commands cease."
+    )
+
+    def stopper(self) -> Stopper | None:
+        """Return a bridge with the same velocity topics and a connection of its own."""
+        topics = {
+            channel.wire.variable: {"topic": channel.wire.topic, "type": channel.type}
+            for channel in self.wiring.channels
+            if channel.is_velocity and channel.type
+        }
+        if self._chosen is None or not topics:
+            return None
+        backend = self._chosen.backend
+        where = {"backend": backend, "host": self._host, "port": self._port, "node": GUARD_NODE}
+        return Stopper(_HERE, {**where, "setup": {"publishers": topics}})
+
+    def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
+        """Return whether a command is a velocity that is not zero: other topics may carry anything."""
+        return method.velocity and super().drives(method, arguments)
 
     def sense(self, now: float) -> None:
         """Latch the last messages: a tick sees one world."""
@@ -280,7 +308,9 @@ class RosBridge(Bridge):
     def _find(self) -> Transport:
         """Return the way to the robot. On the link's thread, because it may have to ask who answers."""
         self._chosen = choose_backend(self.backend, self._host, self._port)
-        return make_transport(self._chosen.backend, self._host, self._port, self._warn)
+        transport = make_transport(self._chosen.backend, self._host, self._port, self._warn)
+        transport.node = self._node
+        return transport
 
     _last_status: tuple[ConnectionState, str] = (ConnectionState.DISCONNECTED, "not open")
 
@@ -392,9 +422,3 @@ def _number(text: float | str) -> object:
 def _refuse(channel: Channel, *_arguments: object, **_fields: object) -> None:
     why = channel.problem or channel.waiting or "its type is not known yet"
     raise BridgeError(f"`robot.{channel.wire.variable}` was not sent: {ended(why)}")
-
-
-def _any_number(value: object) -> bool:
-    if isinstance(value, Mapping):
-        return any(map(_any_number, value.values()))
-    return isinstance(value, (int, float)) and value != 0

@@ -22,7 +22,10 @@ from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
-__all__ = ["OnStatus", "RefusedError", "TopicLink", "Transport"]
+__all__ = ["GUARD_NODE", "OnStatus", "RefusedError", "TopicLink", "Transport"]
+
+GUARD_NODE = "lrp_guard"
+"""Name of the nodes that only stop a robot."""
 
 _AGAIN = 0.5  # seconds until a connection that was lost, or a topic that is missing, is tried again
 _JOIN = 2.0  # seconds that ending the thread may take
@@ -43,6 +46,8 @@ class Transport(ABC):
     ----------
     place : str
         Address of the robot, for messages.
+    node : str
+        Name of the node on this side, where there is one.
     period : float
         Seconds between two comparisons with the robot.
     changed : callable
@@ -54,6 +59,7 @@ class Transport(ABC):
     """
 
     place: str = ""
+    node: str = "lrp"
     period: float = 2.0
     pace: float = 0.01
     round_trip: float | None = None

@@ -24,7 +24,6 @@ from lrp_jupyter.errors import BridgeError
 
 __all__ = ["RclpyTransport"]
 
-_NAME = "lrp"
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
 _JOIN = 1.0  # seconds that ending the thread may take
 
@@ -62,7 +61,7 @@ class RclpyTransport(Transport):
         self._context = _import("rclpy.context").Context()
         try:
             rclpy.init(args=[], context=self._context, domain_id=self._domain)
-            self._node = rclpy.create_node(_NAME, context=self._context, use_global_arguments=False)
+            self._node = rclpy.create_node(self.node, context=self._context, use_global_arguments=False)
             self._executor = executors.SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self._node)
         except Exception as error:  # rclpy raises RuntimeError, and errors of its middleware

@@ -63,7 +63,7 @@ class RospyTransport(Transport):
         """
         rospy = _rospy()
         self._pid = int(self._master.ask("getPid"))
-        _make_node(self.place)
+        _make_node(self.place, self.node)
         if rospy.is_shutdown():
             raise BridgeError(
                 "The ROS node of this process was shut down, and there cannot be a second one. "
@@ -180,7 +180,7 @@ def _rospy() -> Any:
     return rospy
 
 
-def _make_node(master: str) -> None:
+def _make_node(master: str, name: str) -> None:
     """Create the one node of this process."""
     global _node_master
     rospy = _rospy()
@@ -198,7 +198,7 @@ def _make_node(master: str) -> None:
         os.environ["ROS_MASTER_URI"] = master  # rospy has no other way to set it
         try:
             rospy.init_node(
-                "lrp",
+                name,
                 argv=["lrp"],
                 anonymous=True,
                 disable_signals=True,

@@ -339,8 +339,8 @@ class Ros(Processes):
         assert self._server is not None
         self.end(self._server)
 
-    def start_robot(self, speed: float = 1.0, world: str = "line") -> None:
-        self.start(sys.executable, str(HERE / "robot_node.py"), str(speed), world, ready=True)
+    def start_robot(self, speed: float = 1.0, world: str = "line") -> subprocess.Popen[str]:
+        return self.start(sys.executable, str(HERE / "robot_node.py"), str(speed), world, ready=True)
 
     def call(self, *command: str) -> str:
         done = subprocess.run(
@@ -395,7 +395,8 @@ def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[st
         for name, value in settings.items():
             patch.setenv(name, value)
         patch.syspath_prepend(str(modules))
-        yield {**os.environ, "PYTHONPATH": str(modules), "PYTHONUNBUFFERED": "1"}, folder, port
+        path = os.pathsep.join(filter(None, (str(modules), os.environ.get("PYTHONPATH"))))
+        yield {**os.environ, "PYTHONPATH": path, "PYTHONUNBUFFERED": "1"}, folder, port
         rospy = sys.modules.get("rospy")
         if rospy is not None:
             rospy.signal_shutdown("the tests are over")

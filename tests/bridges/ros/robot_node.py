@@ -1,7 +1,7 @@
 """A ROS robot for the tests: the simulator behind topics, `python robot_node.py SPEED WORLD`.
 
 It subscribes to `/cmd_vel` (Twist) and publishes `/odom` (Odometry), `/light` (UInt8, 0 black ... 255
-white) and `/bumper` (UInt8, 1 pressed).
+white) and `/bumper` (UInt8, 1 pressed). It prints when it was told another speed, by `time.monotonic`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,11 @@ def main(speed: float, world: str) -> None:
     wanted = [(0.0, 0.0)]
 
     def drive(message: Any) -> None:
-        wanted[0] = (message.linear.x, message.angular.z)
+        speed, before = (message.linear.x, message.angular.z), wanted[0]
+        wanted[0] = speed
+        if speed[0] != before[0]:
+            sys.stdout.write(f"{time.monotonic()} {speed[0]}\n")
+            sys.stdout.flush()
 
     rospy.init_node("robot", disable_signals=True, disable_rosout=True, disable_rostime=True)
     rospy.Subscriber("/cmd_vel", Twist, drive, queue_size=1, tcp_nodelay=True)

@@ -1,0 +1,231 @@
+"""``lrp guard``: stops a robot, on its own side, when its program sends no more commands.
+
+A guard process on the computer with the program (`lrp_jupyter.bridges.guard`) dies with that computer, and
+reaches nothing when the network is cut. This one runs on the robot, or beside it.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import threading
+import time
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, Protocol
+
+import typer
+
+from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.message import moves
+from lrp_jupyter.bridges.ros import RosBridge, backends
+from lrp_jupyter.bridges.ros.link import GUARD_NODE
+from lrp_jupyter.bridges.ros.setup import parse_address
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["BACKENDS", "MqttSide", "RosSide", "Side", "guard_robot", "watch"]
+
+MQTT = "mqtt"
+BACKENDS = (backends.AUTO, *backends.BACKENDS, MQTT)
+"""The ways to a robot."""
+
+_LOOK = 0.05  # s between two looks, and between two stops
+_STOPS = 20  # of a robot that does not answer to the first one: a message may be lost
+
+
+def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, after: float) -> int:
+    """Guard a robot until Ctrl-C; return the exit code.
+
+    Raises
+    ------
+    BridgeError
+        The robot or the broker cannot be reached, or an option is wrong.
+    """
+    robot: Side
+    if backend == MQTT:
+        if type_:
+            raise BridgeError("--type is for ROS: the messages of MQTT have no types.")
+        robot = MqttSide(topic or "robot/cmd_vel", host)
+    else:
+        robot = RosSide(topic or "/cmd_vel", type_, backend=backend, host=host)
+    try:
+        watch(robot, after, _say, threading.Event())
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+    finally:
+        robot.close()
+    return 0
+
+
+def _say(sentence: str) -> None:
+    typer.echo(f"{time.strftime('%H:%M:%S')}  {sentence}")
+
+
+class Side(Protocol):
+    """A robot, as its own side sees it."""
+
+    @property
+    def heard(self) -> tuple[float, bool]:
+        """When the last command came, by `time.monotonic`, and whether it moves the robot."""
+        ...
+
+    def state(self) -> str:
+        """Return a sentence about the connection."""
+        ...
+
+    def stop(self) -> None:
+        """Send a velocity of zero; raise a BridgeError if that is not possible."""
+        ...
+
+    def close(self) -> None:
+        """End the connection."""
+        ...
+
+
+def watch(robot: Side, after: float, say: Callable[[str], object], over: threading.Event) -> None:
+    """Stop the robot whenever its last command moves it and none has come for a while.
+
+    Parameters
+    ----------
+    robot : Side
+    after : float
+        Seconds.
+    say : callable
+        Called with a sentence whenever the robot is stopped, or the connection has changed.
+    over : Event
+        Ends it.
+    """
+    state, stopped, stops = "", 0.0, 0
+    while not over.wait(_LOOK):
+        if robot.state() != state:
+            state = robot.state()
+            say(state)
+        moment, is_moving = robot.heard
+        if not is_moving or time.monotonic() - moment < after:
+            continue
+        if moment != stopped:
+            stopped, stops = moment, 0
+            say(f"No command for {after:g} s, and the last one moves the robot. It is stopped.")
+        if stops < _STOPS:
+            try:
+                robot.stop()
+            except BridgeError:  # it is tried until the robot is found again
+                continue
+            stops += 1
+
+
+class RosSide:
+    """A velocity topic of ROS.
+
+    Parameters
+    ----------
+    topic, type_ : str
+        Without a type that of the live topic.
+    **where
+        Options of `RosBridge`: back end, host.
+
+    Raises
+    ------
+    BridgeError
+        ROS cannot be reached, or the topic is not one of velocities.
+    """
+
+    def __init__(self, topic: str, type_: str, **where: Any) -> None:
+        wire = {"topic": topic, "type": type_}
+        setup = {"subscriptions": {"commanded": wire}, "publishers": {"move": wire}}
+        self._bridge = RosBridge(**where, setup=setup, node=GUARD_NODE)
+        self._heard, self._state = (0.0, False), ""
+        self._bridge.open()
+
+    @property
+    def heard(self) -> tuple[float, bool]:
+        """The last command; also one from before the connection was lost."""
+        for channel in self._bridge.wiring.channels:
+            if channel.wire.direction == "subscription" and channel.latest is not None:
+                self._heard = (channel.latest.time, moves(channel.latest.value._as_dict()))
+        return self._heard
+
+    def state(self) -> str:
+        """Return a sentence about the connection; silence is no news here."""
+        status = self._bridge.status
+        if status.state is not ConnectionState.STALE:
+            self._state = status.sentence
+        return self._state
+
+    def stop(self) -> None:
+        """Send a velocity of zero."""
+        status = self._bridge.status
+        if status.state is ConnectionState.LOST or not self._bridge.stop_all():
+            raise BridgeError(status.sentence)
+
+    def close(self) -> None:
+        """End the connection."""
+        self._bridge.close()
+
+
+class MqttSide:
+    """A topic of an MQTT broker, with JSON: the zero has the form of the last command.
+
+    Parameters
+    ----------
+    topic, host : str
+
+    Raises
+    ------
+    BridgeError
+        There is no broker, or paho-mqtt is not installed.
+    """
+
+    def __init__(self, topic: str, host: str | None) -> None:
+        try:
+            mqtt: Any = import_module("paho.mqtt.client")
+        except ImportError:
+            raise BridgeError(
+                'MQTT needs the package `paho-mqtt`. Install it with `pip install "lrp-jupyter[mqtt]"`.'
+            ) from None
+        name, port = parse_address(host or "localhost", None, 1883)
+        self._topic, self._place = topic, f"{name}:{port}"
+        self._command: Any = {}
+        self.heard = (0.0, False)
+        self._client = client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
+        client.on_connect = lambda *_: client.subscribe(topic)
+        client.on_message = self._hear
+        client.reconnect_delay_set(1, 1)
+        try:
+            client.connect(name, port, keepalive=2)
+        except OSError as error:
+            raise BridgeError(f"No MQTT broker answers at {self._place} ({error}).") from error
+        client.loop_start()
+
+    def _hear(self, _client: object, _data: object, message: Any) -> None:
+        try:
+            self._command = json.loads(message.payload)
+        except ValueError:
+            self._command = {}
+        self.heard = (time.monotonic(), moves(self._command))
+
+    def state(self) -> str:
+        """Return a sentence about the connection."""
+        if self._client.is_connected():
+            return f"Connected to the MQTT broker at {self._place}."
+        return f"The MQTT broker at {self._place} does not answer."
+
+    def stop(self) -> None:
+        """Publish the last command with all its numbers zero."""
+        if not self._client.is_connected():
+            raise BridgeError(self.state())
+        self._client.publish(self._topic, json.dumps(_zero(self._command)))
+
+    def close(self) -> None:
+        """End the connection."""
+        self._client.disconnect()
+        self._client.loop_stop()
+
+
+def _zero(value: Any) -> Any:
+    """Return a value of JSON with all its numbers zero."""
+    if isinstance(value, dict):
+        return {name: _zero(each) for name, each in value.items()}
+    if isinstance(value, list):
+        return [_zero(each) for each in value]
+    return type(value)(0) if isinstance(value, (int, float)) else value
