@@ -133,7 +133,10 @@ def _from_file(path: str) -> str:
     module = ModuleType(f"lrp_bridge_{Path(path).stem}")
     module.__file__ = path
     sys.modules[module.__name__] = module  # where a dataclass looks for the names in its annotations
-    run_python(path, vars(module))
+    try:
+        run_python(path, vars(module))
+    finally:  # what another process needs of it is sent there, as of a notebook: it cannot import it
+        del sys.modules[module.__name__]
     new = [
         name for name, kind in Bridge.registry.items() if kind not in before and not inspect.isabstract(kind)
     ]

@@ -8,6 +8,7 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from pathlib import Path
 
+import cloudpickle
 import pytest
 
 from lrp_jupyter.bridges import discovery
@@ -322,3 +323,12 @@ def test_a_file_without_a_usable_bridge_is_told_in_a_sentence(
 def test_a_file_that_is_not_there_is_told_with_its_name(tmp_path: Path) -> None:
     with pytest.raises(LRPError, match=r"`.*other\.py` cannot be read: No such file"):
         choose_bridge(str(tmp_path / "other.py"))
+
+
+def test_what_a_file_defines_can_be_sent_to_another_process(registry: object, tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(MINE)
+    sent = cloudpickle.dumps(type(make_bridge(str(file))))
+    receive = "import pickle, sys; print(pickle.load(sys.stdin.buffer)(depth=8).depth)"
+    received = subprocess.run([sys.executable, "-c", receive], input=sent, capture_output=True)
+    assert received.stdout == b"8\n", received.stderr.decode()

@@ -1,0 +1,131 @@
+"""The example bridges of the notebooks' folder, and the robots that they meet here."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NoReturn
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+
+HERE = Path(__file__).parent
+EXAMPLES = Path(__file__).parents[3] / "notebooks" / "bridges"
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_left_behind() -> Iterator[None]:
+    """Neither threads nor names of bridges."""
+    threads, names = set(threading.enumerate()), dict(Bridge.registry)
+    yield
+    Bridge.registry.clear()
+    Bridge.registry.update(names)
+    left = set(threading.enumerate()) - threads
+    for thread in left:
+        thread.join(60)
+    assert not [thread for thread in left if thread.is_alive()]
+
+
+class Processes:
+    """Programs of this folder, which say `ready`; all are ended in the end."""
+
+    def __init__(self) -> None:
+        self._running: list[subprocess.Popen[str]] = []
+
+    def start(self, *command: object, ready: bool = True) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [str(part) for part in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        self._running.append(process)
+        if ready:
+            assert process.stdout is not None
+            assert process.stdout.readline().startswith("ready")
+        return process
+
+    def robot(self, name: str, *arguments: object) -> subprocess.Popen[str]:
+        return self.start(sys.executable, HERE / f"{name}_robot.py", *arguments)
+
+    def end(self, process: subprocess.Popen[str]) -> None:
+        process.kill()
+        process.communicate()
+
+    def end_all(self) -> None:
+        for process in self._running:
+            self.end(process)
+
+
+@pytest.fixture
+def processes() -> Iterator[Processes]:
+    processes = Processes()
+    yield processes
+    processes.end_all()
+
+
+def wait_until(holds: Callable[[], object], what: str, seconds: float = 60.0) -> None:
+    """Wait for what another process or thread does; fail after so many seconds."""
+    over, tick = threading.Event(), threading.Event()
+    timer = threading.Timer(seconds, over.set)
+    timer.start()
+    try:
+        while not holds():
+            assert not over.is_set(), what
+            tick.wait(0.02)
+    finally:
+        timer.cancel()
+        timer.join()
+
+
+@pytest.fixture(scope="session")
+def until() -> Callable[..., None]:
+    return wait_until
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def missing(what: str) -> NoReturn:
+    """Skip a test for which something is not installed; a failure where everything must be."""
+    if os.environ.get("CI", "").lower() == "true":
+        pytest.fail(f"{what} is not installed.")
+    pytest.skip(f"{what} is not installed.")
+
+
+class Broker:
+    """A real mosquitto on loopback, which can be killed, held and started again."""
+
+    def __init__(self, processes: Processes, port: int = 0, *options: object) -> None:
+        program = shutil.which("mosquitto", path=f"{os.environ.get('PATH', '')}:/usr/sbin")
+        self._program = program or missing("mosquitto")
+        self._processes, self.port = processes, port or free_port()
+        self._options = options or ("-p", self.port)
+        self.process = self._start()
+
+    def start(self) -> None:
+        self.process = self._start()
+
+    def _start(self) -> subprocess.Popen[str]:
+        process = self._processes.start(self._program, *self._options, ready=False)
+        wait_until(self._answers, "mosquitto did not start")
+        return process
+
+    def _answers(self) -> bool:
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", self.port)) == 0
+
+    def kill(self) -> None:
+        self._processes.end(self.process)
+
+
+@pytest.fixture
+def broker(processes: Processes) -> Broker:
+    return Broker(processes)

@@ -1,0 +1,45 @@
+"""A robot behind an MQTT broker, as an ESP32 would be: ``python mqtt_robot.py PORT SPEED``."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+from typing import Any
+
+import paho.mqtt.client as mqtt
+from simulated import SimulatedRobot, ready
+
+
+def main(port: int, speed: float) -> None:
+    robot = SimulatedRobot(speed)
+    client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
+
+    def connected(client: mqtt.Client, *_: Any) -> None:
+        client.subscribe("robot/cmd_vel")
+
+    def drive(_client: mqtt.Client, _data: object, message: mqtt.MQTTMessage) -> None:
+        command = json.loads(message.payload)
+        robot.drive(command["linear"], command["angular"])
+
+    listens = threading.Event()
+    client.on_connect, client.on_message = connected, drive
+    client.on_subscribe = lambda *_: listens.set()
+    client.reconnect_delay_set(1, 1)
+    client.connect("127.0.0.1", port)
+    client.loop_start()
+    listens.wait()
+    ready(robot)
+
+    def publish(light: int, bumper: bool, odom: tuple[float, float, float]) -> None:
+        client.publish("robot/light", light)
+        client.publish("robot/bumper", int(bumper))
+        client.publish("robot/odom", json.dumps(dict(zip(("x", "y", "theta"), odom, strict=True))))
+
+    robot.run(publish)
+    client.disconnect()
+    client.loop_stop()
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), float(sys.argv[2]))

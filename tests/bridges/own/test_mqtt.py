@@ -1,0 +1,215 @@
+"""The bridge to MQTT: a real broker, and behind it a simulated robot as a process of its own."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from bridges.own.conftest import EXAMPLES, Broker, Processes, free_port
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.conformance import BridgeConformance
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.clock import MonotonicClock
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.programs import load
+
+mqtt = pytest.importorskip("paho.mqtt.client")
+
+MQTT = str(EXAMPLES / "mqtt.py")
+FASTER = 4.0  # both the robot's time and the program's
+DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+
+Until = Callable[..., None]
+
+
+class Listener:
+    """Another client of the broker: hears what is published, and publishes."""
+
+    def __init__(self, port: int) -> None:
+        self.heard: dict[str, list[Any]] = {}
+        self.client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
+        self.client.on_connect = lambda client, *_: client.subscribe("robot/+")
+        self.client.on_message = self._note
+        listens = threading.Event()
+        self.client.on_subscribe = lambda *_: listens.set()
+        self.client.reconnect_delay_set(1, 1)
+        self.client.connect("127.0.0.1", port)
+        self.client.loop_start()
+        assert listens.wait(60)
+
+    def _note(self, _client: object, _data: object, message: Any) -> None:
+        with suppress(ValueError):
+            self.heard.setdefault(message.topic.removeprefix("robot/"), []).append(
+                json.loads(message.payload)
+            )
+
+    def last(self, topic: str) -> Any:
+        return self.heard.get(topic, [None])[-1]
+
+    def publish(self, topic: str, payload: str, retain: bool = False) -> None:
+        self.client.publish(f"robot/{topic}", payload, 1, retain).wait_for_publish(60)
+
+    def close(self) -> None:
+        self.client.disconnect()
+        self.client.loop_stop()
+
+
+@pytest.fixture
+def listener(broker: Broker) -> Iterator[Listener]:
+    listener = Listener(broker.port)
+    yield listener
+    listener.close()
+
+
+@pytest.fixture
+def bridge(broker: Broker) -> Iterator[Bridge]:
+    """Open and armed."""
+    bridge = make_bridge(MQTT, port=broker.port)
+    bridge.open()
+    bridge.arm()
+    yield bridge
+    bridge.close()
+
+
+@pytest.mark.slow
+class TestMqtt(BridgeConformance):
+    @pytest.fixture(autouse=True)
+    def _connected(self, broker: Broker, processes: Processes) -> None:
+        self.port = broker.port
+        processes.robot("mqtt", broker.port, 1.0)
+
+    def make_bridge(self) -> Bridge:
+        return make_bridge(MQTT, port=self.port)
+
+
+@pytest.mark.slow
+def test_the_unchanged_follower_goes_there_and_back(
+    broker: Broker, processes: Processes, listener: Listener
+) -> None:
+    processes.robot("mqtt", broker.port, FASTER)
+    session = Session(load("follower"), MQTT, port=broker.port, clock=MonotonicClock(FASTER))
+    session.bridge.arm()
+    session.start()
+    try:
+        assert session.wait_for("bumpback", timeout=180)
+        assert listener.last("odom")["x"] > 1.0
+        assert session.wait_for("end", timeout=180)
+        assert listener.last("odom")["x"] < 0.1
+        assert not session.issues
+    finally:
+        session.close()
+
+
+@pytest.mark.slow
+def test_a_broker_that_dies_is_a_lost_robot_and_one_that_comes_back_is_found(
+    broker: Broker, bridge: Bridge, until: Until
+) -> None:
+    bridge.robot.move(linear=0.2)
+    broker.kill()
+    until(lambda: bridge.status.state == "lost", "it was not noticed")
+    assert f"The MQTT broker at localhost:{broker.port} is gone" in bridge.status.sentence
+    with pytest.raises(BridgeError, match="is gone"):
+        bridge.robot.move(linear=0.2)
+    broker.start()
+    listener = Listener(broker.port)
+    until(lambda: bridge.status.state != "lost", "it was not found again")
+    until(lambda: listener.last("cmd_vel") is not None, "nothing was sent")
+    listener.close()
+    still = {"linear": 0.0, "angular": 0.0}
+    assert all(command == still for command in listener.heard["cmd_vel"]), "an old command was sent again"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
+def test_the_broker_stops_the_robot_when_this_process_is(
+    end: signal.Signals,
+    broker: Broker,
+    processes: Processes,
+    listener: Listener,
+    until: Until,
+    tmp_path: Path,
+) -> None:
+    processes.robot("mqtt", broker.port, 1.0)
+    program = tmp_path / "drive.lrp"
+    program.write_text(DRIVE)
+    lrp = (sys.executable, "-m", "lrp_jupyter", "run", program, "--bridge", MQTT)
+    run = processes.start(*lrp, "--option", f"port={broker.port}", ready=False)
+    until(lambda: (listener.last("odom") or {"x": 0})["x"] > 0.1, "it does not drive")
+    run.send_signal(end)
+    until(lambda: listener.last("cmd_vel") == {"linear": 0.0, "angular": 0.0}, "nobody stopped it")
+    seen = len(listener.heard["odom"])
+    until(lambda: len(listener.heard["odom"]) > seen + 20, "the robot is silent")
+    assert listener.heard["odom"][-1] == listener.heard["odom"][-2], "it drives on"
+
+
+@pytest.mark.slow
+def test_what_comes_once_a_minute_holds_nobody_up(bridge: Bridge, listener: Listener, until: Until) -> None:
+    for topic, text in (("light", "255"), ("bumper", "0"), ("battery", "7.4")):
+        listener.publish(topic, text)
+    until(lambda: "battery" in dir(bridge.robot) and bridge.robot.battery.data == 7.4, "nothing arrives")
+    bridge.fed.clock = lambda: time.monotonic() + 60
+    listener.publish("light", "254")
+    listener.publish("bumper", "1")
+    until(lambda: value_of(bridge, "bumper.data") == 1, "nothing arrives")
+    bridge.begin_tick(0.0, 0.1)
+    bridge.robot.move(linear=0.2)
+    until(lambda: listener.last("cmd_vel") == {"linear": 0.2, "angular": 0.0}, "it is held up")
+
+
+def value_of(bridge: Bridge, name: str) -> object:
+    bridge.refresh()
+    return bridge.describe(name).value
+
+
+@pytest.mark.slow
+def test_a_reading_that_is_no_number_is_told_and_the_others_come_on(
+    bridge: Bridge, listener: Listener, until: Until
+) -> None:
+    listener.publish("light", "bright")
+    until(lambda: "`robot/light` sent b'bright'" in bridge.safety.notices[-1].text, "it was not told")
+    listener.publish("light", "212")
+    until(lambda: value_of(bridge, "light.data") == 212, "the next did not arrive")
+
+
+@pytest.mark.slow
+def test_a_reading_that_the_broker_has_kept_is_not_a_reading_of_now(
+    broker: Broker, listener: Listener, until: Until
+) -> None:
+    listener.publish("light", "7", retain=True)
+    bridge = make_bridge(MQTT, port=broker.port)
+    bridge.open()
+    try:
+        listener.publish("bumper", "0")
+        until(lambda: value_of(bridge, "bumper.data") == 0, "nothing arrives")
+        assert bridge.describe("light.data").value is None
+    finally:
+        bridge.close()
+
+
+@pytest.mark.slow
+def test_a_broker_that_wants_a_password_is_told(processes: Processes, until: Until, tmp_path: Path) -> None:
+    port = free_port()
+    (tmp_path / "closed.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous false\n")
+    Broker(processes, port, "-c", tmp_path / "closed.conf")
+    with pytest.raises(BridgeError, match=rf"What answers at localhost:{port} does not let this bridge in"):
+        make_bridge(MQTT, port=port).open()
+
+
+def test_where_no_broker_is_it_is_said_how_to_start_one() -> None:
+    with pytest.raises(BridgeError, match=r"No MQTT broker answers at localhost:\d+ .*`mosquitto`"):
+        make_bridge(MQTT, port=free_port()).open()
+
+
+def test_a_port_that_is_no_number_is_told_with_its_name() -> None:
+    with pytest.raises(BridgeError, match="`port=here`"):
+        make_bridge(MQTT, port="here")

@@ -1,0 +1,108 @@
+"""The bridge to Webots, with a stand-in for its module: a world that moves only when the program does."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from types import ModuleType
+from typing import Any
+
+import pytest
+from bridges.own.conftest import EXAMPLES, HERE
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.conformance import BridgeConformance
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.programs import load
+
+WEBOTS = str(EXAMPLES / "webots.py")
+
+
+@pytest.fixture
+def controller(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
+    """Webots' module, as in a process of its own."""
+    monkeypatch.delitem(sys.modules, "controller", raising=False)
+    monkeypatch.syspath_prepend(str(HERE / "webots"))
+    import controller
+
+    yield controller
+    del sys.modules["controller"]
+
+
+class TestWebots(BridgeConformance):
+    @pytest.fixture(autouse=True)
+    def _webots(self, controller: ModuleType) -> None:
+        """Put the module where Python finds it."""
+
+    def make_bridge(self) -> Bridge:
+        return make_bridge(WEBOTS, step=0.02)
+
+
+def test_the_unchanged_follower_goes_there_and_back(controller: Any) -> None:
+    with Session(load("follower"), WEBOTS, step=0.02) as session:
+        session.run(30)
+        assert controller.Robot.created.simulation.robot.pose[0] > 1.0
+        session.run(90)
+        assert session.frame.active[0][-1] == "end"
+        assert controller.Robot.created.simulation.robot.pose[0] < 0.5
+        assert not session.issues
+
+
+def test_the_world_stands_still_while_the_program_is_paused(controller: Any) -> None:
+    with Session(load("follower"), WEBOTS, step=0.02) as session:
+        session.start()
+        assert session.wait_for("moving", timeout=60)
+        session.pause()
+        world = controller.Robot.created
+        then, where = world.getTime(), world.simulation.robot.pose
+        for _ in range(5):
+            session.call(lambda: None)  # the loop turns, and does not tick
+        assert (world.getTime(), world.simulation.robot.pose) == (then, where)
+
+
+def test_the_time_of_the_program_is_the_time_of_the_world(controller: Any) -> None:
+    with Session(load("follower"), WEBOTS, step=0.02) as session:
+        session.run(3)
+        assert controller.Robot.created.getTime() == pytest.approx(session.frame.time)
+
+
+def test_the_end_of_webots_is_a_lost_robot(controller: Any) -> None:
+    with Session(load("follower"), WEBOTS, step=0.02) as session:
+        session.run(1)
+        controller.Robot.created.has_ended = True
+        session.run(1)
+        assert session.bridge.status.state == "lost"
+        assert session.bridge.status.sentence == "Webots has ended the simulation."
+
+
+def test_it_cannot_step_back(controller: Any) -> None:
+    with Session(load("follower"), WEBOTS, step=0.02) as session:
+        session.run(1)
+        with pytest.raises(BridgeError, match="cannot step back"):
+            session.rewind()
+
+
+def test_another_time_step_is_told_with_the_option_to_set(controller: Any) -> None:
+    with pytest.raises(BridgeError, match=r"This world moves in steps of 0\.02 s\. Say so: `step=0\.02`\."):
+        make_bridge(WEBOTS).open()
+
+
+def test_a_robot_without_ground_sensors_is_told(controller: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(controller.Robot, "without", ("gs1",))
+    with pytest.raises(BridgeError, match="no device `gs1`"):
+        make_bridge(WEBOTS, step=0.02).open()
+
+
+def test_where_webots_is_not_installed_it_is_said_where_its_module_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "controller", None)
+    with pytest.raises(BridgeError, match="Add `lib/controller/python` of the folder of Webots"):
+        make_bridge(WEBOTS).open()
+
+
+def test_an_option_that_is_no_number_is_told_with_its_name() -> None:
+    with pytest.raises(BridgeError, match="`step=fast`"):
+        make_bridge(WEBOTS, step="fast")
