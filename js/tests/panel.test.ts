@@ -48,6 +48,19 @@ describe("the fields of a panel", () => {
     expect(press.mock.calls).toEqual([["pick", "/odom"]]);
   });
 
+  it("keep what was chosen in a list, while the choices are the same", () => {
+    const mode = (value: string, ...choices: string[]) =>
+      panel(field("mode", { kind: "choice", choices, value }));
+    const { element, input, refresh } = drawn(mode("a", "a", "b", "c"));
+    const options = [...input("mode").children];
+    input("mode").value = "b";
+    refresh(mode("a", "a", "b", "c"));
+    expect(values(element)).toEqual({ mode: "b" });
+    expect([...input("mode").children]).toEqual(options);
+    refresh(mode("a", "x", "a"));
+    expect(values(element)).toEqual({ mode: "a" });
+  });
+
   it("are switches and lists, too", () => {
     const { element, input } = drawn(
       panel(

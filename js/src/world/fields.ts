@@ -46,9 +46,9 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
       for (const { key, kind, value, choices } of fields) {
         const input = controls.get(key);
         if (!input) continue;
-        offers.get(key)?.replaceChildren(...options(choices, offers.get(key)!));
-        if (kind === "choice") (input as HTMLSelectElement).replaceChildren(...options(choices, input));
-        if (value !== received.get(key)) write(input, value);
+        const list = kind === "choice" ? input : offers.get(key);
+        const changed = list !== undefined && fill(list, choices);
+        if (value !== received.get(key) || (changed && kind === "choice")) write(input, value);
         received.set(key, value);
       }
     },
@@ -60,12 +60,13 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
   };
 }
 
-/** Reuse the present options if they are still correct, so that an open list is not disturbed. */
-function options(choices: string[], list: Element): Element[] {
+/** Offer choices, and return whether they are others: an open list, and what is chosen, is not disturbed. */
+function fill(list: Element, choices: string[]): boolean {
   const old = [...list.children];
-  const same =
-    old.length === choices.length && old.every((one, i) => one.getAttribute("value") === choices[i]);
-  return same ? old : choices.map((value) => h("option", { value }, list.tagName === "SELECT" && value));
+  if (old.length === choices.length && old.every((one, i) => one.getAttribute("value") === choices[i]))
+    return false;
+  list.replaceChildren(...choices.map((value) => h("option", { value }, list.tagName === "SELECT" && value)));
+  return true;
 }
 
 function read(input: Input): string {
