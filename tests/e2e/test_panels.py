@@ -328,6 +328,21 @@ def test_motors_are_turned_by_hand_and_all_stopped_at_once(open_brick, brick):
     lab.ready("paused")
 
 
+def test_another_port_is_chosen_in_the_panel_and_the_robots_readings_are_shown(open_brick, brick):
+    lab = open_brick()
+    lab.reads(cell("light.data", "value"), "and not a colour sensor. Set `light` to 2, where one is.")
+    lab.reads(cell("bumper.data", "value"), "False")
+    field(lab, "light").select_option("2")
+    field(lab, "wheel").fill("112")
+    press(lab, "build")
+    lab.reads(cell("light.data", "value"), "107")
+    brick.sensors[1].values[0] = 100.0
+    lab.reads(cell("light.data", "value"), "255")
+    field(lab, "left").select_option("C")
+    press(lab, "build")
+    lab.reads(".lrp-toast", "are both in port C")
+
+
 def test_the_address_of_a_brick_is_asked_and_a_wrong_one_refused(open_brick, brick):
     lab = open_brick(host="")
     lab.until("dialog => dialog.open", ".lrp-questions")

@@ -182,8 +182,15 @@ class EV3Bridge(Bridge):
     def add_members(self) -> None:
         """Add the motors, the sensors and what the brick itself offers."""
 
-        def variable(name: str, getter: Callable[[], object], doc: str, unit: str, kind: type | str) -> None:
-            self.add_variable(name, getter, doc, unit, type=kind, age=self._age)
+        def variable(
+            name: str,
+            getter: Callable[[], object],
+            doc: str,
+            unit: str,
+            kind: type | str,
+            stale_after: float | None = None,
+        ) -> None:
+            self.add_variable(name, getter, doc, unit, type=kind, age=self._age, stale_after=stale_after)
 
         for motor in self.motors:
             for command in (motor.start_at_speed, motor.start_at_power, motor.stop, motor.run_for):
@@ -199,9 +206,8 @@ class EV3Bridge(Bridge):
             variable(f"{sensor.name}.mode", sensor.mode, "what it measures", "", str)
             variable(f"{sensor.name}.type", sensor.type, "what is plugged in", "", str)
         for reading in self._readings():
-            variable(*reading)
+            variable(*reading, _STALE_AFTER)
         self._add_move()
-        self.add_method("stop", self.stop, "stop all motors, and hold them", velocity=True)
         variable("battery", lambda: self.seen().battery, "what is left in it", "%", int)
         variable("name", lambda: self.link.name or None, "the brick's name", "", str)
         self.add_method("beep", self.beep)
@@ -393,6 +399,7 @@ class EV3Bridge(Bridge):
             self.link.search()
 
 
+_STALE_AFTER = 1.0  # s; a brick that does not answer is lost sooner, one that refuses to be read is not
 _WHERE = (
     "Address of the brick: by WiFi or Bluetooth as it shows under Brick Info (Bluetooth: its ID), or `usb`"
 )

@@ -177,7 +177,9 @@ class BrickLink:
             _stop(connection, _STOP_TIME)
         elif self.snapshot.reading is not None and not self._closing.is_set():
             why = self.snapshot.trouble or "The brick is being reconnected."
-            raise BridgeError(f"{why} It is stopped as soon as it is found.")
+            raise BridgeError(
+                f"{why} What was renewed stops within {SLICE:g} s by itself, and all as soon as it is found."
+            )
 
     def _connected(self) -> _Connection:
         connection = self._connection

@@ -308,7 +308,7 @@ def test_a_runstop_that_cannot_reach_the_brick_reports_it(
     with bounded(0.5):
         assert bridge.stop_all() is False
     assert "may not have stopped" in bridge.safety.notices[-1].text
-    assert "stopped as soon as it is found" in bridge.safety.notices[-1].text
+    assert "within 0.6 s by itself, and all as soon as it is found" in bridge.safety.notices[-1].text
 
 
 def test_a_pause_stops_and_going_on_sends_nothing(
@@ -383,7 +383,7 @@ def test_a_brick_that_fails_is_lost_within_a_second_and_every_use_explains_why(
         with bounded(0.2), pytest.raises(BridgeError, match=sentence):
             use()
     assert sentence in bridge.status.sentence
-    until(lambda: len(bridge.safety.notices) >= 2)
+    until(lambda: len(bridge.safety.notices) >= 3)
     lost, moving = [notice.text for notice in bridge.safety.notices if notice.kind == "fault"]
     assert lost == bridge.status.sentence
     assert moving.startswith("The robot may not have stopped: ")

@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
+from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ev3 import EV3Bridge
+from lrp_jupyter.bridges.ev3.vehicle import Vehicle
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
@@ -256,6 +258,34 @@ def test_a_sensor_that_is_starting_has_no_value_yet(
     fresh()
     with pytest.raises(NoDataYet):
         bridge.robot.light.data  # noqa: B018
+
+
+def test_a_robot_that_drives_on_readings_that_no_longer_come_is_stopped(
+    bridge: EV3Bridge, brick: Any, until: Callable[..., None]
+) -> None:
+    bridge.begin_tick(0.0, 0.1)
+    bridge.robot.move(linear=0.2)
+    bridge.end_tick(0.0)
+    until(lambda: turning(brick) == FORWARD)
+    del brick.commands[:]
+    brick.fault = "refuse"  # it answers, but with nothing
+    until(lambda: (bridge.describe("light.data").age or 0) > 1.0)
+    bridge.begin_tick(0.1, 0.1)
+    bridge.robot.move(linear=0.2)
+    assert bridge.status.state == "stale"
+    until(lambda: brick.commands)
+    assert [command[7:].hex(" ") for command in brick.commands] == ["a3 00 0f 01"]
+
+
+def test_options_are_understood_as_they_are_typed_on_a_command_line() -> None:
+    typed = {"left": "a", "right": "-D", "wheel": "68.8", "track": "150", "light": "2", "distance": "none"}
+    bridge = make_bridge("ev3", **typed)
+    assert isinstance(bridge, EV3Bridge)
+    assert bridge.vehicle == Vehicle("A", "-D", 68.8, 150, "2", "1", "none")
+    with pytest.raises(BridgeError, match="wheel=wide"):
+        make_bridge("ev3", wheel="wide")
+    with pytest.raises(BridgeError, match="`left` is a motor port"):
+        make_bridge("ev3", left="1")
 
 
 # -- where it is --------------------------------------------------------------------------------------
