@@ -52,6 +52,7 @@ from typing import Any, ClassVar, Self
 from lrp_jupyter.bridges.interface import Interface
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
+from lrp_jupyter.bridges.options import no_option
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.safety import Notice
@@ -220,7 +221,9 @@ class Bridge(Interface, ABC):
 
     def answer(self, key: str, value: str) -> None:
         """Apply the answer to a question of the panel; on the command line ``--<key> VALUE``."""
-        raise BridgeError(f"The bridge `{self.name}` has no question `{key}`.")
+        panel = self.panel()
+        questions = [question.key for question in panel.questions] if panel is not None else []
+        raise BridgeError(no_option(type(self), key, questions))
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
         """Run the action of a button of the panel; ``"stop"`` stops the robot, on any thread.

@@ -15,7 +15,6 @@ from __future__ import annotations
 import inspect
 import os
 import sys
-from ast import literal_eval
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -25,6 +24,7 @@ from types import ModuleType
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
+from lrp_jupyter.bridges.options import convert_options, refuse_options
 from lrp_jupyter.errors import BridgeError, did_you_mean
 from lrp_jupyter.files import run_python
 
@@ -148,12 +148,12 @@ def _from_file(path: str) -> str:
 def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
     """Create a bridge without opening it, from a name, a class or an existing bridge.
 
-    None stands for the `NullBridge`.
+    None stands for the `NullBridge`. An option that is a text is read as its annotation says.
 
     Raises
     ------
     BridgeError
-        The name is unknown, the class cannot be loaded, or it does not take these options.
+        The name is unknown, the class cannot be loaded, or it does not take these options or these values.
     """
     if isinstance(which, Bridge):
         check_options(which, options)
@@ -162,8 +162,8 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
     if inspect.isabstract(bridge):
         missing = ", ".join(f"`{name}`" for name in sorted(bridge.__abstractmethods__))
         raise BridgeError(f"`{bridge.__name__}` lacks {missing}, which every bridge needs.")
-    _check_options(bridge, options)
-    return bridge(**_as_numbers(bridge, options))
+    refuse_options(bridge, options)
+    return bridge(**convert_options(bridge, options))
 
 
 def _class_of(which: str | type[Bridge] | None) -> type[Bridge]:
@@ -198,43 +198,7 @@ def check_options(
                 f"{did_you_mean(option, others, 0.7)}"
             )
     elif options:
-        _check_options(_class_of(which), options, others)
-
-
-def _as_numbers(bridge: type[Bridge], options: Mapping[str, Any]) -> dict[str, Any]:
-    """Convert the typed text of options that are numbers by default."""
-    known = inspect.signature(bridge).parameters
-    read = dict(options)
-    for option, value in options.items():
-        if isinstance(value, str) and isinstance(getattr(known.get(option), "default", None), (int, float)):
-            try:
-                read[option] = literal_eval(value)
-            except (ValueError, SyntaxError):
-                raise BridgeError(
-                    f"The bridge `{bridge.name}`: `{option}={value}` is not a number."
-                ) from None
-    return read
-
-
-def _check_options(bridge: type[Bridge], options: Mapping[str, Any], others: Iterable[str] = ()) -> None:
-    """Raise a BridgeError for a wrong option, before Python names ``__init__`` in its own."""
-    known = dict(inspect.signature(bridge).parameters)
-    if bridge.__init__ is object.__init__:
-        known = {}
-    elif any(parameter.kind is parameter.VAR_KEYWORD for parameter in known.values()):
-        return
-    for option in options:
-        if option not in known:
-            listed = ", ".join(f"`{name}`" for name in known) or "no options"
-            hint = did_you_mean(option, [*known, *others], 0.7)
-            if not hint and bridge is NullBridge:
-                hint = ' Name the robot that takes it, as in `bridge="sim"`.'
-            raise BridgeError(
-                f"The bridge `{bridge.name}` has no option `{option}`; it takes {listed}.{hint}"
-            )
-    for name, parameter in known.items():
-        if parameter.default is parameter.empty and name not in options:
-            raise BridgeError(f"The bridge `{bridge.name}` needs the option `{name}`.")
+        refuse_options(_class_of(which), options, others)
 
 
 def open_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:

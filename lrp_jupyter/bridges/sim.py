@@ -129,18 +129,18 @@ class SimBridge(Bridge):
     def __init__(
         self,
         world: str | os.PathLike[str] | Mapping[str, object] | World = "line",
-        seed: int | str | None = None,
+        seed: int | None = None,
         noise: Noise | Mapping[str, float] | None = None,
     ) -> None:
         try:
             self._noise = _checked_noise(noise)
-            number = _checked_seed(seed)
+            check_type("seed", seed, (int, NoneType), "a whole number")
         except (TypeError, ValueError) as error:
             raise BridgeError(str(error)) from None
         self._stopping = False
         self._sensors: dict[str, tuple[int, Callable[[Readings], object]]] = {}
         self._history = WorldHistory()
-        self.simulation = self._simulate(world, number)
+        self.simulation = self._simulate(world, seed)
 
     def _simulate(
         self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None
@@ -673,12 +673,3 @@ def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:
     for name, value in noise.items():
         check_number(name, value, "a standard deviation", least=0)
     return replace(Noise(), **noise)
-
-
-def _checked_seed(seed: object) -> int | None:
-    if isinstance(seed, str) and seed.isdecimal():  # as an option of a magic
-        return int(seed)
-    if isinstance(seed, str):
-        raise ValueError(f"`seed` is a whole number, not `{seed}`.")
-    check_type("seed", seed, (int, NoneType), "a whole number")
-    return cast("int | None", seed)

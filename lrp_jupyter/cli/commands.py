@@ -584,11 +584,21 @@ def worlds(
 
 
 @app.command()
-def bridges() -> None:
-    """List the available robots."""
-    from lrp_jupyter.cli.lists import list_bridges
+def bridges(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="NAME|FILE.py", autocompletion=complete.bridges, help="List the options of this one."
+        ),
+    ] = None,
+) -> None:
+    """List the available robots, or the options of one."""
+    from lrp_jupyter.cli.lists import list_bridges, list_options
 
-    list_bridges()
+    if name is None:
+        list_bridges()
+    else:
+        list_options(name)
 
 
 GUARD_EPILOG = """

@@ -18,6 +18,7 @@ __all__ = [
     "explain_code",
     "list_bridges",
     "list_challenges",
+    "list_options",
     "list_programs",
     "list_worlds",
     "show_table",
@@ -102,6 +103,32 @@ def list_bridges() -> None:
             words = str(error)
         table.add_row(Text(name, "bold"), offer.origin, Text(words))
     show_table(table)
+
+
+def list_options(name: str) -> None:
+    """Print the options of a bridge, with their types and default values.
+
+    Raises
+    ------
+    BridgeError
+        There is no bridge of that name.
+    """
+    from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges
+    from lrp_jupyter.bridges.options import options_of
+
+    chosen = choose_bridge(name)
+    bridge = find_bridges()[chosen].load()
+    sys.stdout.write(f"{chosen}: {(inspect.getdoc(bridge) or '').partition(chr(10))[0]}\n\n")
+    options = options_of(bridge)
+    if not options:
+        sys.stdout.write("It takes any options.\n" if options is None else "It takes no options.\n")
+        return
+    table = table_of("option", "takes", "default", "what it is")
+    for each in options.values():
+        default = "must be given" if each.is_needed else "" if each.default is None else str(each.default)
+        table.add_row(Text(each.name, "bold"), Text(each.words), Text(default), Text(each.doc))
+    show_table(table)
+    sys.stdout.write(f"\nGive one with `lrp run FILE --bridge {name} --option NAME=VALUE`.\n")
 
 
 def list_challenges() -> None:

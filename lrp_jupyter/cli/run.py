@@ -7,7 +7,6 @@ block does.
 
 from __future__ import annotations
 
-import inspect
 import math
 import random
 import select
@@ -27,6 +26,7 @@ from rich.text import Text
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge
+from lrp_jupyter.bridges.options import options_of, refuse_options
 from lrp_jupyter.cli.board import Board, BoardState
 from lrp_jupyter.cli.events import EventCollector, EventPrinter
 from lrp_jupyter.cli.excerpt import finding_text, plain_console
@@ -550,8 +550,10 @@ def open_robot(source: Source, wanted: RunOptions) -> Bridge:
     kind = find_bridges()[name].load()
     if kind.hardware and wanted.speed != 1:
         raise typer.BadParameter(f"--speed is for the simulator: `{name}` moves in real time.")
-    taken = inspect.signature(kind).parameters
-    options = {key: text for key, text in wanted.answers.items() if key in taken}
+    known = options_of(kind)
+    if known is not None and kind.answer is Bridge.answer:
+        refuse_options(kind, wanted.answers)  # before anything is opened
+    options = {key: text for key, text in wanted.answers.items() if known is None or key in known}
     bridge = make_bridge(name, **options)
     try:
         bridge.open()

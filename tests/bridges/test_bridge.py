@@ -615,7 +615,7 @@ def test_the_stop_button_works_on_every_bridge_and_others_are_refused() -> None:
     assert bridge.calls == ["open", "stop"]
     with pytest.raises(BridgeError, match="no button `dance`"):
         bridge.press("dance")
-    with pytest.raises(BridgeError, match="has no question `host`"):
+    with pytest.raises(BridgeError, match="has no option `host`"):
         bridge.answer("host", "10.0.0.7")
     assert bridge.panel() == Panel("Noted")
     assert bridge.picture is None

@@ -255,7 +255,7 @@ def test_a_text_for_an_option_that_is_a_number_is_read_as_one(registry: dict[str
             """Nothing to open."""
 
     assert make_bridge("test-knob", port="7", name="8", gain="0.5").taken == (7, "8", 0.5)  # type: ignore[attr-defined]
-    with pytest.raises(BridgeError, match="`port=seven` is not a number"):
+    with pytest.raises(BridgeError, match="`port` takes a whole number, not `seven`"):
         make_bridge("test-knob", port="seven")
 
 

@@ -62,6 +62,23 @@ def test_every_bridge_is_listed_with_what_it_is(lrp):
     assert "A robot in a simulated world." in text
 
 
+def test_the_options_of_a_bridge_are_listed_with_their_types(lrp):
+    text = lrp("bridges", "ev3").stdout
+    assert text.startswith("ev3: A Lego EV3 brick as `robot`.\n\noption")
+    rows = {row.split()[0]: " ".join(row.split()[1:]) for row in text.splitlines() if row}
+    assert rows["patience"] == (
+        "a number 12.0 Seconds to wait for a brick's beacon where an address is given."
+    )
+    assert "--option NAME=VALUE" in text
+    assert "takes no options" in lrp("bridges", "none").stdout
+
+
+def test_the_options_of_a_bridge_that_does_not_exist_are_a_sentence(lrp):
+    result = lrp("bridges", "evr")
+    assert result.exit_code == 2
+    assert "There is no bridge `evr`" in result.stderr
+
+
 def test_challenges_are_listed_when_none_is_named(lrp):
     result = lrp("grade")
     listed = [name for name in _first_words(result.stdout) if name]  # without the second lines of tasks

@@ -165,7 +165,7 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--bridge", "simm"], "There is no bridge `simm`"),
         (["--bridge", "no/such/bridge.py"], "`no/such/bridge.py` cannot be read: No such file or directory."),
         (["--bridge", "none", "--world", "line"], "--world is for the simulator"),
-        (["--bridge", "none", "--option", "port=1"], "has no question `port`"),
+        (["--bridge", "none", "--option", "port=1"], "has no option `port`"),
         (["--bridge", "sim", "--host", "10.0.0.1"], "no option `host`"),
         (["--until", "ende"], "Did you mean `end`?"),
         (["--watch"], "--watch needs a file of your own"),
@@ -362,8 +362,8 @@ def test_hardware_that_is_named_is_armed_and_ctrl_c_stops_it(lrp, program):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--option", "colour=red"], "has no question `colour`"),
-        (["--option", "port=seven"], "is not a number"),
+        (["--option", "colour=red"], "has no option `colour`; it takes `port`, `host`, `name`."),
+        (["--option", "port=seven"], "`port` takes a number, not `seven`."),
         (["--speed", "2"], "moves in real time"),
         (["--seed", "2"], "--seed is for the simulator"),
     ],

@@ -52,7 +52,7 @@ PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (s
             {"bridge": lrp.SimBridge(), "world": "line"},
             "The bridge `sim` exists already and accepts no more options, such as `world`.",
         ),
-        ({"bridge": "sim", "seed": "x"}, "`seed` is a whole number, not `x`."),
+        ({"bridge": "sim", "seed": "x"}, "The bridge `sim`: `seed` takes a whole number, not `x`."),
         ({"bridge": "sim", "seed": True}, "`seed` must be a whole number, not bool."),
         ({"bridge": "sim", "noise": 3}, '`noise` must be a mapping such as `{"light": 4}`, not int.'),
         (

@@ -233,7 +233,7 @@ def test_mistakes_are_reported_in_a_sentence(shell, line, sentence):
         ("mine --wings", "`--wings` needs a value"),
         ("mine --world", "`--world` needs a value, as in `--world line`."),
         ("mine --world --rate 5", "`--world` needs a value, as in `--world line`."),
-        ("mine --seed many", "`seed` is a whole number, not `many`."),
+        ("mine --seed many", "`seed` takes a whole number, not `many`."),
         ("mine --wings 2", "has no option `wings`"),
         ("mine more", "Unexpected `more`"),
         ("../mine", "not a valid name for a program"),

@@ -82,7 +82,7 @@ class RosBridge(Bridge):
         host: str | None = None,
         port: int | str | None = None,
         setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
-        patience: float | str = 8.0,
+        patience: float = 8.0,
         node: str = "lrp",
     ) -> None:
         super().__init__()
@@ -90,7 +90,7 @@ class RosBridge(Bridge):
         self._host, self._port = (host or "").strip(), port
         self._node = node
         self._chosen: Choice | None = None
-        self._patience = real_number(_number(patience), "patience")
+        self._patience = real_number(patience, "patience")
         self._draft = Draft()
         self.wiring = Wiring(self._offer, self._withdraw)
         self._in_tick = 0  # the thread of the tick that is under way: it must not wait
@@ -409,14 +409,6 @@ class RosBridge(Bridge):
                 self._start(searching=True)
         else:
             super().answer(key, value)
-
-
-def _number(text: float | str) -> object:
-    """Convert the text of a command line into a number, if it is one."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _refuse(channel: Channel, *_arguments: object, **_fields: object) -> None:

@@ -501,7 +501,7 @@ def test_an_answer_that_is_not_an_address_is_refused(
 
 
 def test_an_unknown_question_is_refused(searching: Callable[..., EV3Bridge]) -> None:
-    with pytest.raises(BridgeError, match="has no question `colour`"):
+    with pytest.raises(BridgeError, match="has no option `colour`"):
         searching().answer("colour", "red")
 
 

@@ -193,7 +193,7 @@ def test_an_unknown_option_of_the_bridge_exits_with_2(server: Any, bare_lrp: Sta
     run = bare_lrp("run", drive, *on(server.port, "--option", "topic=/light"), missing=ROS)
     _output, complaints = run.communicate(timeout=180)
     assert run.returncode == 2
-    assert "has no question `topic`" in complaints
+    assert "has no option `topic`" in complaints
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,7 @@ def test_an_unknown_option_of_the_bridge_exits_with_2(server: Any, bare_lrp: Sta
         (on(9), "No rosbridge server answers at `ws://127.0.0.1:9`"),
         (on(9, "--option", "backend=rosbrige"), "Did you mean `rosbridge`?"),
         (on(9, "--option", "setup=nowhere.json"), "The set-up nowhere.json cannot be read"),
-        (on(9, "--option", "patience=soon"), "`patience=soon` is not a number"),
+        (on(9, "--option", "patience=soon"), "`patience` takes a number, not `soon`"),
         (on(9, "--speed", "2"), "`ros` moves in real time"),
         (on(9, "--world", "line"), "--world is for the simulator"),
     ],

@@ -123,7 +123,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         ({"host": "robot:x"}, "is not an address"),
         ({"port": "0"}, "is not an address"),
         ({"hots": "robot"}, "Did you mean `host`"),
-        ({"patience": "long"}, "`patience=long` is not a number"),
+        ({"patience": "long"}, "`patience` takes a number, not `long`"),
     ],
 )
 def test_a_wrong_option_is_refused(options: dict[str, Any], sentence: str) -> None:
@@ -364,7 +364,7 @@ def test_another_address_is_connected_in_the_background(
 def test_an_address_that_is_none_is_refused(ros: RosBridge) -> None:
     with pytest.raises(BridgeError, match="is not an address"):
         ros.answer("host", "where?")
-    with pytest.raises(BridgeError, match="has no question `colour`"):
+    with pytest.raises(BridgeError, match="has no option `colour`"):
         ros.answer("colour", "red")
 
 
