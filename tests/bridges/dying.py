@@ -222,6 +222,7 @@ class StandsStill:
             wait_until(lambda: robot.stands)
         record_property("stands after", robot.stood_after(moment))
         stood = len(robot.speeds())
+        wait_until(lambda: time.monotonic() - moment > 1.5)  # a brick stops sooner than anybody notices
         kill(driver, signal.SIGCONT)
         who = ", and the guard stopped the robot." if self.guarded else ": the robot was stopped."
         wait_until(lambda: who in driver.reason(), "nobody is told")
