@@ -12,7 +12,7 @@ import pytest
 
 pytestmark = pytest.mark.slow  # each starts processes of its own
 
-LIBRARIES = ("websockets", "rospy", "rosgraph", "genpy", "roslibpy", "ev3_dc")
+LIBRARIES = ("websockets", "rospy", "rosgraph", "genpy", "roslibpy", "ev3_dc", "cyclonedds", "rosbags")
 BRIDGES = ("lrp_jupyter.bridges.ros", "lrp_jupyter.bridges.ev3")
 
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -45,7 +45,7 @@ def test_a_bridge_that_is_made_and_not_opened_imports_no_library(bridge: str, ot
 def test_the_core_is_installed_without_them() -> None:
     needed = [each for each in requires("lrp-jupyter") or () if "extra" not in each]
     assert needed
-    assert not [each for each in needed if each.startswith(("websockets", "ev3", "ros"))]
+    assert not [each for each in needed if each.startswith(("websockets", "cyclonedds", "ev3", "ros"))]
     assert [each for each in requires("lrp-jupyter") or () if each.startswith("websockets") and "ros" in each]
 
 
@@ -54,6 +54,7 @@ def test_the_core_is_installed_without_them() -> None:
     [
         ((), '`pip install "lrp-jupyter[ros]"`'),
         (("--option", "backend=rospy"), "rospy"),
+        (("--option", "backend=dds"), '`pip install "lrp-jupyter[ros2]"`'),
     ],
 )
 def test_where_a_library_is_missing_the_error_names_what_to_install(

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 
+from lrp_jupyter.bridges.ros.domain import domain_number
 from lrp_jupyter.bridges.ros.link import Transport
 from lrp_jupyter.bridges.ros.rclpy import RclpyTransport
 from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
@@ -19,14 +20,28 @@ from lrp_jupyter.bridges.ros.rospy import RospyTransport
 from lrp_jupyter.bridges.ros.setup import parse_address
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["AUTO", "BACKENDS", "Choice", "check_backend", "choose_backend", "make_transport"]
+__all__ = [
+    "AUTO",
+    "BACKENDS",
+    "Choice",
+    "check_backend",
+    "check_ros2",
+    "choose_backend",
+    "make_transport",
+]
 
 AUTO = "auto"
 """The name that leaves the choice to this module."""
 
 _PORTS: Mapping[str, int] = {"rosbridge": 9090, "rospy": 11311}
+_NO_PORT = 1  # nobody has this one
 _SCHEMES: Mapping[str, str] = {"ws": "rosbridge", "wss": "rosbridge", "http": "rospy"}
-_LIBRARIES: Mapping[str, str] = {"rosbridge": "websockets", "rospy": "rospy", "rclpy": "rclpy"}
+_LIBRARIES: Mapping[str, str] = {
+    "rosbridge": "websockets",
+    "rospy": "rospy",
+    "rclpy": "rclpy",
+    "dds": "cyclonedds",
+}
 
 BACKENDS = (*_LIBRARIES,)
 """The back ends, in the order in which they are asked."""
@@ -57,6 +72,12 @@ def check_backend(name: str, host: str | None = None, port: int | str | None = N
         raise BridgeError(f"There is no back end `{name}`; there are {names}.{did_you_mean(name, known)}")
     if name == AUTO or name in _PORTS:
         parse_address(host, port, _PORTS.get(name, 1))
+    elif name == "dds":
+        if port or parse_address(host, None, _NO_PORT)[1] != _NO_PORT:
+            raise BridgeError(
+                "The back end `dds` takes a `host` without a port: the ports follow from the domain."
+                " Set `domain` instead."
+            )
     elif host or port:
         raise BridgeError(
             f"The back end `{name}` takes no address: it finds every node of its domain."
@@ -65,8 +86,32 @@ def check_backend(name: str, host: str | None = None, port: int | str | None = N
     return name
 
 
+def check_ros2(
+    backend: str, domain: int | str | None, messages: str | Iterable[str]
+) -> tuple[int | None, tuple[str, ...]]:
+    """Return the number of a domain of ROS 2 and the folders with definitions of message types.
+
+    Raises
+    ------
+    BridgeError
+        It is not such a number, or the back end takes none of these.
+    """
+    folders = messages.split(os.pathsep) if isinstance(messages, str) else messages
+    found = tuple(str(folder) for folder in folders if folder)
+    if domain is not None and backend in _PORTS:
+        raise BridgeError(f"The back end `{backend}` has no `domain`: it finds its robot by an address.")
+    if found and backend not in (AUTO, "dds"):
+        raise BridgeError(f"The back end `{backend}` takes no `messages`: ROS knows the types itself.")
+    return None if domain is None else domain_number(domain), found
+
+
 def make_transport(
-    backend: str, host: str | None, port: int | str | None, warn: Callable[[str], None]
+    backend: str,
+    host: str | None,
+    port: int | str | None,
+    warn: Callable[[str], None],
+    domain: int | None = None,
+    messages: Iterable[str] = (),
 ) -> Transport:
     """Return a transport that is not connected yet.
 
@@ -77,16 +122,29 @@ def make_transport(
         Default: this machine or, with rospy, the value of ``ROS_MASTER_URI``.
     warn : callable
         Called with a sentence for each complaint of the robot's side.
+    domain : int, optional
+        Of ROS 2. Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
+    messages : iterable of str
+        Folders with definitions of message types.
+
+    Raises
+    ------
+    BridgeError
+        A library is not installed, or an option has a mistake.
     """
     if backend == "rclpy":
-        return RclpyTransport()
+        return RclpyTransport(domain)
+    if backend == "dds":
+        return _import_dds()(domain, parse_address(host, None, _NO_PORT)[0], messages)
     name, number = parse_address(host, port, _PORTS[backend])
     if backend == "rospy":
         return RospyTransport(f"http://{name}:{number}" if name else "")
     return RosbridgeTransport(f"ws://{name or '127.0.0.1'}:{number}", warn)
 
 
-def choose_backend(backend: str, host: str | None = None, port: int | str | None = None) -> Choice:
+def choose_backend(
+    backend: str, host: str | None = None, port: int | str | None = None, domain: int | None = None
+) -> Choice:
     """Return the back end to use: the named one, else one that is set, else the first one that answers.
 
     It takes a few seconds at most.
@@ -100,7 +158,7 @@ def choose_backend(backend: str, host: str | None = None, port: int | str | None
         return Choice(backend)
     if scheme := _SCHEMES.get((host or "").partition("://")[0]):
         return Choice(scheme, f"`{host}` is an address of its kind")
-    return (None if host or port else _choose_by_environment()) or _choose_by_answer(host, port)
+    return (None if host or port else _choose_by_environment()) or _choose_by_answer(host, port, domain)
 
 
 def _choose_by_environment() -> Choice | None:
@@ -113,7 +171,7 @@ def _choose_by_environment() -> Choice | None:
     return None
 
 
-def _choose_by_answer(host: str | None, port: int | str | None) -> Choice:
+def _choose_by_answer(host: str | None, port: int | str | None, domain: int | None) -> Choice:
     failures: dict[str, str] = {}
     missing = []
     for backend in BACKENDS:
@@ -122,7 +180,7 @@ def _choose_by_answer(host: str | None, port: int | str | None) -> Choice:
         if not _is_installed(backend):
             missing.append(f"`{_LIBRARIES[backend]}`")
             continue
-        transport = make_transport(backend, host, port, lambda _complaint: None)
+        transport = make_transport(backend, host, port, lambda _complaint: None, domain)
         failures[backend] = transport.silence()
         if not failures[backend]:
             return Choice(backend, f"`{transport.place}` answers")
@@ -135,3 +193,15 @@ def _choose_by_answer(host: str | None, port: int | str | None) -> Choice:
 def _is_installed(backend: str) -> bool:
     library = _LIBRARIES[backend]
     return library in sys.modules or find_spec(library) is not None
+
+
+def _import_dds() -> Callable[..., Transport]:
+    try:
+        from lrp_jupyter.bridges.ros.dds import DdsTransport
+    except Exception as error:  # cyclonedds has errors of its own for a library that cannot be loaded
+        raise BridgeError(
+            f'The back end `dds` needs two packages ({error}): `pip install "lrp-jupyter[ros2]"`. They are'
+            " there for Python 3.11 to 3.13 on Windows, macOS and Linux on PCs; elsewhere, use the back end"
+            " `rclpy` or `rosbridge`."
+        ) from error
+    return DdsTransport

@@ -10,8 +10,9 @@ without knowing of topics::
     (running [robot.move(linear_x=0.2)])
     (event there [robot.odom.x > 1])
 
-Back ends communicate with ROS: rosbridge (ROS 1 and 2, no ROS installation needed here), rospy (ROS 1) and
-rclpy (ROS 2), both where Python can import them. `lrp_jupyter.bridges.ros.backends` chooses one of them.
+Back ends communicate with ROS: rosbridge (ROS 1 and 2) and dds (ROS 2), which need no ROS installation here,
+and rospy (ROS 1) and rclpy (ROS 2), where Python can import them. `lrp_jupyter.bridges.ros.backends` chooses
+one of them.
 
 Paper: §7.1.
 Deviation: §7.1 asks for the class of a PhaROS package when the interpreter starts; here the address
@@ -22,7 +23,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any
 
@@ -31,7 +32,13 @@ from lrp_jupyter.bridges.guard import Stopper
 from lrp_jupyter.bridges.message import Message, moves, real_number
 from lrp_jupyter.bridges.nodes import Limits, RobotMethod
 from lrp_jupyter.bridges.panel import Panel
-from lrp_jupyter.bridges.ros.backends import Choice, check_backend, choose_backend, make_transport
+from lrp_jupyter.bridges.ros.backends import (
+    Choice,
+    check_backend,
+    check_ros2,
+    choose_backend,
+    make_transport,
+)
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
@@ -52,11 +59,12 @@ class RosBridge(Bridge):
 
     Parameters
     ----------
-    backend : {"auto", "rosbridge", "rospy", "rclpy"}
+    backend : {"auto", "rosbridge", "rospy", "rclpy", "dds"}
         With ``"auto"`` that for which the environment is set up, else the first one that answers.
     host : str, optional
         Of the rosbridge server or the ROS master, ``host`` or ``host:port``. Default:
-        this machine or, with rospy, the value of ``ROS_MASTER_URI``.
+        this machine or, with rospy, the value of ``ROS_MASTER_URI``. With dds: of a robot that
+        cannot be found by multicast; default: none.
     port : int, optional
         Default: 9090 for rosbridge, 11311 for rospy.
     setup : path or mapping, optional
@@ -66,6 +74,11 @@ class RosBridge(Bridge):
         Seconds that opening may take.
     node : str
         Name of the node on this side; a rosbridge server has its own.
+    domain : int, optional
+        Of ROS 2 (`dds`, `rclpy`). Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
+    messages : str or iterable of str
+        Folders with definitions of message types, ``package/msg/Type.msg`` (`dds`); in a text
+        they are separated as in ``PATH``.
 
     Raises
     ------
@@ -84,10 +97,13 @@ class RosBridge(Bridge):
         setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
         patience: float = 8.0,
         node: str = "lrp",
+        domain: int | str | None = None,
+        messages: str | Iterable[str] = "",
     ) -> None:
         super().__init__()
         self.backend = check_backend(backend, host, port)
         self._host, self._port = (host or "").strip(), port
+        self._domain, self._messages = check_ros2(backend, domain, messages)
         self._node = node
         self._chosen: Choice | None = None
         self._patience = real_number(patience, "patience")
@@ -253,7 +269,14 @@ class RosBridge(Bridge):
         if self._chosen is None or not topics:
             return None
         backend = self._chosen.backend
-        where = {"backend": backend, "host": self._host, "port": self._port, "node": GUARD_NODE}
+        where: dict[str, Any] = {
+            "backend": backend,
+            "host": self._host,
+            "port": self._port,
+            "node": GUARD_NODE,
+        }
+        if self._domain is not None or self._messages:
+            where |= {"domain": self._domain, "messages": self._messages}
         return Stopper(_HERE, {**where, "setup": {"publishers": topics}})
 
     def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
@@ -307,8 +330,10 @@ class RosBridge(Bridge):
 
     def _find(self) -> Transport:
         """Return the way to the robot. On the link's thread, because it may have to ask who answers."""
-        self._chosen = choose_backend(self.backend, self._host, self._port)
-        transport = make_transport(self._chosen.backend, self._host, self._port, self._warn)
+        self._chosen = choose_backend(self.backend, self._host, self._port, self._domain)
+        transport = make_transport(
+            self._chosen.backend, self._host, self._port, self._warn, self._domain, self._messages
+        )
         transport.node = self._node
         return transport
 

@@ -206,6 +206,8 @@ class TopicLink:
         """End all connections; idempotent."""
         self._closing.set()
         self._wake.set()
+        if not self.connected:
+            self._disconnect()  # ends what the thread waits for
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(_JOIN)
 
@@ -304,6 +306,7 @@ class TopicLink:
             raise RefusedError(f"`{wire.topic}` carries `{live}`, not `{type_}`.")
         if channel.handle is not None:
             if channel.type == type_:
+                channel.waiting = self.transport.hint(channel.handle)
                 return
             self._leave(channel)
         if not type_:
@@ -323,7 +326,7 @@ class TopicLink:
         if channel.owes_stop and channel.message is not None:
             channel.owes_stop = channel.has_moved = False
             self.transport.send(handle, channel.message().as_dict(), True)
-        channel.problem = channel.waiting = ""
+        channel.problem, channel.waiting = "", self.transport.hint(handle)
         channel.handle = handle
 
     def _describe(self, type_: str) -> None:

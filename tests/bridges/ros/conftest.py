@@ -307,6 +307,14 @@ class Processes:
         self._running.clear()
 
 
+@pytest.fixture
+def processes(tmp_path: Path) -> Iterator[Processes]:
+    """Programs around a test, with the environment that it has set."""
+    running = Processes(dict(os.environ), tmp_path)
+    yield running
+    running.end_all()
+
+
 class Ros(Processes):
     """A master, which can be killed and started again, and the programs around it."""
 

@@ -1,0 +1,203 @@
+"""The DDS back end: ROS 2 without a ROS installation, by Cyclone DDS's Python package.
+
+ROS 2 has no master. Its nodes are participants of a DDS *domain*, a number that all of them know
+(``ROS_DOMAIN_ID``). Each tells the others which readers and writers it has: by multicast or, where that does
+not get through, by unicast to a `host`. A reader and a writer meet if three things fit:
+
+* the topic: ``/cmd_vel`` is ``rt/cmd_vel`` on the wire;
+* the type: ``geometry_msgs/msg/Twist`` is ``geometry_msgs::msg::dds_::Twist_``, a struct whose fields are
+  sent one after the other (CDR), so both sides must know its definition (`dds_types`); since Iron, a hash of
+  it is in the USER_DATA of every reader and writer;
+* the quality of service: what the writer offers and what the reader asks for (`dds_qos`).
+
+DDS does not know of nodes: they are announced on a topic of their own (`dds_graph`). A node whose computer
+dies says nothing: it is believed to be there until its lease ends, 10 s (Cyclone DDS) or 20 s (Fast DDS)
+after its last sign of life, so what is noticed first is that its topics are silent. When nobody is left on
+the far side of all topics, the robot is lost, until somebody is there again.
+
+Fast DDS 2.9 and Cyclone DDS 11 were met on the wire, and no robot yet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from lrp_jupyter.bridges.ros.dds_node import DdsNode, TopicPublisher, TopicReader
+from lrp_jupyter.bridges.ros.dds_types import MessageTypes
+from lrp_jupyter.bridges.ros.definitions import Definition
+from lrp_jupyter.bridges.ros.domain import domain_number
+from lrp_jupyter.bridges.ros.link import RefusedError, Transport
+from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.bridges.ros.types import VELOCITIES
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["DdsTransport"]
+
+_FIND = 4.0  # seconds to find a node; Fast DDS tells of itself every 3 s
+_SETTLE = 1.5  # seconds until what a node has is known; its readers or its writers may come a second later
+
+
+class DdsTransport(Transport):
+    """A node of ROS 2 in a DDS domain.
+
+    Parameters
+    ----------
+    domain : int, optional
+        Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
+    host : str
+        An address of the robot, which is asked directly too; empty: robots are found by multicast.
+    folders : iterable of str
+        With definitions of message types: ``package/msg/Type.msg``.
+
+    Raises
+    ------
+    BridgeError
+        There is no domain of this number.
+    """
+
+    period = 0.5
+
+    def __init__(self, domain: int | None = None, host: str = "", folders: Iterable[str] = ()) -> None:
+        super().__init__()
+        self._domain, self._host, self._folders = domain_number(domain), host, tuple(folders)
+        self.place = f"ROS 2, domain {self._domain}"
+        self._node: DdsNode | None = None
+        self._met: frozenset[tuple[str, bool]] = frozenset()  # what had another node on the far side
+
+    # -- the connection ---------------------------------------------------------------------------
+
+    def connect(self) -> None:
+        """Join the domain and wait for other nodes: any, or those that were lost.
+
+        Raises
+        ------
+        BridgeError
+            Nobody is there, or DDS cannot be started, or a folder has no definitions.
+        """
+        self.disconnect()
+        types = MessageTypes(self._folders)
+        node = DdsNode(self._domain, self.node, self._host, types, lambda: self.changed())
+        self._node = node
+        if not node.wait_for(lambda: self._is_there(node), _FIND):
+            raise BridgeError(self._gone() if self._met else self._nobody())
+        node.wait_for(node.graph.is_whole, _SETTLE)
+
+    def _is_there(self, node: DdsNode) -> bool:
+        if not self._met:
+            return len(node.graph) > 0
+        return any(node.graph.ends(f"rt{topic}", not writes) for topic, writes in self._met)
+
+    def _nobody(self) -> str:
+        return (
+            f"Nobody answers in ROS 2's domain {self._domain}. Is the robot on, in this network, and its"
+            f" `ROS_DOMAIN_ID` {self._domain}? Where multicast does not get through, name its `host`."
+        )
+
+    def _gone(self) -> str:
+        topics = ", ".join(f"`{topic}`" for topic, _writes in sorted(self._met))
+        return f"The robot is gone: no other node in ROS 2's domain {self._domain} has {topics} any more."
+
+    def disconnect(self) -> None:
+        """Leave the domain."""
+        node, self._node = self._node, None
+        if node is not None:
+            node.close()
+
+    def trouble(self) -> str:
+        """Return an empty text: a robot is there as long as its topics are."""
+        return ""
+
+    def _open_node(self) -> DdsNode:
+        node = self._node
+        if node is None or node.failure:
+            raise BridgeError(node.failure if node is not None else f"`{self.place}` was left.")
+        return node
+
+    # -- topics -----------------------------------------------------------------------------------
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics of other nodes.
+
+        Raises
+        ------
+        BridgeError
+            Nobody is left on the far side of all topics.
+        """
+        node = self._open_node()
+        met = {(end.topic, end.writes) for end in node.ends if end.others()}
+        self._met = (self._met | met) & {(end.topic, end.writes) for end in node.ends}
+        if self._met and not met:
+            raise BridgeError(self._gone())
+        return node.graph.topics()
+
+    def define(self, type_: str) -> Mapping[str, Definition]:
+        """Return the definitions from the user's folders, an installed ROS, or rosbags.
+
+        Raises
+        ------
+        RefusedError
+            One of them has a mistake.
+        """
+        return self._open_node().types.define(type_)
+
+    def taken(self, topic: str) -> bool:
+        """Return whether other nodes publish it or subscribe to it."""
+        return bool(self._open_node().graph.ends(f"rt{topic}"))
+
+    def commanders(self, topic: str) -> tuple[str, ...]:
+        """Return the names of the other nodes that publish on a topic."""
+        node = self._open_node()
+        names = {node.directory.name_of(end) for end in node.graph.ends(f"rt{topic}", writes=True)}
+        return tuple(sorted(name or "a node that does not say its name" for name in names))
+
+    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+        """Create a reader or a writer."""
+        node = self._open_node()
+        end: TopicReader | TopicPublisher
+        try:
+            if direction == "publisher":
+                end = node.advertise(topic, type_, was_heard=(topic, True) in self._met)
+            else:
+                end = node.subscribe(topic, type_, receive)
+            self._met |= {(topic, end.writes)} if end.others() else set()
+            return end
+        except BridgeError:
+            raise
+        except Exception as error:  # of cyclonedds, for this topic
+            raise RefusedError(f"`{topic}` cannot be connected: {error}.") from error
+
+    def leave(self, handle: object) -> None:
+        """End a reader or a writer; those of a node that is gone went with it."""
+        assert isinstance(handle, (TopicReader, TopicPublisher))
+        node = self._node
+        if node is not None:
+            node.remove(handle)
+
+    def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
+        """Publish.
+
+        Raises
+        ------
+        BridgeError
+            The node is gone, or the message does not fit.
+        """
+        assert isinstance(handle, TopicPublisher)
+        self._open_node()
+        handle.send(values, urgent)
+
+    def hint(self, handle: object) -> str:
+        """Return why nothing arrives: another quality of service, or nobody on the far side."""
+        assert isinstance(handle, (TopicReader, TopicPublisher))
+        topic, writes = f"`{handle.topic}`", handle.writes
+        if found := handle.disagreements():
+            who, does = ("subscriber", "asks for") if writes else ("publisher", "offers")
+            return (
+                f"a {who} of {topic} {does} another quality of service than this side ({', '.join(found)})."
+                " Change it there"
+            )
+        if handle.others():
+            return ""
+        if (handle.topic, writes) in self._met:
+            return f"no other node {'subscribes to' if writes else 'publishes'} {topic} any more"
+        return f"no other node subscribes to {topic}" if writes and handle.type in VELOCITIES else ""

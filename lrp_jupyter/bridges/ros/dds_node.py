@@ -1,0 +1,323 @@
+"""A node of ROS 2 on Cyclone DDS: its subscriptions and publishers, and the one thread that serves them.
+
+No callback of DDS runs Python: cyclonedds writes without releasing the interpreter's lock, and a callback
+that waits for it inside DDS could wait for ever. One thread waits for whatever happens, and takes it.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+from cyclonedds.core import DDSException, DDSStatus, GuardCondition, WaitSet
+from cyclonedds.domain import DomainParticipant
+from cyclonedds.internal import InvalidSample, dds_infinity
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from lrp_jupyter.bridges.ros.dds_domain import DdsDomain
+from lrp_jupyter.bridges.ros.dds_graph import Endpoint, EndpointGraph, NodeDirectory
+from lrp_jupyter.bridges.ros.dds_qos import command_qos, disagreements, qos_of, reading_qos
+from lrp_jupyter.bridges.ros.dds_types import MessageTypes
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["DdsNode", "TopicPublisher", "TopicReader"]
+
+_ENCLAVE = Policy.Userdata(b"enclave=/;")
+_JOIN = 1.0  # seconds that ending the thread may take
+_DELIVERED = 0.2  # … and that the last commands may take to arrive when the node ends
+_AT_ONCE = 16  # samples
+
+
+class _TopicEnd:
+    """The part of this node in a topic.
+
+    Attributes
+    ----------
+    topic : str
+        As ROS has it: ``/odom``.
+    type : str
+    """
+
+    writes = False
+
+    def __init__(self, node: DdsNode, topic: str, type_: str) -> None:
+        self.topic, self.type = topic, type_
+        self._node = node
+        self._wire = f"rt{topic}"
+        self._hash = node.types.hash(type_)
+        self._topic = Topic(node.participant, self._wire, node.types.struct(type_))
+        self._entity: Any = None
+        self._qos: Any = None
+
+    @property
+    def key(self) -> Any:
+        """The identity of the endpoint."""
+        return self._entity.guid
+
+    def others(self) -> list[Endpoint]:
+        """Return the endpoints of other nodes on the far side."""
+        return self._node.graph.ends(self._wire, writes=not self.writes)
+
+    def disagreements(self) -> list[str]:
+        """Return the policies because of which another node does not get or give what it should.
+
+        For a subscription it is enough that one publisher is understood.
+        """
+        pairs = [(self._qos, other.qos) if self.writes else (other.qos, self._qos) for other in self.others()]
+        found = [disagreements(offered, asked) for offered, asked in pairs]
+        return [] if not self.writes and [] in found else next(filter(None, found), [])
+
+    def adapt(self) -> None:
+        """React to a change on the far side; on the node's thread, or before that knows of this end."""
+
+    def serve(self) -> None:
+        """React to what has happened at this end; on the node's thread."""
+
+    def delete(self) -> None:
+        """End it."""
+        self._node.end(self._entity)
+        _delete(self._topic)
+
+
+class TopicReader(_TopicEnd):
+    """A subscription; its quality of service follows what the publishers of the topic offer."""
+
+    def __init__(self, node: DdsNode, topic: str, type_: str, receive: Callable[[Any], None]) -> None:
+        super().__init__(node, topic, type_)
+        self._receive = receive
+        self._asked: Qos | None = None
+        self.adapt()
+
+    def adapt(self) -> None:
+        """Subscribe as the publishers offer, and anew when they offer something else."""
+        asked = reading_qos([other.qos for other in self.others()], self._hash)
+        if asked != self._asked:
+            before = self._entity
+            self._asked, self._entity = asked, DataReader(self._node.participant, self._topic, asked)
+            self._qos = qos_of(self._entity)
+            self._node.listen(self._entity, DDSStatus.DataAvailable)
+            if before is not None:
+                self._node.end(before)
+
+    def serve(self) -> None:
+        """Pass on the newest message."""
+        for sample in self._entity.take(_AT_ONCE):
+            if not isinstance(sample, InvalidSample):
+                self._receive(sample)
+
+
+class TopicPublisher(_TopicEnd):
+    """A publisher.
+
+    Attributes
+    ----------
+    was_heard : bool
+        Whether another node subscribed at some time.
+    """
+
+    writes = True
+
+    def __init__(self, node: DdsNode, topic: str, type_: str, was_heard: bool) -> None:
+        super().__init__(node, topic, type_)
+        self._entity = DataWriter(node.participant, self._topic, command_qos(self._hash))
+        self._qos = qos_of(self._entity)
+        self.was_heard = was_heard
+        self._owed: Any = None  # a stop that nobody heard
+        node.listen(self._entity, DDSStatus.PublicationMatched)
+        self.serve()
+
+    def send(self, values: Mapping[str, Any], urgent: bool) -> None:
+        """Publish; a stop waits for a subscriber that is gone.
+
+        Raises
+        ------
+        BridgeError
+            The message cannot be sent.
+        """
+        try:
+            sample = self._node.types.sample(self.type, values)
+            is_gone = self.was_heard and not self._entity.get_matched_subscriptions()
+            self._owed = sample if urgent and is_gone else None
+            self._entity.write(sample)
+        except DDSException as error:
+            raise BridgeError(f"`{self.topic}` was not sent: {error}") from error
+        except Exception as error:  # cyclonedds raises what its serializer happens to
+            raise BridgeError(f"`{self.topic}` refuses the message: {error}") from error
+
+    def serve(self) -> None:
+        """Send the stop that is owed as soon as somebody hears it.
+
+        A reader is known a moment before it is connected, and what is sent in between is lost.
+        """
+        if self._entity.get_publication_matched_status().current_count:
+            self.was_heard = True
+            owed, self._owed = self._owed, None
+            if owed is not None:
+                self._entity.write(owed)
+
+    def flush(self, until: float) -> None:
+        """Wait until the last command has arrived, at most until a time of `time.monotonic`."""
+        left = max(0.0, until - time.monotonic())
+        with suppress(DDSException, AttributeError):  # the second is how cyclonedds reports a timeout
+            self._entity.wait_for_acks(duration(seconds=left))
+
+
+class DdsNode:
+    """A node, from its beginning to its end.
+
+    Parameters
+    ----------
+    number : int
+        Of the domain.
+    name : str
+        Of the node.
+    host : str
+        Where a robot is that cannot be found by itself; empty: none.
+    types : MessageTypes
+    changed : callable
+        Called on the node's thread when readers or writers of other nodes appear or go.
+
+    Attributes
+    ----------
+    failure : str
+        Why it no longer works; empty while it does.
+
+    Raises
+    ------
+    BridgeError
+        DDS cannot be started.
+    """
+
+    def __init__(
+        self, number: int, name: str, host: str, types: MessageTypes, changed: Callable[[], None]
+    ) -> None:
+        self.types, self.failure = types, ""
+        self._changed = changed
+        self._domain = DdsDomain.enter(number, host)
+        try:
+            self.participant = DomainParticipant(number, Qos(_ENCLAVE))
+        except DDSException as error:
+            self._domain.leave()
+            raise BridgeError(f"DDS has no room for another node in domain {number}: {error}") from error
+        self.graph = EndpointGraph(self.participant)
+        self.directory = NodeDirectory(self.participant, name)
+        self._ends: tuple[_TopicEnd, ...] = ()
+        self._lock = threading.RLock()  # for the ends
+        self._over = False
+        self._happened = threading.Condition()
+        self._waiting = WaitSet(self.participant)
+        self._bell = GuardCondition(self.participant)
+        self._waiting.attach(self._bell)
+        for reader in self.graph.readers:
+            self.listen(reader, DDSStatus.DataAvailable)
+        self._thread = threading.Thread(target=self._run, name="ROS 2", daemon=True)
+        self._thread.start()
+
+    @property
+    def ends(self) -> tuple[_TopicEnd, ...]:
+        """The subscriptions and publishers."""
+        return self._ends
+
+    def subscribe(self, topic: str, type_: str, receive: Callable[[Any], None]) -> TopicReader:
+        """Subscribe; messages arrive on the node's thread."""
+        with self._lock:
+            reader = TopicReader(self, topic, type_, receive)
+            self._add(reader)
+            return reader
+
+    def advertise(self, topic: str, type_: str, was_heard: bool = False) -> TopicPublisher:
+        """Become a publisher of a topic."""
+        with self._lock:
+            publisher = TopicPublisher(self, topic, type_, was_heard)
+            self._add(publisher)
+            return publisher
+
+    def _add(self, end: _TopicEnd) -> None:
+        self._ends += (end,)
+        self._bell.set(True)  # for the announcement, and for what has arrived already
+
+    def remove(self, end: _TopicEnd) -> None:
+        """End a subscription or a publisher."""
+        with self._lock:
+            if end in self._ends:
+                self._ends = tuple(other for other in self._ends if other is not end)
+                end.delete()
+                self._bell.set(True)
+
+    def listen(self, entity: Any, what: int) -> None:
+        """Wake the node's thread when something happens at a reader or a writer."""
+        entity.set_status_mask(what)
+        self._waiting.attach(entity)
+
+    def end(self, entity: Any) -> None:
+        """Delete a reader or a writer."""
+        self._waiting.detach(entity)
+        _delete(entity)
+
+    def wait_for(self, holds: Callable[[], bool], seconds: float) -> bool:
+        """Wait until something is known of other nodes; return whether it is. Ends with the node."""
+        with self._happened:
+            return self._happened.wait_for(lambda: self._over or holds(), seconds) and not self._over
+
+    def close(self) -> None:
+        """End everything; idempotent."""
+        with self._happened:
+            if self._over:
+                return
+            self._over = True
+            self._happened.notify_all()
+        self._bell.set(True)
+        if self._thread is not threading.current_thread():
+            self._thread.join(_JOIN)
+        until = time.monotonic() + _DELIVERED
+        with self._lock:
+            for end in self._ends:
+                if isinstance(end, TopicPublisher):
+                    end.flush(until)
+            self._ends = ()
+        _delete(self._waiting, self.participant)
+        self._domain.leave()
+
+    def _run(self) -> None:
+        try:
+            while not self._over:
+                self._bell.take()
+                self._serve()
+                self._waiting.wait(dds_infinity)
+        except Exception as error:  # of cyclonedds, or of this bridge: it is reported by the link
+            self.failure = f"The ROS 2 node failed: {type(error).__name__}: {error}"
+            self._changed()
+
+    def _serve(self) -> None:
+        changed = self.graph.update()
+        with self._lock:
+            if self._over:
+                return
+            ends = self._ends
+            if changed:
+                for end in ends:
+                    end.adapt()
+            sides = ([end.key for end in ends if end.writes == writes] for writes in (False, True))
+            for reader in self.directory.update(self.graph, *sides):
+                self.listen(reader, DDSStatus.DataAvailable)
+        self.directory.read()
+        for end in ends:
+            with suppress(DDSException):  # it was removed meanwhile
+                end.serve()
+        if changed:
+            with self._happened:
+                self._happened.notify_all()
+            self._changed()
+
+
+def _delete(*entities: Any) -> None:
+    """Delete entities of DDS now: cyclonedds otherwise does it whenever they are collected."""
+    for entity in entities:
+        entity.__del__()

@@ -1,0 +1,180 @@
+"""ROS 2's wire on the loopback interface, in a domain of each test's own, and two counterparts on it.
+
+One is a stranger: Fast DDS, in C++ (`peer`), compiled once. The other is a robot of our own simulator on
+Cyclone DDS, in a process of its own (`dds_robot_node.py`).
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.ros import RosBridge, link
+
+HERE = Path(__file__).parent
+PACKAGES = ("cyclonedds", "rosbags")
+PROGRAMS = ("fastddsgen", "g++")
+LIBRARY = Path("/usr/include/fastdds/dds/domain/DomainParticipant.hpp")
+
+MISSING = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
+if MISSING and os.environ.get("CI", "").lower() == "true":
+    raise RuntimeError(f"The extra `ros2` is missing: {', '.join(MISSING)}")
+
+_numbers = count(1 + os.getpid() % 90)
+
+
+def refuse(missing: list[str], what: str) -> None:
+    """Skip a test on a person's machine, and fail it where everything must be there."""
+    if missing:
+        reason = f"{what}: {', '.join(missing)}"
+        if os.environ.get("CI", "").lower() == "true":
+            pytest.fail(reason)
+        pytest.skip(reason)
+
+
+@pytest.fixture
+def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+    """A domain that nobody else uses on this machine; nothing leaves the loopback interface."""
+    refuse(MISSING, "The extra `ros2` is missing")
+    number = next(n for n in (1 + each % 100 for each in _numbers) if _is_free(n))
+    for name in ("CYCLONEDDS_URI", "AMENT_PREFIX_PATH", "ROS_DISTRO", "ROS_STATIC_PEERS"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+    return number
+
+
+def _is_free(domain: int) -> bool:
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
+    except OSError:
+        return False
+    return True
+
+
+@pytest.fixture
+def make(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., RosBridge]]:
+    """Make bridges to the domain, which try again soon; they are closed in the end."""
+    monkeypatch.setattr(link, "_AGAIN", 0.05)
+    bridges = []
+
+    def build(**options: Any) -> RosBridge:
+        bridges.append(RosBridge(backend="dds", **options))
+        return bridges[-1]
+
+    yield build
+    for bridge in bridges:
+        bridge.close()
+
+
+@pytest.fixture
+def connect(make: Callable[..., RosBridge]) -> Callable[..., RosBridge]:
+    """Open and arm a bridge to the domain."""
+
+    def build(**options: Any) -> RosBridge:
+        bridge = make(**options)
+        bridge.open()
+        bridge.arm()
+        return bridge
+
+    return build
+
+
+# -- a robot of our own -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def robot(domain: int, processes: Any) -> Callable[..., Any]:
+    """Start the simulator behind topics, in another process."""
+    script = str(HERE / "dds_robot_node.py")
+
+    def start(speed: float = 1.0, world: str = "line") -> Any:
+        return processes.start(sys.executable, script, str(speed), world, ready=True)
+
+    return start
+
+
+# -- a stranger ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def stranger(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Compile the Fast DDS peer: about ten seconds."""
+    missing = [name for name in PROGRAMS if shutil.which(name) is None]
+    refuse(missing + [str(LIBRARY)] * (not LIBRARY.exists()), "Fast DDS is not installed")
+    folder = tmp_path_factory.mktemp("peer")
+    source = HERE / "peer"
+    units = ["ros2.cxx", "ros2PubSubTypes.cxx", str(source / "peer.cpp")]
+    run(folder, ["fastddsgen", "-replace", "-d", str(folder), str(source / "ros2.idl")])
+    run(folder, *(["g++", "-std=c++17", "-I.", "-c", unit] for unit in units))
+    objects = [f"{Path(unit).stem}.o" for unit in units]
+    run(folder, ["g++", "-o", "peer", *objects, "-lfastrtps", "-lfastcdr"])
+    return folder / "peer"
+
+
+def run(folder: Path, *commands: list[str]) -> None:
+    """Run programs side by side until all have ended well."""
+    with ExitStack() as stack:
+        options: dict[str, Any] = {"cwd": folder, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+        running = [stack.enter_context(subprocess.Popen(command, **options)) for command in commands]
+        for process in running:
+            output, _ = process.communicate(timeout=300)
+            assert process.returncode == 0, output.decode()
+
+
+class Peer:
+    """A running peer: what it is told to do, and what it says."""
+
+    def __init__(self, processes: Any, until: Callable[..., None], *command: str) -> None:
+        self._processes, self._until = processes, until
+        self._process = processes.start(*command)
+        self._lines = processes.lines(self._process)
+        until(lambda: self.said("ready"), what="the peer did not start")
+
+    def do(self, *lines: str) -> None:
+        """Have it obey, one line after the other; return when it has."""
+        for line in lines:
+            before = len(self.said("done"))
+            self._process.stdin.write(f"{line}\n")
+            self._process.stdin.flush()
+            self._until(lambda before=before: len(self.said("done")) > before, what=f"not obeyed: {line}")
+
+    def said(self, key: str) -> list[dict[str, Any]]:
+        """Return what it has said so far, of one kind."""
+        lines = [json.loads(line) for line in tuple(self._lines) if line.endswith("}")]
+        return [line for line in lines if key in line]
+
+    def got(self, topic: str) -> list[dict[str, Any]]:
+        return [line for line in self.said("got") if line["got"] == topic]
+
+    def speeds(self) -> list[float]:
+        return [line["linear"][0] for line in self.got("rt/cmd_vel")]
+
+    def kill(self) -> None:
+        self._processes.end(self._process)
+
+
+@pytest.fixture
+def peer(domain: int, stranger: Path, processes: Any, until: Callable[..., None]) -> Callable[..., Peer]:
+    """Start a peer; others believe that it is gone after two seconds of silence."""
+
+    def start(*lines: str, typed: bool = True) -> Peer:
+        command = (str(stranger), str(domain), "2", "typed" if typed else "plain")
+        peer = Peer(processes, until, *command)
+        peer.do("writer ros_discovery_info reliable transient_local", *lines)
+        return peer
+
+    return start

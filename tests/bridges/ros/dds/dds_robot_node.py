@@ -1,0 +1,150 @@
+"""A ROS 2 robot for the tests: the simulator behind topics, `python dds_robot_node.py SPEED WORLD`.
+
+Like `robot_node.py`, on Cyclone DDS and in the domain of the environment, with nothing of the bridge: its
+types are written down here as IDL, field by field.
+"""
+
+import math
+import os
+import sys
+import threading
+import time
+from dataclasses import dataclass
+from dataclasses import field as default
+
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import IdlStruct
+from cyclonedds.idl.types import array, float64, int32, uint8, uint32
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from lrp_jupyter.sim.simulation import STEP, Simulation
+
+_EVERY = 4  # physics steps between two messages
+_LATE = 0.05  # s
+_QOS = Qos(
+    Policy.Reliability.Reliable(duration(milliseconds=100)),
+    Policy.Durability.Volatile,
+    Policy.History.KeepLast(10),
+)
+_LOOPBACK = (
+    '<General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General><Discovery>'
+    '<ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers>'
+    "<LeaseDuration>2s</LeaseDuration></Discovery>"
+)
+
+
+@dataclass
+class Time(IdlStruct, typename="builtin_interfaces.msg.dds_.Time_"):
+    sec: int32 = 0
+    nanosec: uint32 = 0
+
+
+@dataclass
+class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
+    stamp: Time = default(default_factory=Time)
+    frame_id: str = ""
+
+
+@dataclass
+class UInt8(IdlStruct, typename="std_msgs.msg.dds_.UInt8_"):
+    data: uint8 = 0
+
+
+@dataclass
+class Vector3(IdlStruct, typename="geometry_msgs.msg.dds_.Vector3_"):
+    x: float64 = 0.0
+    y: float64 = 0.0
+    z: float64 = 0.0
+
+
+@dataclass
+class Point(IdlStruct, typename="geometry_msgs.msg.dds_.Point_"):
+    x: float64 = 0.0
+    y: float64 = 0.0
+    z: float64 = 0.0
+
+
+@dataclass
+class Quaternion(IdlStruct, typename="geometry_msgs.msg.dds_.Quaternion_"):
+    x: float64 = 0.0
+    y: float64 = 0.0
+    z: float64 = 0.0
+    w: float64 = 1.0
+
+
+@dataclass
+class Twist(IdlStruct, typename="geometry_msgs.msg.dds_.Twist_"):
+    linear: Vector3 = default(default_factory=Vector3)
+    angular: Vector3 = default(default_factory=Vector3)
+
+
+@dataclass
+class Pose(IdlStruct, typename="geometry_msgs.msg.dds_.Pose_"):
+    position: Point = default(default_factory=Point)
+    orientation: Quaternion = default(default_factory=Quaternion)
+
+
+@dataclass
+class PoseWithCovariance(IdlStruct, typename="geometry_msgs.msg.dds_.PoseWithCovariance_"):
+    pose: Pose = default(default_factory=Pose)
+    covariance: array[float64, 36] = default(default_factory=lambda: [0.0] * 36)
+
+
+@dataclass
+class TwistWithCovariance(IdlStruct, typename="geometry_msgs.msg.dds_.TwistWithCovariance_"):
+    twist: Twist = default(default_factory=Twist)
+    covariance: array[float64, 36] = default(default_factory=lambda: [0.0] * 36)
+
+
+@dataclass
+class Odometry(IdlStruct, typename="nav_msgs.msg.dds_.Odometry_"):
+    header: Header = default(default_factory=Header)
+    child_frame_id: str = ""
+    pose: PoseWithCovariance = default(default_factory=PoseWithCovariance)
+    twist: TwistWithCovariance = default(default_factory=TwistWithCovariance)
+
+
+def main(speed: float, world: str) -> None:
+    simulation = Simulation(world)
+    number = int(os.environ["ROS_DOMAIN_ID"])
+    domain = Domain(number, _LOOPBACK)
+    participant = DomainParticipant(number)
+    commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), _QOS)
+    writers = {
+        name: DataWriter(participant, Topic(participant, f"rt/{name}", kind), _QOS)
+        for name, kind in (("odom", Odometry), ("light", UInt8), ("bumper", UInt8))
+    }
+    wanted = (0.0, 0.0)
+    gone = threading.Event()
+    threading.Thread(target=lambda: (sys.stdin.read(), gone.set()), daemon=True).start()
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
+    began = time.monotonic()
+    while not gone.is_set():
+        for command in commands.take(10):
+            if isinstance(command, Twist):
+                wanted = (command.linear.x, command.angular.z)
+        simulation.drive(*wanted)
+        simulation.step(_EVERY)
+        readings = simulation.latch()
+        x, y, theta = readings.odom
+        odom = Odometry()
+        odom.header.frame_id = "odom"
+        odom.pose.pose.position.x, odom.pose.pose.position.y = x, y
+        odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = math.sin(theta / 2), math.cos(theta / 2)
+        writers["odom"].write(odom)
+        writers["light"].write(UInt8(readings.lights[0]))
+        writers["bumper"].write(UInt8(int(readings.bumper)))
+        ahead = began + simulation.steps * STEP / speed - time.monotonic()
+        if ahead < -_LATE:  # a robot that was held up is slow: it does not race on with an old command
+            began -= ahead
+        gone.wait(max(0.0, ahead))
+    del domain
+
+
+if __name__ == "__main__":
+    main(float(sys.argv[1]), sys.argv[2])
