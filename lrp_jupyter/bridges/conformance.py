@@ -11,27 +11,44 @@ With pytest::
         def make_bridge(self):
             return MyBot(port="/dev/ttyUSB0")
 
-No check moves the robot: commands are caught before they reach the bridge's functions. Only `stop`
-is really called.
+        def silence(self):          # the robot sends no more
+            broker.publish("robot/mute", "on")
+
+        def cut(self):              # its connection breaks …
+            broker.stop()
+
+        def restore(self):          # … and all is as before
+            broker.start()
+            broker.publish("robot/mute", "off")
+
+Unless the author says `moves`, no check moves the robot: commands are caught before they reach the bridge's
+functions, and only `stop` is really called. What cannot be checked without the author's help is reported as
+not checked, with what is missing.
 """
 
 from __future__ import annotations
 
 import json
 import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
 
-from lrp_jupyter.bridges.bridge import Bridge, BridgeStatus, ConnectionState
+from lrp_jupyter.bridges.bridge import Bridge, BridgeStatus, ConnectionState, NullBridge
 from lrp_jupyter.bridges.members import MemberError
+from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.probes import (
     ConformanceError,
+    NotChecked,
     catch,
     commands,
+    drive,
+    drive_a_little,
     give,
+    listen,
     methods,
     read,
     require,
@@ -41,20 +58,44 @@ from lrp_jupyter.bridges.probes import (
 )
 from lrp_jupyter.errors import BridgeError, ended
 
-__all__ = ["BridgeConformance", "ConformanceError", "ConformanceReport", "Outcome", "check_bridge"]
+__all__ = [
+    "BridgeConformance",
+    "ConformanceError",
+    "ConformanceReport",
+    "NotChecked",
+    "Outcome",
+    "check_bridge",
+]
+
+Sent = list[tuple[RobotMethod, list[object]]]
+
+_PERIOD = 0.05  # s between the ticks of the checks that take time
+_SILENT = (ConnectionState.STALE, ConnectionState.LOST)
+_DOWN = (ConnectionState.LOST, ConnectionState.CONNECTING, ConnectionState.DISCONNECTED)
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The result of one check; `problem` is empty if it passed."""
+    """The result of one check.
+
+    Attributes
+    ----------
+    check : str
+        The rule.
+    problem : str
+        How the bridge violates it; empty if it does not.
+    missing : str
+        Why it could not be checked; empty if it was.
+    """
 
     check: str
     problem: str = ""
+    missing: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether the check passed."""
-        return not self.problem
+        """Whether it was checked, and the bridge keeps the rule."""
+        return not (self.problem or self.missing)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,24 +107,33 @@ class ConformanceReport:
 
     @property
     def passed(self) -> bool:
-        """Whether all checks passed."""
-        return all(outcome.passed for outcome in self.outcomes)
+        """Whether no check failed; some may not have been possible."""
+        return not self.problems
 
     @property
     def problems(self) -> tuple[Outcome, ...]:
         """The checks that failed."""
-        return tuple(outcome for outcome in self.outcomes if not outcome.passed)
+        return tuple(outcome for outcome in self.outcomes if outcome.problem)
+
+    @property
+    def unchecked(self) -> tuple[Outcome, ...]:
+        """The checks that were not possible, with what is missing."""
+        return tuple(outcome for outcome in self.outcomes if outcome.missing)
 
     def __bool__(self) -> bool:
         return self.passed
 
     def __str__(self) -> str:
-        good = len(self.outcomes) - len(self.problems)
-        lines = [f"{self.bridge}: {good} of {len(self.outcomes)} checks passed"]
+        good = sum(outcome.passed for outcome in self.outcomes)
+        head = [f"{self.bridge}: {good} of {len(self.outcomes)} checks passed"]
+        head += [f"{len(self.problems)} failed"] if self.problems else []
+        head += [f"{len(self.unchecked)} not checked"] if self.unchecked else []
+        lines = [", ".join(head)]
         for outcome in self.outcomes:
-            lines.append(f"  {'ok  ' if outcome.passed else 'FAIL'}  {outcome.check}")
-            if outcome.problem:
-                lines.append(f"        {outcome.problem}")
+            sign = "FAIL" if outcome.problem else "  ? " if outcome.missing else "ok  "
+            lines.append(f"  {sign}  {outcome.check}")
+            if not outcome.passed:
+                lines.append(f"        {outcome.problem or f'Not checked: {outcome.missing}'}")
         return "\n".join(lines)
 
     __repr__ = __str__
@@ -96,14 +146,47 @@ class BridgeConformance:
     ----------
     open_within, answer_within : float
         Seconds that opening may take, and anything else.
+    stale_within, lost_within : float
+        Seconds until it must be known that the data have stopped, or the robot is lost.
+    moves : bool
+        Whether the robot may be moved a little: it has room, and a person watches it.
     """
 
     open_within: ClassVar[float] = 15.0
     answer_within: ClassVar[float] = 1.5
+    stale_within: ClassVar[float] = 2.0
+    lost_within: ClassVar[float] = 6.0
+    moves: bool = False
+
+    # -- what an author defines -------------------------------------------------------------------
 
     def make_bridge(self) -> Bridge:
         """Return a new bridge to check, not open; called for each check."""
         raise NotImplementedError("Define `make_bridge` in a subclass. It returns the bridge to check.")
+
+    def silence(self) -> None:
+        """Make the robot, or what stands for it, send no more data over a connection that stays."""
+        raise NotChecked("Define `silence` in a subclass, or pass it: it makes the robot send no more data.")
+
+    def cut(self) -> None:
+        """Break the connection to the robot: end its server, unplug it."""
+        raise NotChecked("Define `cut` in a subclass, or pass it: it breaks the connection to the robot.")
+
+    def restore(self) -> None:
+        """Undo `silence` and `cut`."""
+        raise NotChecked("Define `restore` in a subclass, or pass it: it undoes `cut`, so that it is found.")
+
+    def move_a_little(self, bridge: Bridge) -> None:
+        """Give the smallest command that moves the robot. Default: its first velocity command, slow."""
+        drive_a_little(bridge)
+
+    def has_moved(self, bridge: Bridge) -> bool | None:
+        """Return whether that command has reached the robot; None: it cannot be seen from here."""
+        return None
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass, of the robot too. Default: sleep."""
+        time.sleep(seconds)
 
     # -- opening and closing ----------------------------------------------------------------------
 
@@ -366,7 +449,204 @@ class BridgeConformance:
                 return
             raise ConformanceError("`rewind` was not refused.")
 
+    def test_a_program_can_stop_it(self) -> None:
+        """`robot.stop()` stops it, in bounded time, and later commands of the tick are sent."""
+        with self._opened() as bridge:
+            if not commands(bridge):
+                return
+            stop = bridge.nodes.table.get("stop")
+            require(isinstance(stop, RobotMethod) and stop.command, "It has no command `stop`.")
+            assert isinstance(stop, RobotMethod)
+            bridge.arm()
+            bridge.begin_tick(0.0, 0.1)
+            within(self.answer_within, "`robot.stop()`", stop)
+            for method in [other for other in commands(bridge) if other is not stop]:
+                sent = catch(method)
+                give(bridge, method)
+                require(bool(sent), f"After `robot.stop()`, `{method.path}` was not sent in the same tick.")
+
+    # -- the robot itself -------------------------------------------------------------------------
+
+    def test_readings_tell_their_age(self) -> None:
+        """The bridge knows how old each reading is, so that nobody drives on old ones."""
+        with self._opened() as bridge:
+            if bridge.time_step is not None:
+                return
+            bare = [f"`{each.path}`" for each in variables(bridge) if not each.knows_age]
+            if bare:
+                raise NotChecked(
+                    f"Nobody can tell how old {', '.join(bare)} is: when the data cease, the robot drives on."
+                    " `feed` the values, or give `add_variable` an `age` and `stale_after`."
+                )
+
+    def test_a_command_reaches_the_robot(self) -> None:
+        """A command arrives at the bridge's function and at the robot, and a stop after it."""
+        with self._opened() as bridge:
+            if not commands(bridge):
+                return
+            if not self.moves:
+                raise NotChecked(
+                    "It would move the robot. Give it room, then set `moves = True` or pass `move=True`."
+                )
+            bridge.arm()
+            called = [listen(method) for method in commands(bridge)]
+            try:
+                self._tick(bridge, self.move_a_little)
+            except BridgeError as error:
+                raise ConformanceError(str(error)) from error
+            require(any(called), "The command called no function of the bridge.")
+            if self.has_moved(bridge) is not None:
+                arrived = self._ticks(bridge, self.stale_within, until=lambda: bool(self.has_moved(bridge)))
+                require(arrived, f"The command has not reached the robot within {self.stale_within:g} s.")
+            stopped = within(self.answer_within, "`stop_all`", bridge.stop_all)
+            faults = [notice.text for notice in bridge.safety.notices if notice.kind == "fault"]
+            require(stopped is not False and not faults, "; ".join(faults) or "`stop_all` returned False.")
+
+    def test_data_that_cease_stop_the_robot(self) -> None:
+        """Without new data the status is stale or lost, readings fail, and the robot stands."""
+        with self._opened() as bridge:
+            if bridge.time_step is not None or not variables(bridge):
+                return
+            self._require_hook("silence")
+            heard, sent, calls = self._drive(bridge)
+            if not heard:
+                raise NotChecked(f"No reading has arrived within {self.stale_within:g} s. Is the robot on?")
+            try:
+                self.silence()
+                known = self._ticks(
+                    bridge, self.stale_within, lambda: bridge.status.state in _SILENT, _drive_all
+                )
+                require(
+                    known,
+                    f"{self.stale_within:g} s after the last data its status is"
+                    f" `{bridge.status.state.value}`. `feed` the values, or give `add_variable` an `age` and"
+                    " `stale_after`.",
+                )
+                self._check_standing(bridge, sent, calls)
+                bridge.begin_tick(self._now, _PERIOD)
+                timed = [each for each in heard if each.stale_after is not None or not each.knows_age]
+                fresh = [f"`{each.path}` is {each.value!r}" for each in timed if read(each) is not None]
+                bridge.end_tick(self._now)
+                require(not fresh, f"{self.stale_within:g} s after the last data, {', '.join(fresh)}.")
+            finally:
+                self._restore()
+
+    def test_a_cut_connection_is_a_lost_robot(self) -> None:
+        """Without a connection the status is lost, that is logged, commands fail, and the robot stands."""
+        bridge = self.make_bridge()
+        if not _is_connected(bridge):
+            return
+        self._require_hook("cut")
+        with self._opened(bridge):
+            _, sent, calls = self._drive(bridge)
+            try:
+                self._lose(bridge)
+                self._check_standing(bridge, sent, calls)
+                notices = [notice.text for notice in bridge.safety.notices if notice.kind == "fault"]
+                require(bool(notices), "No notice says that it was lost.")
+                for method in commands(bridge):
+                    got = catch(method)
+                    try:
+                        give(bridge, method)
+                    except BridgeError:
+                        require(not got, f"`{method.path}` was sent to a lost robot.")
+                    else:
+                        raise ConformanceError(f"`{method.path}` did not fail, though the robot is lost.")
+            finally:
+                self._restore()
+
+    def test_a_robot_that_is_found_is_stopped_first(self) -> None:
+        """A robot that is found again is stopped, and gets no command a second time."""
+        bridge = self.make_bridge()
+        if not _is_connected(bridge):
+            return
+        self._require_hook("cut")
+        self._require_hook("restore")
+        with self._opened(bridge):
+            _, sent, calls = self._drive(bridge)
+            self._lose(bridge)
+            for method in commands(bridge):
+                with suppress(BridgeError):
+                    give(bridge, method)
+            before = _moved(sent)
+            del calls[:]
+            self.restore()
+            found = self._ticks(bridge, self.open_within, until=lambda: bridge.status.state not in _DOWN)
+            require(found, f"It was not found within {self.open_within:g} s: {bridge.status.sentence}")
+            require(bool(calls) or bridge.stops_when_found, "It was not stopped when it was found.")
+            require(_moved(sent) == before, "A command was sent again when it was found.")
+
     # ---------------------------------------------------------------------------------------------
+
+    _now = 0.0
+
+    def _tick(self, bridge: Bridge, act: Callable[[Bridge], object] = lambda _: None) -> None:
+        """Run one tick of a session, in which a block acts."""
+        bridge.begin_tick(self._now, _PERIOD)
+        act(bridge)
+        bridge.end_tick(self._now)
+        if bridge.time_step is not None:
+            bridge.advance(_PERIOD)
+        self._now += _PERIOD
+
+    def _ticks(
+        self,
+        bridge: Bridge,
+        seconds: float,
+        until: Callable[[], bool],
+        act: Callable[[Bridge], object] = lambda _: None,
+    ) -> bool:
+        """Tick for some seconds, until something holds; return whether it does."""
+        for _ in range(round(seconds / _PERIOD)):
+            self._tick(bridge, act)
+            if until():
+                return True
+            self.wait(_PERIOD)
+        return until()
+
+    def _drive(self, bridge: Bridge) -> tuple[list[RobotVariable], Sent, list[str]]:
+        """Drive, with caught commands, until data arrive.
+
+        Returns
+        -------
+        The variables that have a value, the velocity commands with what was sent, and the calls of `stop`
+        from now on.
+        """
+        bridge.arm()
+        sent = [(method, catch(method)) for method in commands(bridge) if method.velocity]
+        if variables(bridge):
+            self._ticks(bridge, self.stale_within, until=lambda: bool(_heard(bridge)), act=_drive_all)
+        return _heard(bridge), sent, spy(bridge, "stop")
+
+    def _lose(self, bridge: Bridge) -> None:
+        """Cut the connection, and require that this is known."""
+        self.cut()
+        lost = self._ticks(
+            bridge, self.lost_within, lambda: bridge.status.state is ConnectionState.LOST, _drive_all
+        )
+        require(
+            lost,
+            f"{self.lost_within:g} s after its connection was cut, its status is"
+            f" `{bridge.status.state.value}`."
+            ' Call `set_status("lost", …)` where the library reports it.',
+        )
+
+    def _check_standing(self, bridge: Bridge, sent: Sent, calls: list[str]) -> None:
+        """Require that the robot was stopped, and that no further command moves it."""
+        stopped = self._ticks(bridge, self.answer_within, until=lambda: bool(calls))  # on another thread
+        require(stopped, "The robot was not stopped.")
+        before = _moved(sent)
+        self._ticks(bridge, 4 * _PERIOD, until=lambda: False, act=_drive_all)
+        require(_moved(sent) == before, "Commands still move the robot.")
+
+    def _require_hook(self, name: str) -> None:
+        """Raise NotChecked for something that the author has not defined."""
+        if getattr(type(self), name) is getattr(BridgeConformance, name) and name not in vars(self):
+            getattr(self, name)()
+
+    def _restore(self) -> None:
+        with suppress(NotChecked):
+            self.restore()
 
     def _check_status(self, bridge: Bridge) -> None:
         status: object = bridge.status
@@ -388,7 +668,35 @@ class BridgeConformance:
             within(self.open_within, "`close`", bridge.close)
 
 
-def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> ConformanceReport:
+def _is_connected(bridge: Bridge) -> bool:
+    """Return whether a bridge has a connection that could break: neither a world of its own nor no robot."""
+    return bridge.time_step is None and not isinstance(bridge, NullBridge)
+
+
+def _drive_all(bridge: Bridge) -> None:
+    for method in commands(bridge):
+        if method.velocity:
+            with suppress(BridgeError):
+                drive(bridge, method)
+
+
+def _moved(sent: Sent) -> int:
+    """Return how many commands to move were sent; a stop may be a command of zeros."""
+    return sum(command != method.standstill() for method, got in sent for command in got)
+
+
+def _heard(bridge: Bridge) -> list[RobotVariable]:
+    return [variable for variable in variables(bridge) if read(variable) is not None]
+
+
+def check_bridge(
+    bridge: Bridge | Callable[[], Bridge],
+    *,
+    move: bool = False,
+    silence: Callable[[], object] | None = None,
+    cut: Callable[[], object] | None = None,
+    restore: Callable[[], object] | None = None,
+) -> ConformanceReport:
     """Run every check on a bridge and return a report; never raises because of the bridge.
 
     Parameters
@@ -396,21 +704,27 @@ def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> ConformanceReport:
     bridge : Bridge, Bridge class or function that makes one
         From a class or function each check gets a new bridge. A bridge instance is
         opened and closed by each check, and is closed in the end.
+    move : bool
+        Whether the robot may be moved a little: it has room, and a person watches it.
+    silence, cut, restore : callable, optional
+        Make the robot send no more data; break its connection; undo both. What is not given is not checked.
     """
     make = (lambda: bridge) if isinstance(bridge, Bridge) else bridge
+    hooks = {"make_bridge": make, "silence": silence, "cut": cut, "restore": restore}
     outcomes = []
     for name in [name for name in vars(BridgeConformance) if name.startswith("test_")]:
         checks = BridgeConformance()
-        checks.make_bridge = make  # type: ignore[method-assign]
+        vars(checks).update({key: hook for key, hook in hooks.items() if hook is not None}, moves=move)
         check = getattr(checks, name)
+        problem = missing = ""
         try:
             check()
         except ConformanceError as error:
             problem = str(error)
+        except NotChecked as error:
+            missing = str(error)
         except Exception as error:
             problem = f"{type(error).__name__}: {error}"
-        else:
-            problem = ""
-        outcomes.append(Outcome((check.__doc__ or name).strip(), problem))
+        outcomes.append(Outcome((check.__doc__ or name).strip(), problem, missing))
     title = getattr(bridge, "name", None) or getattr(bridge, "__name__", "bridge")
     return ConformanceReport(f"Bridge `{title}`", tuple(outcomes))

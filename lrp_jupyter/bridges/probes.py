@@ -1,23 +1,31 @@
 """Probes of the conformance tests: calls with a time limit, spies, and commands that are caught.
 
-No probe moves the robot.
+Only `drive_a_little` moves the robot.
 """
 
 from __future__ import annotations
 
 import threading
+import unittest
 from collections.abc import Callable
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
+_SLOW = 0.05  # m/s, where the limits of a command do not say what is slow
+
 __all__ = [
     "ConformanceError",
+    "NotChecked",
     "catch",
     "commands",
+    "drive",
+    "drive_a_little",
     "give",
+    "listen",
     "methods",
     "read",
     "require",
@@ -29,6 +37,10 @@ __all__ = [
 
 class ConformanceError(AssertionError):
     """A bridge violates a rule that holds for every bridge."""
+
+
+class NotChecked(unittest.SkipTest):
+    """A rule could not be checked, and the message says what is missing; pytest reports it as skipped."""
 
 
 def require(holds: bool, otherwise: str) -> None:
@@ -79,6 +91,53 @@ def catch(method: RobotMethod) -> list[object]:
     sent: list[object] = []
     method.redirect(sent.append)
     return sent
+
+
+def listen(method: RobotMethod) -> list[object]:
+    """Record what a method's function returns when it is called; return the list."""
+    results: list[object] = []
+    function = method._function
+
+    def noting(*args: object, **kwargs: object) -> object:
+        results.append(function(*args, **kwargs))
+        return results[-1]
+
+    method._function = noting
+    return results
+
+
+def drive(bridge: Bridge, method: RobotMethod) -> None:
+    """Give a command that moves the robot a little, as a program would."""
+    command = method.standstill()
+    name = next(iter(method.limits), "") or _first_number(method)
+    low, high = method.limits.get(name, (0.0, 10 * _SLOW))
+    speed = (high if high > 0 else low) / 10
+    if isinstance(command, Message):
+        command.set(name, speed)
+    elif name:
+        command.arguments[name] = speed
+    bridge.send(method, command)
+
+
+def drive_a_little(bridge: Bridge) -> None:
+    """Give the first velocity command of a robot, as slow as is sensible.
+
+    Raises
+    ------
+    NotChecked
+        It has none.
+    """
+    moving = [method for method in commands(bridge) if method.velocity and _first_number(method)]
+    if not moving:
+        raise NotChecked("It has no velocity command such as `move`. Define `move_a_little` in a subclass.")
+    drive(bridge, moving[0])
+
+
+def _first_number(method: RobotMethod) -> str:
+    """Return the name of the first number that a method takes, empty if it takes none."""
+    if method.message is not None:
+        return next((path for path in (*method.message.WORDS, *method.message.paths())), "")
+    return next((each.name for each in method.parameters if each.kind is not each.VAR_KEYWORD), "")
 
 
 def give(bridge: Bridge, method: RobotMethod) -> None:

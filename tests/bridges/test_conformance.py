@@ -4,28 +4,35 @@ from __future__ import annotations
 
 import itertools
 import threading
-from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.bridge import Bridge, NullBridge, Panel, Twist
-from lrp_jupyter.bridges.conformance import BridgeConformance, ConformanceError, check_bridge
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, NullBridge, Panel, Twist
+from lrp_jupyter.bridges.conformance import BridgeConformance, ConformanceError, NotChecked, check_bridge
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
 
+AGES = "test_readings_tell_their_age"  # a remark, never a failure
 CHECKS = sorted(name for name in vars(BridgeConformance) if name.startswith("test_"))
 
 
 class TestNullBridge(BridgeConformance):
+    moves = True
+
     def make_bridge(self) -> Bridge:
         return NullBridge()
 
 
 class TestSimBridge(BridgeConformance):
+    moves = True
+
     def make_bridge(self) -> Bridge:
         return SimBridge("line", noise={"light": 10})
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return bridge.pose != SimBridge("line").pose
 
 
 class Good(Bridge):
@@ -47,9 +54,84 @@ class Good(Bridge):
         self.done.append(seconds)
 
 
-class TestGood(BridgeConformance):
+class Air:
+    """What is between a bridge and its robot: here, both are in one time."""
+
+    def __init__(self) -> None:
+        self.time = 0.0
+        self.robot_talks = self.connected = True
+        self.arrived: list[object] = []
+        self.listeners: list[Far] = []
+
+    def wait(self, seconds: float) -> None:
+        self.time += seconds
+        for bridge in self.listeners:
+            if bridge.is_open:
+                bridge.hear()
+
+
+class Far(Bridge):
+    """A robot that is far away, with what a good bridge does about it."""
+
+    name = "test-far"
+
+    def __init__(self, air: Air) -> None:
+        self.air = air
+        self.fed.clock = lambda: air.time
+        air.listeners.append(self)
+
+    def add_members(self) -> None:
+        self.feed("light.data", doc="0 dark ... 255 bright")
+        self.feed("battery", doc="what is left", stale_after=None)
+        self.add_method("move", self.move, "drive, in m/s", limits={"linear": 0.5})
+
+    def open_interface(self) -> None:
+        """Nothing to connect to but the air."""
+
+    def hear(self) -> None:
+        """What the thread of a library does."""
+        if not self.air.connected:
+            self.set_status("lost", "There is no air.")
+        elif self.status.state is ConnectionState.LOST:
+            self.set_status("connected")
+        if self.air.connected and self.air.robot_talks:
+            self.feed("light.data", 7)
+            self.feed("battery", 0.8)
+
+    def move(self, linear: float = 0.0) -> None:
+        if self.air.connected:
+            self.air.arrived.append(linear)
+
+    def stop(self) -> None:
+        self.move()
+
+
+class FarConformance(BridgeConformance):
+    moves = True
+    bridge: type[Bridge] = Far
+
     def make_bridge(self) -> Bridge:
-        return Good()
+        self.air = Air()
+        return self.bridge(self.air)
+
+    def silence(self) -> None:
+        self.air.robot_talks = False
+
+    def cut(self) -> None:
+        self.air.connected = False
+
+    def restore(self) -> None:
+        self.air.robot_talks = self.air.connected = True
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return 0.05 in self.air.arrived
+
+    def wait(self, seconds: float) -> None:
+        self.air.wait(seconds)
+
+
+class TestFar(FarConformance):
+    """A good bridge passes everything."""
 
 
 # -- bridges that are broken, each in one way -----------------------------------------------------
@@ -290,7 +372,136 @@ class StepsBackArmed(Good):
         """Pretends."""
 
 
+class Deaf(Far):
+    """The story of a robot that drove on: its receiving thread had died, and its values stayed."""
+
+    def add_members(self) -> None:
+        self.newest: int | None = None
+        self.add_variable("light.data", lambda: self.newest, "0 dark ... 255 bright")
+        self.add_method("move", self.move, "drive, in m/s", limits={"linear": 0.5})
+
+    def hear(self) -> None:
+        if self.air.connected and self.air.robot_talks:
+            self.newest = 7
+
+
+class OldReadings(Deaf):
+    """It knows that it hears nothing, and its readings stay."""
+
+    def hear(self) -> None:
+        super().hear()
+        if not self.air.robot_talks:
+            self.set_status("lost", "The robot is silent.")
+
+
+class DrivesOnBlindly(Far):
+    def judge_ages(self) -> None:
+        super().judge_ages()
+        self.safety.blind = ""
+
+
+class OnlySays(Far):
+    def judge_ages(self) -> None:
+        if any(variable.judge() for variable in self.nodes.timed):
+            self.set_status("stale")
+
+
+class NoticesNoCut(Far):
+    def hear(self) -> None:
+        if self.air.connected and self.air.robot_talks:
+            self.feed("light.data", 7)
+
+
+class CommandsTheLost(Far):
+    def send(self, method: Any, command: Any) -> object:
+        self.safety.lost = ""
+        return super().send(method, command)
+
+
+class DrivesOnWhenFound(Far):
+    stops_when_found = False
+
+    def set_status(self, state: Any, sentence: str = "") -> None:
+        self.safety.has_commanded = False
+        super().set_status(state, sentence)
+
+
+class SendsWhatIsLeft(Far):
+    def set_status(self, state: Any, sentence: str = "") -> None:
+        was_lost = bool(self.safety.lost)
+        super().set_status(state, sentence)
+        if was_lost and state == "connected":
+            self.nodes.table["move"].perform(self.left)  # type: ignore[attr-defined]
+
+    def send(self, method: Any, command: Any) -> object:
+        if method.path == "move" and any(command.arguments.values()):
+            self.left = command
+        return super().send(method, command)
+
+
+class NeverFound(Far):
+    def hear(self) -> None:
+        if not self.air.connected:
+            self.set_status("lost", "There is no air.")
+        else:
+            self.feed("light.data", 7)
+
+
+class MoveFails(Far):
+    def move(self, linear: float = 0.0) -> None:
+        raise OSError("unplugged")
+
+
+class MoveIsForgotten(Far):
+    def move(self, linear: float = 0.0) -> None:
+        """Only pretends."""
+
+
+class CallsNothing(Far):
+    def send(self, method: Any, command: Any) -> object:
+        return None
+
+
+class StopFailsAfterMoving(Far):
+    def stop(self) -> None:
+        if self.air.arrived:
+            raise OSError("unplugged")
+
+
+class StopIsAReading(Good):
+    def add_members(self) -> None:
+        self.add_variable("stop", lambda: 1, "where it stops")
+
+
+class StopHoldsTheTick(Good):
+    def add_members(self) -> None:
+        self.add_method("stop", self.stop_all, "stop and hold")
+
+
 BROKEN: list[tuple[type[Bridge], str, str]] = [
+    (
+        Deaf,
+        "test_data_that_cease_stop_the_robot",
+        "2 s after the last data its status is `connected`. `feed`",
+    ),
+    (OldReadings, "test_data_that_cease_stop_the_robot", "after the last data, `light.data` is 7."),
+    (DrivesOnBlindly, "test_data_that_cease_stop_the_robot", "Commands still move the robot."),
+    (OnlySays, "test_data_that_cease_stop_the_robot", "The robot was not stopped."),
+    (NoticesNoCut, "test_a_cut_connection_is_a_lost_robot", "its status is `stale`. Call `set_status"),
+    (CommandsTheLost, "test_a_cut_connection_is_a_lost_robot", "Commands still move the robot."),
+    (DrivesOnWhenFound, "test_a_robot_that_is_found_is_stopped_first", "not stopped when it was found"),
+    (SendsWhatIsLeft, "test_a_robot_that_is_found_is_stopped_first", "was sent again when it was found"),
+    (NeverFound, "test_a_robot_that_is_found_is_stopped_first", "not found within 15 s: There is no air."),
+    (MoveFails, "test_a_command_reaches_the_robot", "`robot.move` failed: OSError: unplugged"),
+    (MoveIsForgotten, "test_a_command_reaches_the_robot", "not reached the robot within 2 s"),
+    (CallsNothing, "test_a_command_reaches_the_robot", "called no function"),
+    (StopFailsAfterMoving, "test_a_command_reaches_the_robot", "may not have stopped: OSError: unplugged"),
+    (StopIsAReading, "test_a_program_can_stop_it", "has no command `stop`"),
+    (
+        StopHoldsTheTick,
+        "test_a_program_can_stop_it",
+        "After `robot.stop()`, `move` was not sent in the same tick.",
+    ),
     (BadName, "test_it_has_a_name", "cannot be typed"),
     (OpensTwice, "test_open_connects_once", "was called 2 times"),
     (MembersPileUp, "test_open_connects_once", "The second `open` changed the members"),
@@ -337,12 +548,11 @@ BROKEN: list[tuple[type[Bridge], str, str]] = [
 ]
 
 
-class Impatient(BridgeConformance):
+class Impatient(FarConformance):
     answer_within = 0.2
-    bridge: Callable[[], Bridge]
 
     def make_bridge(self) -> Bridge:
-        return type(self).bridge()
+        return super().make_bridge() if issubclass(self.bridge, Far) else self.bridge()
 
 
 @pytest.mark.parametrize(
@@ -356,14 +566,16 @@ def test_a_broken_bridge_fails_the_check(broken: type[Bridge], check: str, probl
 
 
 def test_every_check_can_fail() -> None:
-    assert sorted({check for _, check, _ in BROKEN}) == CHECKS
+    assert sorted({check for _, check, _ in BROKEN}) == [check for check in CHECKS if check != AGES]
 
 
 def test_a_report_is_a_list_to_read() -> None:
     report = check_bridge(Undocumented)
     assert not report.passed
     lines = str(report).splitlines()
-    assert lines[0] == f"Bridge `undocumented`: {len(CHECKS) - 1} of {len(CHECKS)} checks passed"
+    assert lines[0] == (
+        f"Bridge `undocumented`: {len(CHECKS) - 6} of {len(CHECKS)} checks passed, 1 failed, 5 not checked"
+    )
     assert "  FAIL  Every member has a description, for completion and hover." in lines
     assert "        These members have no description: `x`." in lines
     assert [outcome.problem for outcome in report.problems] == ["These members have no description: `x`."]
@@ -375,6 +587,54 @@ def test_a_good_bridge_has_a_clean_report() -> None:
     assert report.passed
     assert "FAIL" not in str(report)
     assert len(report.outcomes) == len(CHECKS)
+
+
+def test_what_cannot_be_checked_is_no_pass() -> None:
+    report = check_bridge(lambda: Good())
+    missing = {outcome.missing for outcome in report.unchecked}
+    assert {sentence.partition(",")[0].partition(":")[0] for sentence in missing} == {
+        "Nobody can tell how old `light.data`",
+        "It would move the robot. Give it room",
+        "Define `silence` in a subclass",
+        "Define `cut` in a subclass",
+    }
+    assert not any(outcome.passed for outcome in report.unchecked)
+    assert "  ?   A command arrives at the bridge's function and at the robot" in str(report)
+    assert "        Not checked: It would move the robot." in str(report)
+
+
+def test_what_the_author_gives_is_checked() -> None:
+    air = Air()
+
+    def patient(name: str) -> Any:
+        return lambda: setattr(air, name, False)
+
+    def restore() -> None:
+        air.connected = air.robot_talks = True
+
+    original, BridgeConformance.wait = BridgeConformance.wait, lambda _, seconds: air.wait(seconds)  # type: ignore[method-assign]
+    try:
+        report = check_bridge(
+            lambda: Far(air),
+            move=True,
+            silence=patient("robot_talks"),
+            cut=patient("connected"),
+            restore=restore,
+        )
+    finally:
+        BridgeConformance.wait = original  # type: ignore[method-assign]
+    assert not report.problems + report.unchecked, str(report)
+    assert 0.05 in air.arrived
+
+
+def test_a_robot_that_says_nothing_cannot_be_silenced() -> None:
+    class Mute(Far):
+        def hear(self) -> None:
+            """Nothing comes."""
+
+    checks = type("Checks", (FarConformance,), {"bridge": Mute})()
+    with pytest.raises(NotChecked, match=r"No reading has arrived within 2 s\. Is the robot on\?"):
+        checks.test_data_that_cease_stop_the_robot()
 
 
 def test_a_bridge_that_exists_is_checked_itself_and_closed() -> None:

@@ -6,13 +6,14 @@ import itertools
 import socket
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
 
 import pytest
 from bridges.bounded import bounded
 
-from lrp_jupyter.bridges.bridge import ConnectionState
-from lrp_jupyter.bridges.conformance import check_bridge
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
+from lrp_jupyter.bridges.conformance import BridgeConformance
 from lrp_jupyter.bridges.reconnecting import ReconnectingBridge, _waits
 from lrp_jupyter.errors import BridgeError
 
@@ -21,18 +22,29 @@ class Robot:
     """A robot that talks lines over TCP: the counterpart, on a thread of its own."""
 
     def __init__(self) -> None:
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self.listener.getsockname()[1]
+        self.port = 0
         self.heard: list[str] = []
         self.clients: list[socket.socket] = []
         self.visits = 0
-        self.over = False
-        threading.Thread(target=self._serve, daemon=True).start()
+        self.over, self.talks = threading.Event(), False
+        self.listen()
+        threading.Thread(target=self._talk, daemon=True).start()
 
-    def _serve(self) -> None:
+    def listen(self) -> None:
+        self.listener = socket.create_server(("127.0.0.1", self.port))
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self._serve, args=(self.listener,), daemon=True).start()
+
+    def _talk(self) -> None:
+        while not self.over.wait(0.02):
+            if self.talks and self.clients:
+                with suppress(OSError):
+                    self.say("7")
+
+    def _serve(self, listener: socket.socket) -> None:
         while True:
             try:
-                client, _ = self.listener.accept()
+                client, _ = listener.accept()
             except OSError:
                 return
             self.clients.append(client)
@@ -50,7 +62,13 @@ class Robot:
     def hang_up(self) -> None:
         self.clients[-1].shutdown(socket.SHUT_RDWR)
 
+    def cut(self) -> None:
+        self.listener.shutdown(socket.SHUT_RDWR)  # wakes the thread that accepts
+        self.listener.close()
+        self.hang_up()
+
     def close(self) -> None:
+        self.over.set()
         self.listener.close()
         for client in self.clients:
             client.close()
@@ -81,7 +99,7 @@ class Line(ReconnectingBridge):
             return
         if not words:
             raise BridgeError("The robot hung up.")
-        self.feed("light.data", int(words))
+        self.feed("light.data", int(words.split()[-1]))
 
     def disconnect(self) -> None:
         self.socket.close()
@@ -262,9 +280,39 @@ def test_the_waits_between_attempts_double_up_to_a_limit() -> None:
     assert [*itertools.islice(_waits(0.5), 7)] == [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]
 
 
-def test_it_keeps_the_rules_of_every_bridge(robot: Robot) -> None:
-    report = check_bridge(lambda: Line(robot.port))
-    assert not report.problems, str(report)
+class TestLine(BridgeConformance):
+    """It keeps the rules of every bridge, with a real connection that is silent, breaks and comes back."""
+
+    moves = True
+
+    @pytest.fixture(autouse=True)
+    def _robot(self, robot: Robot) -> None:
+        self.robot = robot
+
+    def make_bridge(self) -> Line:
+        self.robot.talks = True
+        return Impatient(self.robot.port)
+
+    def silence(self) -> None:
+        self.robot.talks = False
+
+    def cut(self) -> None:
+        self.robot.cut()
+
+    def restore(self) -> None:
+        if self.robot.listener.fileno() < 0:
+            self.robot.listen()
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return "move 0.05" in self.robot.heard
+
+
+class Impatient(Line):
+    name = "test-impatient-line"
+
+    def add_members(self) -> None:
+        super().add_members()
+        self.feed("light.data", stale_after=0.3)
 
 
 def test_it_is_no_robot_itself() -> None:
