@@ -79,7 +79,7 @@ def test_every_stored_text_is_what_comes_out(run: Run):
 @pytest.mark.slow
 def test_the_hidden_solution_solves_the_challenge(run: Run):
     if run.solved:
-        assert re.search(r": passed|(\d+) of \1 checks passed", run.solved), run.solved
+        assert re.search(r": passed|\d+ checks passed(?!.* failed)", run.solved), run.solved
 
 
 @pytest.mark.slow
