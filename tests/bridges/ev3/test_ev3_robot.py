@@ -282,7 +282,7 @@ def test_options_are_understood_as_they_are_typed_on_a_command_line() -> None:
     bridge = make_bridge("ev3", **typed)
     assert isinstance(bridge, EV3Bridge)
     assert bridge.vehicle == Vehicle("A", "-D", 68.8, 150, "2", "1", "none")
-    with pytest.raises(BridgeError, match="wheel=wide"):
+    with pytest.raises(BridgeError, match="`wheel` takes a number, not `wide`"):
         make_bridge("ev3", wheel="wide")
     with pytest.raises(BridgeError, match="`left` is a motor port"):
         make_bridge("ev3", left="1")
