@@ -1,11 +1,11 @@
 // @vitest-environment happy-dom
 import { describe, expect, it, vi } from "vitest";
-import { announcer, hungNote, unstartedNote } from "../src/parts/notes";
+import { announcer, hungNote, robotNote, unstartedNote } from "../src/parts/notes";
 import type { Lab } from "../src/session/store";
 
 /** A note of a lab whose state changes by `show`. */
 function noteOf(act: (command: unknown) => void, make = hungNote) {
-  const state: Record<string, unknown> = { hung: null, reason: "" };
+  const state: Record<string, unknown> = { hung: null, reason: "", bridge: { status: "connected" } };
   let redraw = () => {};
   const store = { state, watch: (_: unknown, call: () => void) => (redraw = call) };
   const note = make({ store, act } as unknown as Lab);
@@ -52,6 +52,29 @@ describe("the note about a block that does not return", () => {
     const { show, button } = noteOf(() => {});
     show({ hung: { ...hung, held: true } });
     expect(button.hidden).toBe(true);
+  });
+});
+
+describe("the note about a robot that stands although the program runs", () => {
+  const announced = (note: HTMLElement) => note.querySelector("[role=status]")!.textContent;
+
+  it("says that it is lost until it is found", () => {
+    const { note, show } = noteOf(() => {}, robotNote);
+    expect(note.hidden).toBe(true);
+    show({ bridge: { status: "lost", sentence: "`ros` no longer answers." } });
+    expect(note.hidden).toBe(false);
+    expect(note.textContent).toBe("Robot lostros no longer answers.");
+    show({ bridge: { status: "connected", sentence: "Connected." } });
+    expect([note.hidden, announced(note)]).toEqual([true, ""]);
+  });
+
+  it("says how old its data are, and announces only that they are too old", () => {
+    const { note, show } = noteOf(() => {}, robotNote);
+    for (const age of ["1.1", "1.2"]) {
+      show({ bridge: { status: "stale", sentence: `\`robot.light\` is stale: its value is ${age} s old.` } });
+      expect(note.textContent).toContain(`${age} s old`);
+      expect(announced(note)).toBe("Robot data too old");
+    }
   });
 });
 

@@ -1,14 +1,22 @@
-/** The lab's notes (lost kernel, held edits, conflicting texts, hung block), and announcements for screen readers. */
+/** The lab's notes (lost kernel or robot, held edits, conflicting texts, hung block), and announcements for screen readers. */
 
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { copyText } from "../ui/clipboard";
 import { differentLines, drawDifference, scrollToDifference, summaryOf } from "../ui/difference";
-import { h, prose, setHidden, unmarked } from "../ui/dom";
+import { h, prose, setHidden, setText, unmarked } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
-  const ofSession = h("div", {}, hungNote(lab), unstartedNote(lab), heldNote(lab), conflictNote(lab, text));
+  const ofSession = h(
+    "div",
+    {},
+    hungNote(lab),
+    robotNote(lab),
+    unstartedNote(lab),
+    heldNote(lab),
+    conflictNote(lab, text),
+  );
   lab.store.watch(["link"], () => setHidden(ofSession, lab.store.state.link === "dead"));
   return h("div", {}, linkNote(lab, text), ofSession);
 }
@@ -65,6 +73,21 @@ export function hungNote(lab: Lab): HTMLElement {
     setHidden(note, !hung);
     interrupt.hidden = !hung || hung.held;
     if (hung) words.replaceChildren(...prose(reason));
+  });
+  return note;
+}
+
+/** Why the robot stands although the program runs: it does not answer, or its data are too old to drive on. */
+export function robotNote(lab: Lab): HTMLElement {
+  const heading = h("strong", { role: "status" }); // the sentence has an age that changes all the time
+  const words = h("p", {});
+  const note = h("div", { class: "lrp-note lrp-note-warning", "data-lrp": "robot-note" }, heading, words);
+  lab.store.watch(["bridge"], () => {
+    const { status, sentence } = lab.store.state.bridge;
+    const headings: Record<string, string> = { lost: "Robot lost", stale: "Robot data too old" };
+    setHidden(note, !(status in headings));
+    setText(heading, headings[status] ?? "");
+    words.replaceChildren(...prose(note.hidden ? "" : sentence));
   });
   return note;
 }
