@@ -995,6 +995,7 @@ export interface BridgeView {
   sentence: string;
   hardware: boolean;
   armed: boolean;
+  failsafe: string;
   members: MemberView[];
 }
 
@@ -1595,7 +1596,7 @@ export const EMPTY_VIEW_STATE: ViewState = {
   hung: null,
   breakpoints: {},
   paused_by: null,
-  bridge: { name: "", status: "", sentence: "", hardware: false, armed: false, members: [] },
+  bridge: { name: "", status: "", sentence: "", hardware: false, armed: false, failsafe: "", members: [] },
   panel: null,
   settings: { hold: false, on_active_edit: "restart", pause_on_issue: false },
   conflict: null,

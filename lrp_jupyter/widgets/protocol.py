@@ -270,13 +270,17 @@ class MemberView(TypedDict):
 
 
 class BridgeView(TypedDict):
-    """The bridge. `status` is one of the words of `Bridge.status`, `sentence` explains it."""
+    """The bridge. `status` is one of the words of `Bridge.status`, `sentence` explains it.
+
+    `failsafe` is who stops the robot when the program or the computer dies; empty for a simulated one.
+    """
 
     name: str
     status: str
     sentence: str
     hardware: bool
     armed: bool
+    failsafe: str
     members: list[MemberView]
 
 

@@ -430,6 +430,7 @@ def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
         "sentence": status.sentence,
         "hardware": bridge.hardware,
         "armed": bridge.safety.armed,
+        "failsafe": bridge.failsafe,
         "members": [_member_view(member) for member in members],
     }
 

@@ -142,6 +142,7 @@ def press(lab, action, key=""):
 
 def arm(lab):
     press(lab, "arm")
+    lab.sees('[data-lrp-action="confirm-arm"]').click()
     lab.until("note => note.hidden", ".lrp-disarmed")
 
 
@@ -163,6 +164,23 @@ def test_publishers_and_subscriptions_are_listed_with_rate_age_and_value(open_ro
     arm(lab)
     wait_until(lambda: 0.1 in ros.speeds, "a command")
     lab.reads(cell("move", "value"), "linear.x=0.1")
+
+
+def test_a_person_who_arms_the_robot_is_told_who_stops_it(open_ros, ros):
+    lab = open_ros(DRIVE)
+    lab.reads(cell("light", "value"), "200")
+    press(lab, "arm")
+    told = "each => each.textContent.includes('a guard process stops the robot')"
+    lab.until(told, '[role="dialog"] .lrp-failsafe')
+    lab.reads('[role="dialog"] .lrp-failsafe code', "lrp guard")
+    axe.finds_nothing_serious(lab)
+    lab.notebook.page.keyboard.press("Escape")
+    lab.until("note => !note.hidden", ".lrp-disarmed")
+    lab.goes_on()
+    assert ros.speeds == [], "nobody has armed it"
+    arm(lab)
+    wait_until(lambda: 0.1 in ros.speeds, "a command")
+    lab.until(told, ".lrp-state .lrp-failsafe")
 
 
 def test_a_topic_is_picked_its_type_filled_in_and_the_row_removed_again(open_ros, ros):

@@ -3,9 +3,11 @@
 import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, setSwitch, toggle } from "../ui/button";
+import { below } from "../ui/card";
 import { h, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
 import { icon } from "../ui/icons";
 import { openMenu } from "../ui/menu";
+import { askToArm } from "./arming";
 import { type Choices, labMenu } from "./menu";
 
 const ON_ITS_WAY = 1000; // ms in which the kernel may still report the value before the one chosen here
@@ -179,11 +181,8 @@ function bridgeChip(lab: Lab): HTMLElement {
       select.value = store.state.bridge.name; // the one in use, if this one was refused
     },
   });
-  const armed = toggle(
-    "Armed",
-    "While disarmed, commands are shown but not sent",
-    "armed",
-    (on) => void lab.act({ do: "armed", on }),
+  const armed = toggle("Armed", "While disarmed, commands are shown but not sent", "armed", (on) =>
+    on ? askToArm(lab, below(armed)) : void lab.act({ do: "armed", on }),
   );
   const chip = h("span", { class: "lrp-bridge" }, dot, select, armed);
   store.watch(["bridge", "choices", "snapshot"], () => {
@@ -195,6 +194,8 @@ function bridgeChip(lab: Lab): HTMLElement {
     setAttribute(dot, "data-status", bridge.status);
     setAttribute(chip, "title", `${bridge.status}${bridge.sentence ? `: ${unmarked(bridge.sentence)}` : ""}`);
     setSwitch(armed, bridge.armed);
+    const told = bridge.armed ? unmarked(bridge.failsafe) : "While disarmed, commands are shown but not sent";
+    setAttribute(armed, "title", told);
     armed.hidden = !bridge.hardware;
   });
   return chip;

@@ -27,7 +27,7 @@ export function openCard(
   heading: HTMLElement[],
   content: HTMLElement[],
   closed: () => void = () => {},
-): { card: HTMLElement; place: () => void } {
+): { card: HTMLElement; place: () => void; close: (focus: boolean) => void } {
   const card = h(
     "section",
     {
@@ -64,5 +64,5 @@ export function openCard(
   const close = openPopup(lab.root, card, closed);
   place();
   card.focus({ preventScroll: true });
-  return { card, place };
+  return { card, place, close };
 }

@@ -1,8 +1,10 @@
 /** A bridge's panel, drawn from plain data: fields, tables, buttons, questions. Paper: §7.1, §7.2, §7.3. */
 
+import { askToArm, failsafeText } from "../parts/arming";
 import type { PanelButton, PanelQuestion, PanelView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
+import { below } from "../ui/card";
 import { focusLab, h, prose, setAttribute, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 import { type Inputs, inputs, values } from "./fields";
@@ -102,17 +104,14 @@ function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
   const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
   const sentence = h("p", { class: "lrp-sentence", "data-show": AT_THE_HEAD });
   const stop = panel.buttons.find(({ key }) => key === "stop");
-  const disarmed = h(
-    "p",
-    { class: "lrp-disarmed" },
-    h("span", {}, "Disarmed: commands are not sent."),
-    button({
-      label: "Arm",
-      title: "Let commands move the robot",
-      action: "panel-arm",
-      onclick: () => void lab.act({ do: "armed", on: true }),
-    }),
-  );
+  const arm = button({
+    label: "Arm",
+    title: "Let commands move the robot",
+    action: "panel-arm",
+    onclick: () => askToArm(lab, below(arm)),
+  });
+  const disarmed = h("p", { class: "lrp-disarmed" }, h("span", {}, "Disarmed: commands are not sent."), arm);
+  const failsafe = failsafeText();
   const stopButton =
     stop &&
     button({
@@ -123,7 +122,7 @@ function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
       onclick: () => void press("stop"),
     });
   stopButton?.classList.add("lrp-stop");
-  const element = h("div", { class: "lrp-state" }, dot, sentence, stopButton, disarmed);
+  const element = h("div", { class: "lrp-state" }, dot, sentence, stopButton, disarmed, failsafe.element);
   return {
     element,
     refresh() {
@@ -132,6 +131,7 @@ function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
       if (sentence.dataset.sentence !== bridge.sentence) sentence.replaceChildren(...prose(bridge.sentence));
       sentence.dataset.sentence = bridge.sentence;
       disarmed.hidden = !bridge.hardware || bridge.armed;
+      failsafe.show(bridge.failsafe);
     },
   };
 }

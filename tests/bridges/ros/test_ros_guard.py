@@ -25,8 +25,7 @@ def robot(real: Any, backend: str) -> Robot:
     port = real.start_rosbridge() if backend == "rosbridge" else real.master_port
 
     def speeds() -> list[tuple[float, float]]:
-        pairs = [line.split() for line in list(printed)]
-        return [(float(moment), float(speed)) for moment, speed in pairs]
+        return [(float(moment), float(speed)) for moment, speed in map(str.split, list(printed))]
 
     options = {"backend": backend, "host": "127.0.0.1", "port": port, "setup": str(SETUP)}
     named = [f"{name}={value}" for name, value in options.items()]

@@ -1,7 +1,7 @@
 """A ROS 2 robot for the tests: the simulator behind topics, `python dds_robot_node.py SPEED WORLD`.
 
 Like `robot_node.py`, on Cyclone DDS and in the domain of the environment, with nothing of the bridge: its
-types are written down here as IDL, field by field.
+types are written down here as IDL, field by field. It prints when it was told another speed.
 """
 
 import math
@@ -127,6 +127,9 @@ def main(speed: float, world: str) -> None:
     while not gone.is_set():
         for command in commands.take(10):
             if isinstance(command, Twist):
+                if command.linear.x != wanted[0]:
+                    sys.stdout.write(f"{time.monotonic()} {command.linear.x}\n")
+                    sys.stdout.flush()
                 wanted = (command.linear.x, command.angular.z)
         simulation.drive(*wanted)
         simulation.step(_EVERY)

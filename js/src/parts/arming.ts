@@ -1,0 +1,55 @@
+/** The question before a robot is armed: who stops it when this program or this computer dies. */
+
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { openCard, type Point } from "../ui/card";
+import { h, prose } from "../ui/dom";
+
+/** Ask, beside a point of the window; the robot is armed when the answer is yes. */
+export function askToArm(lab: Lab, at: Point): void {
+  const { store } = lab;
+  const { name } = store.state.bridge;
+  const failsafe = failsafeText();
+  const arm = button({
+    label: "Arm",
+    title: "Let commands move the robot",
+    action: "confirm-arm",
+    class: "lrp-button lrp-primary",
+    onclick: () => {
+      close(true);
+      void lab.act({ do: "armed", on: true });
+    },
+  });
+  const { place, close } = openCard(
+    lab,
+    at,
+    "close-arming",
+    [h("span", {}, `Arm ${name}?`)],
+    [
+      h("p", { class: "lrp-why-sentence" }, "Then commands move the robot. Keep clear of it."),
+      failsafe.element,
+      h("div", { class: "lrp-row" }, arm),
+    ],
+    () => unwatch(),
+  );
+  let unwatch = () => {};
+  unwatch = store.watch(["bridge"], () => {
+    const { bridge } = store.state;
+    failsafe.show(bridge.failsafe);
+    place();
+    if (bridge.armed || bridge.name !== name) close(false); // somebody else has answered, or it is another robot
+  });
+}
+
+/** A paragraph that says who stops the robot. */
+export function failsafeText(): { element: HTMLElement; show(sentence: string): void } {
+  const element = h("p", { class: "lrp-failsafe" });
+  return {
+    element,
+    show(sentence) {
+      element.hidden = !sentence;
+      if (element.dataset.sentence !== sentence) element.replaceChildren(...prose(sentence));
+      element.dataset.sentence = sentence;
+    },
+  };
+}
