@@ -62,6 +62,7 @@ class Thymio(ReconnectingBridge):
     host : str
         Where the device manager is.
     port : int
+        What it listens on.
     bright : float
         What the ground sensors say on white.
     """
