@@ -130,6 +130,9 @@ def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:
 def _from_file(path: str) -> str:
     """Run a Python file and return the name of the bridge that it defines last."""
     before = list(Bridge.registry.values())
+    folder = str(Path(path).resolve().parent)
+    if folder not in sys.path:
+        sys.path.append(folder)  # it may import a file beside it, also later
     module = ModuleType(f"lrp_bridge_{Path(path).stem}")
     module.__file__ = path
     sys.modules[module.__name__] = module  # where a dataclass looks for the names in its annotations

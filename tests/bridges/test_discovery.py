@@ -332,3 +332,15 @@ def test_what_a_file_defines_can_be_sent_to_another_process(registry: object, tm
     receive = "import pickle, sys; print(pickle.load(sys.stdin.buffer)(depth=8).depth)"
     received = subprocess.run([sys.executable, "-c", receive], input=sent, capture_output=True)
     assert received.stdout == b"8\n", received.stderr.decode()
+
+
+def test_a_bridge_in_a_file_imports_what_is_beside_it(
+    registry: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (tmp_path / "library_of_mine.py").write_text("DEPTH = 12\n")
+    file = tmp_path / "mine.py"
+    file.write_text(MINE.replace("depth: int = 3", "depth: int = library_of_mine.DEPTH"))
+    file.write_text(file.read_text().replace("from lrp_jupyter", "import library_of_mine\nfrom lrp_jupyter"))
+    assert make_bridge(str(file)).depth == 12  # type: ignore[attr-defined]
+    del sys.modules["library_of_mine"]

@@ -38,6 +38,7 @@ class Processes:
 
     def __init__(self) -> None:
         self._running: list[subprocess.Popen[str]] = []
+        self._listeners: list[threading.Thread] = []
 
     def start(self, *command: object, ready: bool = True) -> subprocess.Popen[str]:
         process = subprocess.Popen(
@@ -52,13 +53,31 @@ class Processes:
     def robot(self, name: str, *arguments: object) -> subprocess.Popen[str]:
         return self.start(sys.executable, HERE / f"{name}_robot.py", *arguments)
 
+    def told(self, robot: subprocess.Popen[str]) -> list[str]:
+        """What a robot is told, as it comes: `drives 0.200 0.000`."""
+        told: list[str] = []
+
+        def listen() -> None:
+            assert robot.stdout is not None
+            told.extend(line.strip() for line in robot.stdout)
+
+        self._listeners.append(threading.Thread(target=listen, daemon=True))
+        self._listeners[-1].start()
+        return told
+
     def end(self, process: subprocess.Popen[str]) -> None:
         process.kill()
-        process.communicate()
+        process.wait()
 
     def end_all(self) -> None:
         for process in self._running:
             self.end(process)
+        for listener in self._listeners:
+            listener.join()
+        for process in self._running:
+            for stream in (process.stdin, process.stdout):
+                assert stream is not None
+                stream.close()
 
 
 @pytest.fixture
@@ -66,6 +85,26 @@ def processes() -> Iterator[Processes]:
     processes = Processes()
     yield processes
     processes.end_all()
+
+
+DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+
+
+@pytest.fixture
+def driving(processes: Processes, tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
+    """Start `lrp run` with an example bridge, and wait until its robot drives."""
+
+    def start(told: list[str], bridge: str, **options: object) -> subprocess.Popen[str]:
+        program = tmp_path / "drive.lrp"
+        program.write_text(DRIVE)
+        command = [sys.executable, "-m", "lrp_jupyter", "run", program, "--bridge", EXAMPLES / bridge]
+        for name, value in options.items():
+            command += ["--option", f"{name}={value}"]
+        run = processes.start(*command, ready=False)
+        wait_until(lambda: told and told[-1] == "drives 0.200 0.000", "it does not drive")
+        return run
+
+    return start
 
 
 def wait_until(holds: Callable[[], object], what: str, seconds: float = 60.0) -> None:

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from typing import TextIO
 
 from lrp_jupyter.sim.simulation import STEP, Simulation
 
@@ -20,16 +21,20 @@ class SimulatedRobot:
     ----------
     speed : float
         Seconds of its time per second.
-    world : str
+    says : file
+        Where it says when it is told to drive otherwise.
     """
 
-    def __init__(self, speed: float = 1.0, world: str = "line") -> None:
-        self.simulation = Simulation(world)
-        self.speed = speed
+    def __init__(self, speed: float = 1.0, says: TextIO = sys.stdout) -> None:
+        self.simulation = Simulation("line")
+        self.speed, self.says = speed, says
         self.wanted = (0.0, 0.0)
         self.gone = threading.Event()
 
     def drive(self, linear: float, angular: float) -> None:
+        if (linear, angular) != self.wanted:
+            self.says.write(f"drives {linear:.3f} {angular:.3f}\n")
+            self.says.flush()
         self.wanted = (linear, angular)
 
     def run(self, publish: Callable[[int, bool, tuple[float, float, float]], object]) -> None:

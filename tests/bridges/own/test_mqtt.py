@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
-import sys
+import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -27,9 +27,9 @@ mqtt = pytest.importorskip("paho.mqtt.client")
 
 MQTT = str(EXAMPLES / "mqtt.py")
 FASTER = 4.0  # both the robot's time and the program's
-DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 
 Until = Callable[..., None]
+Driving = Callable[..., "subprocess.Popen[str]"]
 
 
 class Listener:
@@ -132,24 +132,11 @@ def test_a_broker_that_dies_is_a_lost_robot_and_one_that_comes_back_is_found(
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
 def test_the_broker_stops_the_robot_when_this_process_is(
-    end: signal.Signals,
-    broker: Broker,
-    processes: Processes,
-    listener: Listener,
-    until: Until,
-    tmp_path: Path,
+    end: signal.Signals, broker: Broker, processes: Processes, driving: Driving, until: Until
 ) -> None:
-    processes.robot("mqtt", broker.port, 1.0)
-    program = tmp_path / "drive.lrp"
-    program.write_text(DRIVE)
-    lrp = (sys.executable, "-m", "lrp_jupyter", "run", program, "--bridge", MQTT)
-    run = processes.start(*lrp, "--option", f"port={broker.port}", ready=False)
-    until(lambda: (listener.last("odom") or {"x": 0})["x"] > 0.1, "it does not drive")
-    run.send_signal(end)
-    until(lambda: listener.last("cmd_vel") == {"linear": 0.0, "angular": 0.0}, "nobody stopped it")
-    seen = len(listener.heard["odom"])
-    until(lambda: len(listener.heard["odom"]) > seen + 20, "the robot is silent")
-    assert listener.heard["odom"][-1] == listener.heard["odom"][-2], "it drives on"
+    told = processes.told(processes.robot("mqtt", broker.port, 1.0))
+    driving(told, "mqtt.py", port=broker.port).send_signal(end)
+    until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
 
 
 @pytest.mark.slow

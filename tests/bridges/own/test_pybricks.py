@@ -1,0 +1,156 @@
+"""The bridge to a hub with Pybricks: the hub's own program on stand-ins, at the other end of a pipe."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import pytest
+from bridges.own.conftest import EXAMPLES, HERE
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.conformance import BridgeConformance
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.clock import MonotonicClock
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.programs import load
+
+bleak = pytest.importorskip("bleak")
+
+PYBRICKS = str(EXAMPLES / "pybricks.py")
+SERVICE = "c5f50001-8280-46da-89f4-6d8051e4aeef"
+CHANNEL = "c5f50002-8280-46da-89f4-6d8051e4aeef"
+FASTER = 2.0  # both the robot's time and the program's
+PIECE = 7  # bytes of an event: lines come in pieces
+
+Until = Callable[..., None]
+
+
+class Hub:
+    """A hub and the air between: what bleak's client and scanner are to a program."""
+
+    speed: ClassVar[float] = 1.0
+    near: ClassVar[tuple[str, ...]] = ("Pybricks Hub",)
+    last: ClassVar[Hub]
+
+    def __init__(self, device: Any) -> None:
+        assert device.name in self.near
+        self.process: asyncio.subprocess.Process | None = None
+        self.is_connected = False
+        self.told: list[str] = []
+        Hub.last = self
+
+    @classmethod
+    async def find_device_by_filter(cls, wanted: Callable[..., bool], timeout: float) -> Any:
+        seen = SimpleNamespace(service_uuids=[SERVICE])
+        devices = [SimpleNamespace(name=name) for name in cls.near]
+        return next((device for device in devices if wanted(device, seen)), None)
+
+    async def connect(self) -> None:
+        self.is_connected = True
+
+    async def start_notify(self, channel: str, callback: Callable[[object, bytearray], object]) -> None:
+        assert channel == CHANNEL
+        self.callback = callback
+
+    async def write_gatt_char(self, channel: str, data: bytes, response: bool) -> None:
+        assert channel == CHANNEL
+        if data == b"\x01":
+            pipes = dict.fromkeys(("stdin", "stdout", "stderr"), asyncio.subprocess.PIPE)
+            command = (sys.executable, HERE / "pybricks_robot.py", self.speed)
+            self.process = await asyncio.create_subprocess_exec(*map(str, command), **pipes)
+            self.listening = asyncio.gather(self.listen(), self.note())
+        else:
+            assert data[:1] == b"\x06"
+            assert self.process is not None
+            assert self.process.stdin is not None
+            self.process.stdin.write(data[1:])
+
+    async def listen(self) -> None:
+        assert self.process is not None
+        assert self.process.stdout is not None
+        while piece := await self.process.stdout.read(PIECE):
+            self.callback(None, bytearray(b"\x01" + piece))
+        self.is_connected = False
+
+    async def note(self) -> None:
+        """Note what the robot is told, as it says it beside."""
+        assert self.process is not None
+        assert self.process.stderr is not None
+        async for line in self.process.stderr:
+            self.told.append(line.decode().strip())
+
+    def go_away(self) -> None:
+        assert self.process is not None
+        with suppress(ProcessLookupError):
+            self.process.kill()
+
+    async def disconnect(self) -> None:
+        self.is_connected = False
+        if self.process is not None:
+            self.go_away()
+            await self.process.wait()
+            await self.listening
+            self.process._transport.close()  # type: ignore[attr-defined]
+
+
+@pytest.fixture(autouse=True)
+def _air(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bleak, "BleakClient", Hub)
+    monkeypatch.setattr(bleak, "BleakScanner", Hub)
+    monkeypatch.setattr(Hub, "speed", 1.0)
+    monkeypatch.setattr(Hub, "near", ("Pybricks Hub",))
+
+
+@pytest.fixture
+def bridge() -> Iterator[Bridge]:
+    """Open and armed."""
+    bridge = make_bridge(PYBRICKS)
+    bridge.open()
+    bridge.arm()
+    yield bridge
+    bridge.close()
+
+
+@pytest.mark.slow
+class TestPybricks(BridgeConformance):
+    def make_bridge(self) -> Bridge:
+        return make_bridge(PYBRICKS)
+
+
+@pytest.mark.slow
+def test_the_unchanged_follower_goes_there_and_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Hub, "speed", FASTER)
+    with Session(load("follower"), PYBRICKS, clock=MonotonicClock(FASTER)) as session:
+        session.bridge.arm()
+        session.start()
+        assert session.wait_for("bumpback", timeout=180)
+        assert session.wait_for("end", timeout=180)
+        assert not session.issues
+
+
+@pytest.mark.slow
+def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(
+    bridge: Bridge, until: Until
+) -> None:
+    Hub.last.go_away()
+    until(lambda: bridge.status.state == "lost", "it was not noticed")
+    until(lambda: bridge.status.state != "lost", "it was not found again")
+
+
+@pytest.mark.slow
+def test_the_hub_stops_the_robot_when_nothing_comes(bridge: Bridge, until: Until) -> None:
+    bridge.robot.move(linear=0.2, angular=1)
+    until(lambda: Hub.last.told[-1:] == ["drives 0.200 0.995"], "it does not drive")  # 57 degrees per second
+    until(lambda: Hub.last.told[-1:] == ["drives 0.000 0.000"], "it drives on")
+
+
+def test_where_no_hub_is_near_it_is_said_to_switch_it_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Hub, "near", ())
+    with pytest.raises(BridgeError, match=r"No hub `red` with Pybricks is near\. Switch it on\."):
+        make_bridge(PYBRICKS, hub="red").open()

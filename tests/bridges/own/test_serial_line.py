@@ -1,0 +1,171 @@
+"""The bridge to a serial line: a pseudo-terminal with a simulated robot at its other end."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+import tty
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from bridges.own.conftest import EXAMPLES, Processes
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.conformance import BridgeConformance
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.live.clock import MonotonicClock
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.programs import load
+
+pytest.importorskip("serial")
+
+SERIAL = str(EXAMPLES / "serial_line.py")
+FASTER = 4.0  # both the robot's time and the program's
+
+Until = Callable[..., None]
+Driving = Callable[..., "subprocess.Popen[str]"]
+
+
+class Line:
+    """The robot's end of a pseudo-terminal, in the hands of a test."""
+
+    def __init__(self, link: Path) -> None:
+        self.link = link
+        self.plug_in()
+
+    def plug_in(self) -> None:
+        self.end, self._device = os.openpty()
+        tty.setraw(self._device)
+        os.set_blocking(self.end, False)
+        self.link.unlink(missing_ok=True)
+        self.link.symlink_to(os.ttyname(self._device))
+
+    def unplug(self) -> None:
+        self.link.unlink(missing_ok=True)
+        os.close(self.end)
+        os.close(self._device)
+
+    def say(self, text: str) -> None:
+        os.write(self.end, text.encode())
+
+    def told(self) -> list[str]:
+        try:
+            return os.read(self.end, 4096).decode().splitlines()
+        except BlockingIOError:
+            return []
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Iterator[Line]:
+    line = Line(tmp_path / "robot")
+    yield line
+    line.unplug()
+
+
+@pytest.fixture
+def bridge(line: Line) -> Iterator[Bridge]:
+    """Open and armed."""
+    bridge = make_bridge(SERIAL, port=str(line.link))
+    bridge.open()
+    bridge.arm()
+    yield bridge
+    bridge.close()
+
+
+def value_of(bridge: Bridge, name: str) -> object:
+    bridge.refresh()
+    return bridge.describe(name).value
+
+
+@pytest.mark.slow
+class TestSerialLine(BridgeConformance):
+    @pytest.fixture(autouse=True)
+    def _connected(self, processes: Processes, tmp_path: Path) -> None:
+        self.link = tmp_path / "robot"
+        processes.robot("serial", self.link, 1.0)
+
+    def make_bridge(self) -> Bridge:
+        return make_bridge(SERIAL, port=str(self.link))
+
+
+@pytest.mark.slow
+def test_the_unchanged_follower_goes_there_and_back(processes: Processes, tmp_path: Path) -> None:
+    processes.robot("serial", tmp_path / "robot", FASTER)
+    clock = MonotonicClock(FASTER)
+    with Session(load("follower"), SERIAL, port=str(tmp_path / "robot"), clock=clock) as session:
+        session.bridge.arm()
+        session.start()
+        assert session.wait_for("bumpback", timeout=180)
+        assert session.wait_for("end", timeout=180)
+        assert not session.issues
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
+def test_the_guard_stops_the_robot_when_this_process_is(
+    end: signal.Signals, processes: Processes, driving: Driving, until: Until, tmp_path: Path
+) -> None:
+    told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
+    driving(told, "serial_line.py", port=tmp_path / "robot").send_signal(end)
+    until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
+
+
+def test_readings_arrive_though_their_lines_come_in_pieces(line: Line, bridge: Bridge, until: Until) -> None:
+    line.say("light 2")
+    line.say("12\nbump")
+    until(lambda: value_of(bridge, "light.data") == 212, "the first line did not arrive")
+    line.say("er 1\n")
+    until(lambda: value_of(bridge, "bumper.data") == 1, "the second line did not arrive")
+
+
+def test_what_is_no_reading_is_told_and_the_others_come_on(line: Line, bridge: Bridge, until: Until) -> None:
+    line.say("Traceback (most recent call last):\nlight 7\n")
+    until(lambda: value_of(bridge, "light.data") == 7, "the next line did not arrive")
+    assert "Traceback (most recent call last):" in bridge.safety.notices[-1].text
+
+
+def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge, until: Until) -> None:
+    line.say("light 7\nbumper 0\nbattery 7.4\n")
+    until(
+        lambda: "battery" in dir(bridge.robot) and value_of(bridge, "battery.data") == 7.4, "nothing arrives"
+    )
+    bridge.fed.clock = lambda: time.monotonic() + 60
+    with pytest.raises(NoDataYet, match="stale"):
+        _ = bridge.robot.light.data
+    assert bridge.robot.battery.data == 7.4
+
+
+def test_a_command_is_a_line_of_text(line: Line, bridge: Bridge, until: Until) -> None:
+    line.say("light 7\nbumper 0\n")
+    until(lambda: value_of(bridge, "bumper.data") == 0, "nothing arrives")
+    line.told()
+    bridge.robot.move(linear=0.2, angular=-1)
+    until(lambda: "move 0.200 -1.000" in line.told(), "nothing was sent")
+
+
+def test_an_unplugged_robot_is_lost_and_found_when_it_is_plugged_in_again(
+    line: Line, bridge: Bridge, until: Until
+) -> None:
+    line.unplug()
+    until(lambda: bridge.status.state == "lost", "it was not noticed")
+    with pytest.raises(BridgeError):
+        bridge.robot.move(linear=0.2)
+    line.plug_in()
+    until(lambda: bridge.status.state != "lost", "it was not found again")
+    line.say("light 9\n")
+    until(lambda: value_of(bridge, "light.data") == 9, "nothing arrives")
+    assert not [told for told in line.told() if told.startswith("move 0.2")], "an old command was sent again"
+
+
+def test_a_line_that_is_not_there_is_told_with_its_name(tmp_path: Path) -> None:
+    with pytest.raises(BridgeError, match=r"`.*nowhere` cannot be opened: .*Plug the robot in"):
+        make_bridge(SERIAL, port=str(tmp_path / "nowhere")).open()
+
+
+def test_a_speed_that_is_no_number_is_told_with_its_name() -> None:
+    with pytest.raises(BridgeError, match=r"`baud.*fast`"):
+        make_bridge(SERIAL, port="/dev/ttyACM0", baud="fast")
