@@ -81,7 +81,7 @@ export function hungNote(lab: Lab): HTMLElement {
 export function robotNote(lab: Lab): HTMLElement {
   const heading = h("strong", { role: "status" }); // the sentence has an age that changes all the time
   const words = h("p", {});
-  const note = h("div", { class: "lrp-note lrp-note-warning", "data-lrp": "robot-note" }, heading, words);
+  const note = h("div", { class: "lrp-note lrp-note-warning", "data-lrp-note": "robot" }, heading, words);
   lab.store.watch(["bridge"], () => {
     const { status, sentence } = lab.store.state.bridge;
     const headings: Record<string, string> = { lost: "Robot lost", stale: "Robot data too old" };
