@@ -6,15 +6,21 @@ A bridge for a robot of one's own needs one method::
         name = "mybot"
 
         def open_interface(self):
-            self.port = serial.Serial("/dev/ttyUSB0", timeout=0.5)
-            self.add_variable("light.data", self.read_light, doc="0 dark ... 255 bright")
+            self.robot_link = library.connect("10.0.0.7", on_light=self.light, on_end=self.ended)
             self.add_method("move", self.move, doc="m/s and rad/s", limits={"linear": 0.5})
 
-        def read_light(self):
-            ...
+        def light(self, brightness):            # on the library's thread, whenever one arrives
+            self.feed("light.data", brightness, doc="0 dark ... 255 bright")
+
+        def ended(self):
+            self.set_status("lost", "The robot hung up.")
 
         def move(self, linear=0.0, angular=0.0):
             ...
+
+What is fed has an age, and nobody drives on what is too old: see `feed`. Where the robot is asked for a value
+and answers at once, `add_variable` takes the function that asks. A connection that has to be read by waiting
+has a base of its own, :class:`~lrp_jupyter.bridges.reconnecting.ReconnectingBridge`.
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
 `add_members`, `close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`,
@@ -22,7 +28,7 @@ Two sides meet in the class. The author of a bridge overrides `open_interface` a
 
     bridge.open()                          # once
     bridge.on_start()                      # the program starts
-    bridge.begin_tick(now, period)         # watchdogs fed, readings unlatched, sense(now)
+    bridge.begin_tick(now, period)         # watchdogs fed, readings unlatched, sense(now), ages judged
     interpreter.step(now)
     bridge.end_tick(now)                   # act(now), command watchdog
     bridge.advance(seconds)                # only where bridge.time_step is not None: the world's time

@@ -158,7 +158,8 @@ class Interface:
         name : str
             May be dotted: ``"light.data"`` is ``robot.light.data``.
         value : object
-            A new object each time, not the last one changed. None: declare the variable only.
+            A new object each time, not the last one changed; one object for what belongs together, such as
+            x and y. None: declare the variable only.
         doc, unit, type
             As for `add_variable`; what is given in one call holds for all later ones.
         stamp : float, optional
