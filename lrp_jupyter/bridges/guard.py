@@ -147,6 +147,9 @@ class Guard:
         with self._changing:
             if self.is_on:
                 return
+            if sys.platform == "emscripten":
+                self.trouble = "A page of a browser has neither processes nor threads."
+                return
             self.is_on, self.trouble, self._stopper = True, "", None
             self._beat = now()
             self._end = over = threading.Event()
@@ -277,8 +280,6 @@ class _Process:
         self._is_ready = False
         self._failure = ""
         self._writing = threading.Lock()
-        if sys.platform == "emscripten":
-            raise BridgeError("A page of a browser cannot start a process.")
         try:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "lrp_jupyter.bridges.guard_process"],

@@ -281,10 +281,10 @@ class Interface:
         """Arm the bridge: commands are sent from now on, and a guard watches this process."""
         if not self.safety.armed:
             self.safety.armed = True
+            self._begin_guarding()
             self.outside(RobotArmed(True), False)
             who = f"`{self.name}` is armed: commands move the robot. {self.failsafe}"
             self.safety.notice("armed", who.rstrip())
-            self._begin_guarding()
         self.safety.go_on()
 
     def disarm(self) -> None:

@@ -109,9 +109,9 @@ class Driver(Protocol):
 class CommandLine:
     """``lrp run``."""
 
-    def __init__(self, robot: Robot, folder: Path) -> None:
+    def __init__(self, robot: Robot, folder: Path, text: str = PROGRAM) -> None:
         program = folder / "drive.lrp"
-        program.write_text(PROGRAM, encoding="utf-8")
+        program.write_text(text, encoding="utf-8")
         code = _LRP.format(imports=robot.imports)
         self._log = folder / "log"
         with self._log.open("w") as log:
@@ -182,12 +182,9 @@ def guards(pid: int) -> list[int]:
 
 
 def lives(pid: int) -> bool:
-    """Whether there is such a process."""
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
+    """Whether there is such a process; one that nobody has waited for does not live."""
+    listed = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True)
+    return listed.stdout.strip()[:1] not in ("", "Z")
 
 
 class StandsStill:

@@ -23,6 +23,8 @@ def completed(words: str, cwd) -> list[str]:
         ("lrp check my", set()),
         ("lrp check follower --bridge s", {"sim"}),
         ("lrp check mi", {"mine.lrp"}),
+        ("lrp guard --backend m", {"mqtt"}),
+        ("lrp guard --backend rosp", {"rospy"}),
         ("lrp graph fold", {"folder/"}),
         ("lrp run follower --world o", {"oval", "other.json"}),
         ("lrp run follower --bridge s", {"sim"}),
