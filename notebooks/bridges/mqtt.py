@@ -11,8 +11,8 @@ QoS 0: an old command or reading is worth nothing.
 
 Who stops the robot when this process dies? The broker: the *last will* of this connection is a velocity of
 zero. It is published at once if the process dies, and after 3 s if the computer or the network does. On the
-robot's side, `lrp guard --backend mqtt` stops it half a second after the last command. Without its broker, the
-robot has to stop by itself.
+robot's side, `lrp guard --backend mqtt` stops it half a second after the last command. Without its broker,
+the robot has to stop by itself.
 
 Met in tests: the broker mosquitto 2.0, with a simulated robot behind it. Not met: an ESP32.
 """
