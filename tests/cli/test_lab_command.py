@@ -39,6 +39,11 @@ def test_the_sources_of_the_documentation_are_not_copied(tmp_path):
     assert {Path(name).suffix for name in copied} == {".ipynb"}
 
 
+def test_the_example_bridges_are_copied_with_what_they_need(tmp_path):
+    copied = {path.name for path in copy_notebooks(tmp_path) if path.parent == tmp_path / "bridges"}
+    assert {"mqtt.py", "pybricks.py", "pybricks_hub.py", "serial_line.py", "thymio.py", "webots.py"} == copied
+
+
 def test_every_notebook_is_shipped():
     assert len(list(shipped_notebooks().rglob("*.ipynb"))) >= 20
 

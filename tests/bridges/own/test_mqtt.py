@@ -26,7 +26,7 @@ from lrp_jupyter.programs import load
 mqtt = pytest.importorskip("paho.mqtt.client")
 
 MQTT = str(EXAMPLES / "mqtt.py")
-FASTER = 4.0  # both the robot's time and the program's
+FASTER = 2.0  # both the robot's time and the program's
 
 Until = Callable[..., None]
 Driving = Callable[..., "subprocess.Popen[str]"]
@@ -83,13 +83,29 @@ def bridge(broker: Broker) -> Iterator[Bridge]:
 
 @pytest.mark.slow
 class TestMqtt(BridgeConformance):
+    moves = True
+
     @pytest.fixture(autouse=True)
     def _connected(self, broker: Broker, processes: Processes) -> None:
-        self.port = broker.port
-        processes.robot("mqtt", broker.port, 1.0)
+        self.broker, self.robot = broker, processes.robot("mqtt", broker.port, 1.0)
+        self.told = processes.told(self.robot)
 
     def make_bridge(self) -> Bridge:
-        return make_bridge(MQTT, port=self.port)
+        return make_bridge(MQTT, port=self.broker.port)
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return any(told != "drives 0.000 0.000" for told in self.told)
+
+    def silence(self) -> None:
+        self.robot.send_signal(signal.SIGSTOP)
+
+    def cut(self) -> None:
+        self.broker.kill()
+
+    def restore(self) -> None:
+        self.robot.send_signal(signal.SIGCONT)
+        if self.broker.process.poll() is not None:
+            self.broker.start()
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -85,15 +86,15 @@ class Hub:
         async for line in self.process.stderr:
             self.told.append(line.decode().strip())
 
-    def go_away(self) -> None:
+    def send_signal(self, number: signal.Signals) -> None:
         assert self.process is not None
         with suppress(ProcessLookupError):
-            self.process.kill()
+            self.process.send_signal(number)
 
     async def disconnect(self) -> None:
         self.is_connected = False
         if self.process is not None:
-            self.go_away()
+            self.send_signal(signal.SIGKILL)
             await self.process.wait()
             await self.listening
             self.process._transport.close()  # type: ignore[attr-defined]
@@ -119,8 +120,22 @@ def bridge() -> Iterator[Bridge]:
 
 @pytest.mark.slow
 class TestPybricks(BridgeConformance):
+    moves = True
+
     def make_bridge(self) -> Bridge:
         return make_bridge(PYBRICKS)
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return any(told != "drives 0.000 0.000" for told in Hub.last.told)
+
+    def silence(self) -> None:
+        Hub.last.send_signal(signal.SIGSTOP)
+
+    def cut(self) -> None:
+        Hub.last.send_signal(signal.SIGKILL)
+
+    def restore(self) -> None:
+        Hub.last.send_signal(signal.SIGCONT)
 
 
 @pytest.mark.slow
@@ -138,7 +153,7 @@ def test_the_unchanged_follower_goes_there_and_back(monkeypatch: pytest.MonkeyPa
 def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(
     bridge: Bridge, until: Until
 ) -> None:
-    Hub.last.go_away()
+    Hub.last.send_signal(signal.SIGKILL)
     until(lambda: bridge.status.state == "lost", "it was not noticed")
     until(lambda: bridge.status.state != "lost", "it was not found again")
 

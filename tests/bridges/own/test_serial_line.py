@@ -24,7 +24,7 @@ from lrp_jupyter.programs import load
 pytest.importorskip("serial")
 
 SERIAL = str(EXAMPLES / "serial_line.py")
-FASTER = 4.0  # both the robot's time and the program's
+FASTER = 2.0  # both the robot's time and the program's
 
 Until = Callable[..., None]
 Driving = Callable[..., "subprocess.Popen[str]"]
@@ -83,13 +83,34 @@ def value_of(bridge: Bridge, name: str) -> object:
 
 @pytest.mark.slow
 class TestSerialLine(BridgeConformance):
+    moves = True
+
     @pytest.fixture(autouse=True)
     def _connected(self, processes: Processes, tmp_path: Path) -> None:
-        self.link = tmp_path / "robot"
-        processes.robot("serial", self.link, 1.0)
+        self.processes, self.link = processes, tmp_path / "robot"
+        self.plug_in()
+
+    def plug_in(self) -> None:
+        self.robot = self.processes.robot("serial", self.link, 1.0)
+        self.told = self.processes.told(self.robot)
 
     def make_bridge(self) -> Bridge:
         return make_bridge(SERIAL, port=str(self.link))
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return any(told != "drives 0.000 0.000" for told in self.told)
+
+    def silence(self) -> None:
+        self.robot.send_signal(signal.SIGSTOP)
+
+    def cut(self) -> None:
+        self.processes.end(self.robot)
+
+    def restore(self) -> None:
+        if self.robot.poll() is None:
+            self.robot.send_signal(signal.SIGCONT)
+        else:
+            self.plug_in()
 
 
 @pytest.mark.slow

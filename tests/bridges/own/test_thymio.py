@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import socket
 import subprocess
 from collections.abc import Callable, Iterator
@@ -34,13 +35,34 @@ def port() -> int:
 
 @pytest.mark.slow
 class TestThymio(BridgeConformance):
+    moves = True
+
     @pytest.fixture(autouse=True)
     def _connected(self, processes: Processes, port: int) -> None:
-        self.port = port
-        processes.robot("thymio", port, 1.0)
+        self.processes, self.port = processes, port
+        self.start()
+
+    def start(self) -> None:
+        self.robot = self.processes.robot("thymio", self.port, 1.0)
+        self.told = self.processes.told(self.robot)
 
     def make_bridge(self) -> Bridge:
         return make_bridge(THYMIO, port=self.port)
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return any(told != "drives 0.000 0.000" for told in self.told)
+
+    def silence(self) -> None:
+        self.robot.send_signal(signal.SIGSTOP)
+
+    def cut(self) -> None:
+        self.processes.end(self.robot)
+
+    def restore(self) -> None:
+        if self.robot.poll() is None:
+            self.robot.send_signal(signal.SIGCONT)
+        else:
+            self.start()
 
 
 @pytest.mark.slow

@@ -32,12 +32,21 @@ def controller(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
 
 
 class TestWebots(BridgeConformance):
+    moves = True
+
     @pytest.fixture(autouse=True)
     def _webots(self, controller: ModuleType) -> None:
-        """Put the module where Python finds it."""
+        self.controller = controller
 
     def make_bridge(self) -> Bridge:
         return make_bridge(WEBOTS, step=0.02)
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        robot = self.controller.Robot.created.simulation.robot
+        return robot.command != (0.0, 0.0)
+
+    def wait(self, seconds: float) -> None:
+        """Time passes in `advance`."""
 
 
 def test_the_unchanged_follower_goes_there_and_back(controller: Any) -> None:
