@@ -2,9 +2,9 @@
 
 The age of a message follows from its time stamp, although the robot's clock is not this computer's. A message
 cannot arrive before it is made. So the smallest difference between the time of arrival here and the stamp,
-among all messages of the robot, is that of the two clocks, and the shortest way. Whatever a message has beyond
-that is its age: time that it spent in a queue or in a slow network. What every message spends on its way, i.e.
-half a round trip, cannot be seen.
+among all messages of the robot, is that of the two clocks, and the shortest way. Whatever a message has
+beyond that is its age: time that it spent in a queue or in a slow network. What every message spends on its
+way, i.e. half a round trip, cannot be seen.
 """
 
 from __future__ import annotations
