@@ -208,8 +208,8 @@ class Rosapi:
             )
             return False
         except BridgeError:
-            if self._socket_is_open:
-                self._hang_up()  # rosbridge waits for that answer, and this connection with it
+            if self._socket is not None and self._socket.is_open:
+                self._give_up()
                 self._miss("has a rosapi that does not answer: topics are not listed for now.")
             self._failures = min(self._failures + 1, 5)
             return False
@@ -288,7 +288,7 @@ class Rosapi:
         except RefusedError:
             return {}
         except BridgeError:
-            self._hang_up()
+            self._give_up()
             return {}
 
     def _ask(self, service: str, patience: float | None = None, **arguments: object) -> Mapping[str, Any]:
@@ -322,9 +322,15 @@ class Rosapi:
             raise RefusedError(f"{service}: {values or response.get('msg') or 'no answer'}")
         return values
 
-    @property
-    def _socket_is_open(self) -> bool:
-        return self._socket is not None and self._socket.is_open
+    def _give_up(self) -> None:
+        """Wait no more for an answer.
+
+        On ROS 2, rosbridge goes on waiting for it, and this connection with it. On ROS 1 it does not; and
+        there, while the master hangs, a new connection would make rosbridge hang, too: it logs each one, which
+        asks the master.
+        """
+        if self.is_ros2 or not self._topics:
+            self._hang_up()
 
     def _hang_up(self) -> None:
         socket, self._socket = self._socket, None

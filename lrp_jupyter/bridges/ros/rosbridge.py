@@ -224,7 +224,7 @@ class RosbridgeTransport(Transport):
         quiet = [
             each
             for each in self._inputs.values()
-            if (rosapi.is_ros2 or each.is_packed) and now - (each.heard or each.since) > _QUIET
+            if (rosapi.is_ros2 or each.heard is None) and now - (each.heard or each.since) > _QUIET
         ]
         rosapi.watch([*self._echoes, *(each.topic for each in quiet)], in_need)
         for each in quiet:
@@ -236,7 +236,6 @@ class RosbridgeTransport(Transport):
             elif rosapi.is_ros2 and publishers - each.publishers:
                 # rosbridge chooses the quality of service when it subscribes, from the publishers there are
                 each.publishers = publishers
-                each.renewals += 1
                 self._open_socket().put(_unsubscription(each.topic))
                 self._subscribe(each)
         for each in self._inputs.values():
@@ -271,13 +270,16 @@ class RosbridgeTransport(Transport):
         assert isinstance(handle, _Handle)
         one = self._inputs.get(handle.topic)
         publishers = self._rosapi.publishers.get(handle.topic, ())
-        if one is None or one.heard is not None or not one.renewals or not publishers:
+        if one is None or one.heard is not None or time.monotonic() - one.since < _UNPACKED or not publishers:
             return ""
-        if time.monotonic() - one.since < _UNPACKED:
-            return ""
+        reason = (
+            "another client of this rosbridge subscribed before it was there: restart rosbridge"
+            if self._rosapi.is_ros2
+            else "see the log of rosbridge"
+        )
         return (
             f"`{publishers[0]}` publishes on `{one.topic}`, but nothing has arrived. If it is not just quiet,"
-            " another client of this rosbridge subscribed before it was there: restart rosbridge."
+            f" {reason}."
         )
 
     # -- who else commands ------------------------------------------------------------------------
@@ -313,7 +315,6 @@ class _Input:
         self.may_be_packed = True
         self.is_packed = False
         self.publishers: frozenset[str] = frozenset()
-        self.renewals = 0
 
 
 class _Echo:

@@ -3,9 +3,9 @@
 Neither Debian nor PyPI has one, so this one is our own; it serves either the
 real ROS master with rospy (`python rosbridge_server.py PORT`), or a few topics in memory. Where the real one
 is strict or peculiar, it is, too: the messages of a connection are processed in their order, so that a
-service that hangs holds up all later ones; an unknown operation leaves an error in the log; the newest
-message waits for `throttle_rate`; a message without a time stamp gets one; arrays of a fixed length cannot be
-packed.
+service of ROS 2 that hangs holds up all later ones; an unknown operation leaves an error in the log; the
+newest message waits for `throttle_rate`; a message without a time stamp gets one; arrays of a fixed length
+cannot be packed.
 """
 
 from __future__ import annotations
@@ -124,6 +124,8 @@ class MemoryGraph:
 
 class RospyGraph:
     """The topics of a real ROS master."""
+
+    is_ros2 = False
 
     def __init__(self) -> None:
         import rospy
@@ -401,10 +403,10 @@ class RosbridgeServer:
             self.graph.publish(handles[0], request["msg"])
         elif operation == "call_service":
             answer = self._answer(request)
-            if answer is None:
-                self._over.wait()  # as the real one waits: this connection's next message is not processed
-            else:
+            if answer is not None:
                 client.send(json.dumps(answer))
+            elif self.graph.is_ros2:
+                self._over.wait()  # as the real one waits: this connection's next message is not processed
         else:
             raise KeyError(f"Unknown operation: {operation}.")
 

@@ -172,10 +172,12 @@ def test_after_a_reconnect_rosapi_is_asked_again(
     until(lambda: ros.topics.get("/new") == "std_msgs/Bool")
 
 
+@pytest.mark.parametrize("is_ros2", [False, True], ids=["ROS 1", "ROS 2"])
 @pytest.mark.usefixtures("hasty")
 def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
-    make: Make, server: Any, graph: Any, until: Until
+    make: Make, server: Any, graph: Any, until: Until, is_ros2: bool
 ) -> None:
+    graph.is_ros2 = is_ros2
     server.hangs.add("topics")
     ros = opened(make)
     ros.subscribe("odom", "/odom", "nav_msgs/Odometry")
@@ -188,6 +190,20 @@ def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
     assert ros.status.state is ConnectionState.CONNECTED
     server.hangs.clear()
     until(lambda: "/odom" in ros.topics)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_on_ros_1_no_connection_is_made_anew_for_a_question_that_is_not_answered(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    ros = opened(make)
+    until(lambda: ros.topics)
+    before = set(server.clients)
+    server.hangs.add("topics")
+    until(lambda: any("does not answer" in text for text in notices(ros)))
+    server.hangs.clear()
+    until(lambda: notices(ros)[-1].endswith("answers now: topics are listed."))
+    assert set(server.clients) == before
 
 
 @pytest.mark.usefixtures("hasty")
@@ -246,6 +262,17 @@ def test_a_sensor_that_is_only_quiet_is_not_subscribed_to_again_and_again(
     ros2.send("/bumper", data=True)
     until(lambda: age(ros, "bumper"))
     until(lambda: value(ros, "bumper") == "True")
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_topic_that_is_published_but_does_not_arrive_points_to_the_log(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    ros = opened(make)
+    ros.subscribe("odom", "/odom")
+    until(lambda: "see the log of rosbridge" in value(ros, "odom"))
+    graph.send("/odom", **ODOM)
+    until(lambda: value(ros, "odom").startswith("x=1"))
 
 
 def test_a_fast_topic_is_thinned_out_to_what_the_program_can_use(
