@@ -183,8 +183,8 @@ class MqttSide:
             raise BridgeError(
                 'MQTT needs the package `paho-mqtt`. Install it with `pip install "lrp-jupyter[mqtt]"`.'
             ) from None
-        name, port = parse_address(host or "localhost", None, 1883)
-        self._topic, self._place = topic, f"{name}:{port}"
+        address = parse_address(host or "localhost", None, 1883, ("mqtt",))
+        self._topic, self._place = topic, str(address)
         self._command: Any = {}
         self.heard = (0.0, False)
         self._client = client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
@@ -192,7 +192,7 @@ class MqttSide:
         client.on_message = self._hear
         client.reconnect_delay_set(1, 1)
         try:
-            client.connect(name, port, keepalive=2)
+            client.connect(address.host, address.port, keepalive=2)
         except OSError as error:
             raise BridgeError(f"No MQTT broker answers at {self._place} ({error}).") from error
         client.loop_start()

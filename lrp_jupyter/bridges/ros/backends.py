@@ -71,9 +71,9 @@ def check_backend(name: str, host: str | None = None, port: int | str | None = N
         names = ", ".join(f"`{each}`" for each in known)
         raise BridgeError(f"There is no back end `{name}`; there are {names}.{did_you_mean(name, known)}")
     if name == AUTO or name in _PORTS:
-        parse_address(host, port, _PORTS.get(name, 1))
+        parse_address(host, port, _PORTS.get(name, 1), _schemes(name))
     elif name == "dds":
-        if port or parse_address(host, None, _NO_PORT)[1] != _NO_PORT:
+        if port or parse_address(host, None, _NO_PORT, _schemes(name)).port != _NO_PORT:
             raise BridgeError(
                 "The back end `dds` takes a `host` without a port: the ports follow from the domain."
                 " Set `domain` instead."
@@ -135,11 +135,16 @@ def make_transport(
     if backend == "rclpy":
         return RclpyTransport(domain)
     if backend == "dds":
-        return _import_dds()(domain, parse_address(host, None, _NO_PORT)[0], messages)
-    name, number = parse_address(host, port, _PORTS[backend])
+        return _import_dds()(domain, parse_address(host, None, _NO_PORT, _schemes(backend)).host, messages)
+    address = parse_address(host, port, _PORTS[backend], _schemes(backend))
     if backend == "rospy":
-        return RospyTransport(f"http://{name}:{number}" if name else "")
-    return RosbridgeTransport(f"ws://{name or '127.0.0.1'}:{number}", warn)
+        return RospyTransport(address.url if address.host else "")
+    return RosbridgeTransport(address.url, warn)
+
+
+def _schemes(backend: str) -> tuple[str, ...]:
+    """Return what may stand before ``://`` in an address for a back end; the first is the default."""
+    return tuple(scheme for scheme, user in _SCHEMES.items() if backend in (AUTO, user))
 
 
 def choose_backend(

@@ -40,6 +40,7 @@ from lrp_jupyter.bridges.ros.backends import (
     make_transport,
 )
 from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
 from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type
@@ -62,11 +63,11 @@ class RosBridge(Bridge):
     backend : {"auto", "rosbridge", "rospy", "rclpy", "dds"}
         With ``"auto"`` that for which the environment is set up, else the first one that answers.
     host : str, optional
-        Of the rosbridge server or the ROS master, ``host`` or ``host:port``. Default:
-        this machine or, with rospy, the value of ``ROS_MASTER_URI``. With dds: of a robot that
-        cannot be found by multicast; default: none.
+        Of the rosbridge server or the ROS master, ``host`` or ``host:port``; of an encrypted server
+        ``wss://host/path``. Default: this machine or, with rospy, the value of ``ROS_MASTER_URI``. With dds: of
+        a robot that cannot be found by multicast; default: none.
     port : int, optional
-        Default: 9090 for rosbridge, 11311 for rospy.
+        Default: 9090 for rosbridge (443 with ``wss://``), 11311 for rospy.
     setup : path or mapping, optional
         The connections; see `lrp_jupyter.bridges.ros.setup`. Later
         changes are written to a file.
@@ -110,12 +111,19 @@ class RosBridge(Bridge):
         self._draft = Draft()
         self.wiring = Wiring(self._offer, self._withdraw)
         self._in_tick = 0  # the thread of the tick that is under way: it must not wait
+        self._pace = ProgramPace()
         if setup is not None:
             self.wiring.load(setup)
 
     # -- what is connected to what ----------------------------------------------------------------
 
-    def subscribe(self, variable: str, topic: str, type: str = "") -> None:  # noqa: A002
+    def subscribe(
+        self,
+        variable: str,
+        topic: str,
+        type: str = "",  # noqa: A002
+        stale_after: float | None = None,
+    ) -> None:
         """Subscribe ``robot.<variable>`` to a topic; its value is the last message.
 
         Idempotent; another topic replaces the first.
@@ -125,13 +133,16 @@ class RosBridge(Bridge):
         variable, topic : str
         type : str, optional
             Default: that of the live topic.
+        stale_after : float, optional
+            Seconds after which the last message is too old to drive by: then the reading fails, and the robot
+            is stopped until there is a new one. Default: it never is.
 
         Raises
         ------
         BridgeError
             A name is illegal, the type unknown, or the topic carries another one.
         """
-        self.connect(Wire(variable, "subscription", topic, type))
+        self.connect(Wire(variable, "subscription", topic, type, stale_after=stale_after))
 
     def publish(self, variable: str, topic: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
         """Register ``robot.<variable>(…)`` as the publisher of a topic.
@@ -206,6 +217,7 @@ class RosBridge(Bridge):
                     f"the last message on {wire.topic}",
                     type=channel.form.kind if channel.form is not None else channel.type,
                     age=channel.age,
+                    stale_after=wire.stale_after,
                 )
             else:
                 self.add_method(
@@ -286,6 +298,10 @@ class RosBridge(Bridge):
     def sense(self, now: float) -> None:
         """Latch the last messages: a tick sees one world."""
         self._in_tick = threading.get_ident()
+        self._pace.tick()
+        link = self.wiring.link
+        if link is not None and link.connected:
+            link.transport.pace = self._pace.seconds
         for channel in self.wiring.channels:
             channel.latched = channel.latest
 
@@ -315,7 +331,7 @@ class RosBridge(Bridge):
     def _start(self, searching: bool) -> None:
         """Create a link, with a new channel for each connection of the set-up."""
         place = f"The robot at `{self._host}`" if self._host else "The robot"
-        link = TopicLink(self._find, place, self._report, self.wiring.learned)
+        link = TopicLink(self._find, place, self._report, self.wiring.learned, self._warn)
         self._last_status = (ConnectionState.CONNECTING, f"{place} is being connected.")
         try:
             self.wiring.attach(link)
@@ -362,6 +378,12 @@ class RosBridge(Bridge):
         return link.topics if link is not None else {}
 
     @property
+    def round_trip(self) -> float | None:
+        """Seconds until the robot answers, as usual of late; None where that is not measured."""
+        link = self.wiring.link
+        return link.transport.round_trip if link is not None and link.connected else None
+
+    @property
     def address(self) -> str:
         """The robot's address; empty: this machine, or the one that the environment names."""
         return f"{self._host}:{self._port}" if self._host and self._port else self._host
@@ -378,6 +400,7 @@ class RosBridge(Bridge):
             status=self.status.sentence,
             backend=self.connected_by,
             address=self.address,
+            round_trip=self.round_trip,
             setup=self.wiring.path,
             draft=self._draft,
             channels=self.wiring.channels,

@@ -12,6 +12,7 @@ import time
 from collections import deque
 from typing import Any, NamedTuple
 
+from lrp_jupyter.bridges.ros.clock import RobotClock, stamp_of
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
@@ -21,7 +22,7 @@ _SILENT = 2.0  # seconds without a message after which a topic that had a rate i
 
 
 class Arrival(NamedTuple):
-    """A message and when it arrived, by `time.monotonic`."""
+    """A message and when it was made, by `time.monotonic`: its time stamp or, without one, its arrival."""
 
     value: ReceivedMessage
     time: float
@@ -44,7 +45,13 @@ class Channel:
     problem : str
         Why it cannot be connected, or is no longer connected.
     waiting : str
-        What is missing: the topic, or its type.
+        What is missing: the topic, its type, or messages that should come.
+    is_asked_for : bool
+        Whether the robot is being asked for what is missing.
+    commanders : tuple of str
+        Of a publisher of velocities: who else publishes on its topic.
+    clock : RobotClock
+        That of the robot.
     has_moved : bool
         Whether a velocity other than zero was sent: when the connection is lost, it is unknown whether
         it, or a stop, arrived.
@@ -62,6 +69,10 @@ class Channel:
         self.live = False
         self.problem = ""
         self.waiting = "it is being connected"
+        self.is_asked_for = False
+        self.commanders: tuple[str, ...] = ()
+        self.clock = RobotClock()
+        self._last_stamp: float | None = None
         self.handle: object = None
         self.has_moved = False
         self.owes_stop = False
@@ -92,7 +103,10 @@ class Channel:
             return
         self.problem = ""
         self.stamp()
-        self.latest = Arrival(value, self._times[-1])
+        stamp = stamp_of(raw)
+        made = self.clock.made_at(stamp, self._times[-1], self._last_stamp)
+        self._last_stamp = stamp
+        self.latest = Arrival(value, made)
 
     def stamp(self) -> None:
         """Record the time of a received or sent message."""
@@ -105,8 +119,10 @@ class Channel:
         self._times.clear()
 
     def age(self) -> float | None:
-        """Return the seconds since the last message; None before the first."""
-        times = self._times
+        """Return the seconds since the last message was made or sent; None before the first."""
+        latest, times = self.latest, self._times
+        if latest is not None:
+            return time.monotonic() - latest.time
         return time.monotonic() - times[-1] if times else None
 
     def rate(self) -> float:

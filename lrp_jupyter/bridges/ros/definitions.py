@@ -1,8 +1,7 @@
-"""Definitions of ROS message types from rosapi, from rospy, or from the few built in.
+"""Definitions of ROS message types: the few built in, and what rosapi answers.
 
 ROS 1 writes ``geometry_msgs/Twist``, ROS 2 ``geometry_msgs/msg/Twist``: here it is the short form
-throughout. The parser for rosapi of ROS 2 follows its sources and was not run against a
-live one.
+throughout.
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from lrp_jupyter.errors import BridgeError
 
 __all__ = [
     "FLOATS",
+    "HEADERS",
     "INTEGERS",
     "KNOWN",
     "PRIMITIVES",
@@ -42,7 +42,7 @@ STRINGS = ("string", "wstring")
 PRIMITIVES = frozenset([*INTEGERS, *FLOATS, *STRINGS, "bool"])
 
 _OTHER_NAMES = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}  # of ROS 2
-_SHAPE = re.compile(r"(?:sequence<)?\s*([\w/]+)\s*(?:<=?\d+>)?(?:,[^>]*>|>)?\s*(\[[^\]]*\])?$")
+_SHAPE = re.compile(r"(?:sequence<)?\s*([\w/]+)\s*(?:<=?\d+>?)?(?:,[^>]*>|>)?\s*(\[[^\]]*\])?$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,3 +187,20 @@ KNOWN = {
     "time": Definition("time", {"secs": FieldType("uint32"), "nsecs": FieldType("uint32")}),
     "duration": Definition("duration", {"secs": FieldType("int32"), "nsecs": FieldType("int32")}),
 }
+
+_TIME = Definition("builtin_interfaces/Time", {"sec": FieldType("int32"), "nanosec": FieldType("uint32")})
+_FRAME = {"frame_id": FieldType("string")}
+
+HEADERS: Mapping[int, Mapping[str, Definition]] = {
+    1: {
+        "std_msgs/Header": Definition(
+            "std_msgs/Header",
+            {"seq": FieldType("uint32"), "stamp": FieldType("time"), **_FRAME},
+        )
+    },
+    2: {
+        _TIME.type: _TIME,
+        "std_msgs/Header": Definition("std_msgs/Header", {"stamp": FieldType(_TIME.type), **_FRAME}),
+    },
+}
+"""What a header is in ROS 1 and in ROS 2."""

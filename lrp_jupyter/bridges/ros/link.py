@@ -17,18 +17,23 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.clock import RobotClock
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
-__all__ = ["GUARD_NODE", "OnStatus", "RefusedError", "TopicLink", "Transport"]
+__all__ = ["GUARD_NODE", "SLOW", "OnStatus", "RefusedError", "TopicLink", "Transport"]
 
 GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
 
+SLOW = 0.3
+"""Seconds of a round trip from which on a link is slow, which is told."""
+
 _AGAIN = 0.5  # seconds until a connection that was lost, or a topic that is missing, is tried again
 _JOIN = 2.0  # seconds that ending the thread may take
+_FAST = 0.2  # seconds of a round trip below which a link is no longer slow
 
 
 class RefusedError(BridgeError):
@@ -56,16 +61,19 @@ class Transport(ABC):
         Seconds between two readings that the program can use; a topic that is faster may be thinned out.
     round_trip : float or None
         Seconds until the robot answers a ping, as usual of late; None where that is not measured.
+    clock : RobotClock
+        Learns from the time stamps of messages, and tells their age.
     """
 
     place: str = ""
     node: str = "lrp"
     period: float = 2.0
-    pace: float = 0.01
+    pace: float = 0.02
     round_trip: float | None = None
 
     def __init__(self) -> None:
         self.changed: Callable[[], None] = lambda: None
+        self.clock = RobotClock()
 
     @abstractmethod
     def connect(self) -> None:
@@ -91,15 +99,18 @@ class Transport(ABC):
 
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
-        """Return the live topics with their types."""
+        """Return the live topics with their types, maybe as they were a moment ago."""
 
     @abstractmethod
-    def define(self, type_: str) -> Mapping[str, Definition]:
-        """Return the definitions of a type and those in it; empty without a service to ask."""
+    def define(self, type_: str) -> Mapping[str, Definition] | None:
+        """Return the definitions of a type and those in it, as far as they are known.
+
+        None while the robot is being asked; `changed` is called when it has answered.
+        """
 
     @abstractmethod
-    def taken(self, topic: str) -> bool:
-        """Return whether another node uses a topic; a type may outlive its topic."""
+    def taken(self, topic: str) -> bool | None:
+        """Return whether another node uses a topic; a type may outlive its topic. None as in `define`."""
 
     @abstractmethod
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
@@ -115,6 +126,16 @@ class Transport(ABC):
 
         The time stamp of a header that the program did not set is missing: it becomes the time of sending.
         """
+
+    def tend(self, in_need: bool) -> float:
+        """Look after what is joined; return the seconds until the next comparison.
+
+        Parameters
+        ----------
+        in_need : bool
+            Whether a topic, a type or a message is missing.
+        """
+        return min(self.period, _AGAIN) if in_need else self.period
 
     def commanders(self, topic: str) -> tuple[str, ...]:
         """Return the other nodes that publish on a topic now. Default: none is known."""
@@ -142,6 +163,8 @@ class TopicLink:
         Called with the state and a sentence when they change; on the link's thread.
     learned : callable
         Called with a channel whose type has become known; on the link's thread.
+    warn : callable
+        Called with a sentence about a robot that can be used, but not as expected; on the link's thread.
     """
 
     def __init__(
@@ -150,6 +173,7 @@ class TopicLink:
         place: str,
         report: OnStatus,
         learned: Callable[[Channel], None],
+        warn: Callable[[str], None],
     ) -> None:
         self._find = find
         self._place = place
@@ -157,7 +181,8 @@ class TopicLink:
         self.types = Types()
         self.topics: Mapping[str, str] = {}
         self.connected = False
-        self._report, self._learned = report, learned
+        self._report, self._learned, self._warn = report, learned, warn
+        self._is_slow = False
         self._last_status: tuple[ConnectionState, str] | None = None
         self._channels: tuple[Channel, ...] = ()
         self._dropped: list[Channel] = []
@@ -290,19 +315,47 @@ class TopicLink:
             except RefusedError as error:
                 self._leave(channel)
                 channel.problem = str(error)
-            channel.answered.set()
+            if not channel.is_asked_for:
+                channel.answered.set()
         self.connected = True
+        self._look_around(channels)
         self._report_change(*self._summary(channels))
         if not self._first.done():
             self._first.set_result(None)
-        waits = any(channel.waiting or channel.problem or channel.expects for channel in channels)
-        return min(self.transport.period, _AGAIN) if waits else self.transport.period
+        in_need = any(channel.waiting or channel.problem or channel.expects for channel in channels)
+        return self.transport.tend(in_need)
+
+    def _look_around(self, channels: tuple[Channel, ...]) -> None:
+        """Note who else commands, and how slow the link is."""
+        for channel in channels:
+            if channel.handle is not None and channel.is_velocity:
+                before, channel.commanders = channel.commanders, self.transport.commanders(channel.wire.topic)
+                for other in channel.commanders:
+                    if other not in before:
+                        self._warn(
+                            f"`{other}` publishes on `{channel.wire.topic}`, too: the robot obeys whoever was"
+                            " last. Let only one of you command it."
+                        )
+        trip = self.transport.round_trip
+        if trip is not None and not self._is_slow and trip > SLOW:
+            self._is_slow = True
+            self._warn(
+                f"The link to `{self.transport.place}` is slow: a round trip takes {trip:.1f} s. Readings and"
+                " commands are late by half of that each."
+            )
+        elif trip is not None and trip < _FAST:
+            self._is_slow = False
 
     def _connect_channel(self, channel: Channel) -> None:
         wire = channel.wire
         live = canonical(self.topics.get(wire.topic, ""))
         type_ = wire.type or live or channel.type
-        if live and live != type_ and self.transport.taken(wire.topic):
+        is_taken = self.transport.taken(wire.topic) if live and live != type_ else False
+        channel.is_asked_for = is_taken is None
+        if is_taken is None:
+            channel.waiting = f"`{self.transport.place}` is asked who uses `{wire.topic}`"
+            return
+        if is_taken:
             raise RefusedError(f"`{wire.topic}` carries `{live}`, not `{type_}`.")
         if channel.handle is not None:
             if channel.type == type_:
@@ -314,13 +367,17 @@ class TopicLink:
             channel.waiting = f"`{wire.topic}` does not exist yet, and its type is not known.{near}"
             return
         channel.type = type_
-        self._describe(type_)
+        channel.is_asked_for = not self._describe(type_)
+        if channel.is_asked_for:
+            channel.waiting = f"`{self.transport.place}` is asked for the type `{type_}`"
+            return
         if wire.direction == "subscription":
             channel.form = self.types.form(type_)
         else:
             channel.message = self.types.message(type_)
             _check_limits(channel)
         self._learned(channel)
+        channel.clock = self.transport.clock
         channel.live = True  # before joining: a latched message arrives while we do
         handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive)
         if channel.owes_stop and channel.message is not None:
@@ -329,15 +386,21 @@ class TopicLink:
         channel.problem, channel.waiting = "", self.transport.hint(handle)
         channel.handle = handle
 
-    def _describe(self, type_: str) -> None:
+    def _describe(self, type_: str) -> bool:
+        """Make a type known; return whether it is, and not only asked for."""
         if type_ not in self._described:
-            self.types.add(self.transport.define(type_))
+            definitions = self.transport.define(type_)
+            if definitions is None:
+                return False
+            self.types.add(definitions)
             self._described.add(type_)
         if not self.types.knows(type_):
+            self._described.discard(type_)
             known = {*self.types.names(), *map(canonical, self.topics.values())}
             raise RefusedError(
                 f"`{self.transport.place}` knows no message type `{type_}`.{did_you_mean(type_, known)}"
             )
+        return True
 
     def _leave(self, channel: Channel) -> None:
         handle, channel.handle = channel.handle, None
@@ -356,7 +419,7 @@ class TopicLink:
         self._trouble, self.connected, self.topics = sentence, False, {}
         for channel in self._channels:
             channel.forget()
-            channel.problem = sentence
+            channel.problem, channel.commanders = sentence, ()
             channel.owes_stop |= channel.has_moved
         self._report_change(ConnectionState.LOST, sentence)  # first: the transport may still send a stop
         self._disconnect()

@@ -13,6 +13,7 @@ from itertools import islice
 
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
 from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.link import SLOW
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 
 __all__ = ["Draft", "draw_panel", "gist"]
@@ -37,6 +38,7 @@ def draw_panel(
     status: str,
     backend: str,
     address: str,
+    round_trip: float | None,
     setup: str,
     draft: Draft,
     channels: Iterable[Channel],
@@ -51,6 +53,7 @@ def draw_panel(
             Field("status", "Status", value=status),
             Field("backend", "Connected by", value=backend),
             Field("address", "Address", value=address),
+            *(() if round_trip is None else (_trip(round_trip),)),
             Field("variable", "Variable", "text", draft.variable),
             Field("topic", "Topic", "text", draft.topic, names, press="pick"),
             Field("type", "Type", "text", draft.type, tuple(sorted(set(topics.values())))),
@@ -87,6 +90,12 @@ def draw_panel(
     )
 
 
+def _trip(seconds: float) -> Field:
+    """Return the field that shows how long a question and its answer are under way."""
+    note = " (slow)" if seconds > SLOW else ""
+    return Field("round_trip", "Round trip", value=f"{1000 * seconds:.0f} ms{note}")
+
+
 def _row(channel: Channel) -> tuple[str, ...]:
     wire, age, rate = channel.wire, channel.age(), channel.rate()
     shown = channel.problem or channel.waiting
@@ -94,6 +103,8 @@ def _row(channel: Channel) -> tuple[str, ...]:
         message = channel.latest.value if channel.latest is not None else channel.last_sent
         nothing = "no data yet" if wire.direction == "subscription" else "nothing sent yet"
         shown = nothing if message is None else gist(message)
+    if channel.commanders:
+        shown += f" ({', '.join(channel.commanders)} publishes here, too)"
     return (
         wire.variable,
         wire.direction,

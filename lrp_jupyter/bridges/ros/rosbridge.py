@@ -1,28 +1,44 @@
-"""The rosbridge back end: JSON over a websocket, without a ROS installation on this side.
+"""The rosbridge back end: JSON or CBOR over a websocket, without a ROS installation on this side.
 
 An own client of the rosbridge protocol 2.0, for what matters to a robot stands in
-`lrp_jupyter.bridges.ros.websocket`: a command is sent now or never.
+`lrp_jupyter.bridges.ros.websocket`: a command is sent now or never. Questions to rosapi have a connection of
+their own: see `lrp_jupyter.bridges.ros.rosapi`.
 
-ROS 1 and ROS 2 differ in the names of types (`pkg/Type`, `pkg/msg/Type`): each gets its own. Time
-stamps and rosapi's names of fields differ too, and come with the definitions. ROS 2 was not run.
+ROS 1 and ROS 2 differ in the names of types (`pkg/Type`, `pkg/msg/Type`) and in time stamps: each gets its
+own.
 """
 
 from __future__ import annotations
 
 import itertools
 import json
+import threading
+import time
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from lrp_jupyter.bridges.ros.definitions import Definition, canonical, from_rosapi
-from lrp_jupyter.bridges.ros.link import RefusedError, Transport
+from lrp_jupyter.bridges.ros.definitions import (
+    HEADERS,
+    KNOWN,
+    PRIMITIVES,
+    STRINGS,
+    Definition,
+)
+from lrp_jupyter.bridges.ros.frames import knows_cbor
+from lrp_jupyter.bridges.ros.link import Transport
+from lrp_jupyter.bridges.ros.rosapi import Rosapi
 from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.bridges.ros.websocket import Socket, require_websockets
 from lrp_jupyter.errors import BridgeError, ended
 
 __all__ = ["RosbridgeTransport"]
 
-_ANSWER = 2.0  # seconds for the server to answer a question
+_QUIET = 1.0  # seconds without a message after which a new publisher is worth another subscription …
+_UNPACKED = 3.0  # … and after which arrays are asked for as text
+_ECHO = 10.0  # seconds after which an own command no longer comes back
+_FIGHT = 5.0  # seconds for which another client counts as one that commands
 
 
 class RosbridgeTransport(Transport):
@@ -41,9 +57,12 @@ class RosbridgeTransport(Transport):
         self.place = url
         self._warn = warn
         self._socket: Socket | None = None
-        self._has_rosapi: bool | None = None  # None: not known yet
-        self._is_ros2 = False
-        self._receivers: dict[str, dict[int, Callable[[Any], None]]] = {}  # topic -> handles
+        self._rosapi = Rosapi(url, self.clock, warn, lambda: self.changed())
+        self._inputs: dict[str, _Input] = {}
+        self._outputs: dict[str, str] = {}  # the types of what was advertised
+        self._echoes: dict[str, _Echo] = {}
+        self._definitions: dict[str, Definition] = dict(KNOWN)
+        self._packs: bool | None = None  # whether the server packs arrays; None: not seen yet
         self._ids = itertools.count(1)
 
     # -- the connection ---------------------------------------------------------------------------
@@ -58,23 +77,30 @@ class RosbridgeTransport(Transport):
         """
         require_websockets()
         self.disconnect()
-        self._receivers = {}
+        self._inputs, self._packs = {}, None
         socket = Socket(self.place, self._receive, self.changed)
         socket.open()
         self._socket = socket
-        socket.put(json.dumps({"op": "set_level", "level": "error"}))
+        self._rosapi.start()
 
     def disconnect(self) -> None:
-        """Close the websocket."""
+        """Close the websockets."""
         socket, self._socket = self._socket, None
         if socket is not None:
             socket.close()
+        self._rosapi.stop()
 
     def trouble(self) -> str:
         """Return a sentence if the server hangs."""
         socket = self._socket
         hangs = socket is not None and socket.is_open and socket.is_stale
         return f"`{self.place}` no longer answers" if hangs else ""
+
+    @property
+    def round_trip(self) -> float | None:  # type: ignore[override]
+        """Seconds until the server answers a ping, as usual of late."""
+        socket = self._socket
+        return socket.round_trip if socket is not None else None
 
     def _open_socket(self) -> Socket:
         socket = self._socket
@@ -88,72 +114,58 @@ class RosbridgeTransport(Transport):
     # -- topics -----------------------------------------------------------------------------------
 
     def topics(self) -> Mapping[str, str]:
-        """Ask rosapi; a server without it has no list."""
-        if self._has_rosapi is False:
-            self._open_socket()
-            return {}
-        try:
-            values = self._ask("/rosapi/topics")
-        except RefusedError as error:
-            if self._has_rosapi:  # it is still there: its own ROS master is not
-                raise BridgeError(f"`{self.place}` answers, but its ROS master does not: {error}") from None
-            self._has_rosapi = False
-            self._warn(
-                f"`{self.place}` has no rosapi: topics are not listed, and only common types are known. "
-                "Start rosapi there."
-            )
-            return {}
-        self._has_rosapi = True
-        names, types = values.get("topics", []), values.get("types")
-        if types is None:  # an old rosapi: one type at a time, for the topics in use
-            types = [self._type_of(name) for name in names]
-        self._is_ros2 = any("/msg/" in str(type_) for type_ in types)
-        return {str(name): canonical(str(type_)) for name, type_ in zip(names, types, strict=False)}
+        """Return the list of rosapi as it was a moment ago; a server without rosapi has none.
+
+        Raises
+        ------
+        BridgeError
+            The connection is lost, or ROS itself does not answer.
+        """
+        self._open_socket()
+        topics = self._rosapi.topics()
+        if self._rosapi.trouble:
+            raise BridgeError(self._rosapi.trouble)
+        return topics
 
     def _spelled(self, type_: str) -> str:
         """Return the name of a type in the notation of this ROS."""
-        return type_.replace("/", "/msg/", 1) if self._is_ros2 else type_
+        return type_.replace("/", "/msg/", 1) if self._rosapi.is_ros2 else type_
 
-    def _type_of(self, topic: str) -> str:
-        return str(self._ask("/rosapi/topic_type", topic=topic).get("type", ""))
-
-    def define(self, type_: str) -> Mapping[str, Definition]:
-        """Ask rosapi about a type.
+    def define(self, type_: str) -> Mapping[str, Definition] | None:
+        """Return the definitions of a type; the server is asked only for those that are not known here.
 
         Raises
         ------
         RefusedError
-            The server does not know the type.
+            The server describes it in a way that cannot be understood.
         """
-        if not self._has_rosapi:
-            return {}
-        try:
-            typedefs = self._ask("/rosapi/message_details", type=self._spelled(type_)).get("typedefs", [])
-        except RefusedError:
-            return {}
-        return from_rosapi(typedefs)
+        topics = self._rosapi.topics()
+        header = HEADERS[2 if self._rosapi.is_ros2 else 1] if topics else {}
+        found = {} if Types().knows(type_) else self._rosapi.define(type_)
+        if found is None:
+            return None
+        found = {**header, **found}
+        self._definitions.update(found)
+        return found
 
-    def taken(self, topic: str) -> bool:
-        """Ask who publishes and subscribes."""
-        try:
-            return any(
-                self._ask(f"/rosapi/{who}", topic=topic).get(who) for who in ("publishers", "subscribers")
-            )
-        except RefusedError:
-            return True
+    def taken(self, topic: str) -> bool | None:
+        """Return whether a node publishes or subscribes, as rosapi knows; None while it is being asked."""
+        return self._rosapi.taken(topic)
 
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
         """Subscribe or advertise. A topic is subscribed to once, however many variables read it."""
         socket, number = self._open_socket(), next(self._ids)
-        wanted = {"topic": topic, "type": self._spelled(type_)}
         if direction == "publisher":
-            socket.put(json.dumps({"op": "advertise", "id": f"p{number}", **wanted}))
+            request = {"op": "advertise", "id": f"p{number}", "topic": topic, "type": self._spelled(type_)}
+            socket.put(json.dumps(request))
+            self._outputs[topic] = type_
             return _Handle(direction, topic, number, socket)
-        listeners = self._receivers.get(topic, {})
-        self._receivers[topic] = {**listeners, number: receive}
-        if not listeners:
-            request = {"op": "subscribe", "id": f"s{topic}", **wanted}
-            socket.put(json.dumps({**request, "queue_length": 1, "throttle_rate": 0}))  # newest wins
+        known = self._inputs.get(topic)
+        if known is not None:
+            known.receivers = {**known.receivers, number: receive}
+        else:
+            self._inputs[topic] = new = _Input(topic, type_, {number: receive})
+            self._subscribe(new)
         return _Handle(direction, topic, number, socket)
 
     def leave(self, handle: object) -> None:
@@ -164,11 +176,15 @@ class RosbridgeTransport(Transport):
             return
         if handle.direction == "publisher":
             socket.put(json.dumps({"op": "unadvertise", "id": f"p{number}", "topic": topic}))
+            echo = self._echoes.pop(topic, None)
+            if echo is not None and echo.handle is not None:
+                self.leave(echo.handle)
             return
-        listeners = {key: one for key, one in self._receivers.get(topic, {}).items() if key != number}
-        self._receivers[topic] = listeners
-        if not listeners:
-            socket.put(json.dumps({"op": "unsubscribe", "id": f"s{topic}", "topic": topic}))
+        known = self._inputs[topic]
+        known.receivers = {key: one for key, one in known.receivers.items() if key != number}
+        if not known.receivers:
+            del self._inputs[topic]
+            socket.put(_unsubscription(topic))
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish.
@@ -183,42 +199,102 @@ class RosbridgeTransport(Transport):
         if socket.is_stale and not urgent:
             raise BridgeError(self.trouble())
         text = json.dumps({"op": "publish", "id": f"p{handle.number}", "topic": topic, "msg": values})
+        echo = self._echoes.get(topic)
+        if echo is not None:
+            echo.sent(values)
         socket.put(text, topic=topic, urgent=urgent)
-
-    # -- services ---------------------------------------------------------------------------------
-
-    def _ask(self, service: str, **arguments: object) -> dict[str, Any]:
-        """Call a service.
-
-        Raises
-        ------
-        RefusedError
-            The call failed, or there is no such service.
-        BridgeError
-            The connection is gone, or nothing came back.
-        """
-        socket, key = self._open_socket(), f"q{next(self._ids)}"
-        answer = socket.expect(key)
-        socket.put(json.dumps({"op": "call_service", "id": key, "service": service, "args": arguments}))
-        try:
-            response = answer.result(_ANSWER)
-        except TimeoutError:
-            raise BridgeError(f"`{self.place}` did not answer the call of {service}.") from None
-        finally:
-            socket.forget(key)
-        values = response.get("values")
-        if response.get("result", True) is False or not isinstance(values, dict):
-            raise RefusedError(f"{service}: {values or response.get('msg') or 'no answer'}")
-        return values
 
     def _receive(self, message: Mapping[str, Any]) -> None:
         """Process a message of the server; on the socket's thread."""
         operation = message.get("op")
         if operation == "publish":
-            for receive in tuple(self._receivers.get(str(message.get("topic")), {}).values()):
-                receive(message.get("msg"))
+            known = self._inputs.get(str(message.get("topic")))
+            if known is not None:
+                known.heard = time.monotonic()
+                for receive in tuple(known.receivers.values()):
+                    receive(message.get("msg"))
         elif operation == "status" and message.get("level") in ("error", "warning"):
             self._warn(f"`{self.place}`: {message.get('msg')}")
+
+    # -- looking after the subscriptions ----------------------------------------------------------
+
+    def tend(self, in_need: bool) -> float:
+        """Adapt the subscriptions to the pace of the program, and to publishers that came later."""
+        rosapi, now = self._rosapi, time.monotonic()
+        quiet = [
+            each
+            for each in self._inputs.values()
+            if (rosapi.is_ros2 or each.heard is None) and now - (each.heard or each.since) > _QUIET
+        ]
+        rosapi.watch([*self._echoes, *(each.topic for each in quiet)], in_need)
+        for each in quiet:
+            publishers = frozenset(rosapi.publishers.get(each.topic, ()))
+            if each.is_packed and each.heard is None and publishers and now - each.since > _UNPACKED:
+                self._packs = self._packs or False
+                each.may_be_packed = False
+                self._subscribe(each)
+            elif rosapi.is_ros2 and publishers - each.publishers:
+                # rosbridge chooses the quality of service when it subscribes, from the publishers there are
+                each.publishers = publishers
+                self._open_socket().put(_unsubscription(each.topic))
+                self._subscribe(each)
+        for each in self._inputs.values():
+            if each.is_packed and each.heard is not None:
+                self._packs = True
+            if each.throttle != self._throttle:
+                self._subscribe(each)
+        return super().tend(in_need)
+
+    @property
+    def _throttle(self) -> int:
+        """Milliseconds between two messages of a topic; the newest is sent."""
+        return int(self.pace * 1000)
+
+    def _subscribe(self, one: _Input) -> None:
+        """Subscribe; a second time with the same id changes how."""
+        one.throttle = self._throttle
+        one.is_packed = (
+            one.may_be_packed
+            and self._packs is not False
+            and knows_cbor()
+            and _is_packed(one.type, self._definitions)
+        )
+        one.since = time.monotonic()
+        request = {"op": "subscribe", "id": f"s{one.topic}", "topic": one.topic}
+        request |= {"type": self._spelled(one.type), "compression": "cbor" if one.is_packed else "none"}
+        text = json.dumps({**request, "queue_length": 1, "throttle_rate": one.throttle})  # newest wins
+        self._open_socket().put(text)
+
+    def hint(self, handle: object) -> str:
+        """Return what may be wrong where a topic has a publisher, but no message came."""
+        assert isinstance(handle, _Handle)
+        one = self._inputs.get(handle.topic)
+        publishers = self._rosapi.publishers.get(handle.topic, ())
+        if one is None or one.heard is not None or time.monotonic() - one.since < _UNPACKED or not publishers:
+            return ""
+        reason = (
+            "another client of this rosbridge subscribed before it was there: restart rosbridge"
+            if self._rosapi.is_ros2
+            else "see the log of rosbridge"
+        )
+        return (
+            f"`{publishers[0]}` publishes on `{one.topic}`, but nothing has arrived. If it is not just quiet,"
+            f" {reason}."
+        )
+
+    # -- who else commands ------------------------------------------------------------------------
+
+    def commanders(self, topic: str) -> tuple[str, ...]:
+        """Return the other nodes that rosapi knows, or the client of this server whose commands are seen."""
+        echo = self._echoes.setdefault(topic, _Echo())
+        if echo.has_sent and (echo.handle is None or echo.handle.socket is not self._socket):
+            handle = self.join(topic, self._outputs[topic], "subscription", echo.receive)
+            assert isinstance(handle, _Handle)
+            echo.handle = handle
+        nodes = self._rosapi.publishers.get(topic, ())
+        if not nodes and time.monotonic() - echo.strange < _FIGHT:
+            return (f"another client of {self.place}",)
+        return nodes
 
 
 class _Handle(NamedTuple):
@@ -226,3 +302,77 @@ class _Handle(NamedTuple):
     topic: str
     number: int
     socket: Socket
+
+
+class _Input:
+    """A topic that is subscribed to."""
+
+    def __init__(self, topic: str, type_: str, receivers: dict[int, Callable[[Any], None]]) -> None:
+        self.topic, self.type, self.receivers = topic, type_, receivers
+        self.since = 0.0
+        self.heard: float | None = None
+        self.throttle = 0
+        self.may_be_packed = True
+        self.is_packed = False
+        self.publishers: frozenset[str] = frozenset()
+
+
+class _Echo:
+    """The commands on a topic as they come back from the robot: those that are not ours are another's.
+
+    rosapi knows nodes only, and all clients of a rosbridge server are one node.
+    """
+
+    def __init__(self) -> None:
+        self.handle: _Handle | None = None
+        self.has_sent = False
+        self.strange = float("-inf")
+        self._sent: deque[tuple[float, Mapping[str, Any]]] = deque(maxlen=1000)
+        self._lock = threading.Lock()
+
+    def sent(self, values: Mapping[str, Any]) -> None:
+        """Note a command of ours."""
+        with self._lock:
+            self.has_sent = True
+            self._sent.append((time.monotonic(), values))
+
+    def receive(self, values: Any) -> None:
+        """Compare a command with ours."""
+        now = time.monotonic()
+        with self._lock:
+            if not any(now - when < _ECHO and _is_in(ours, values) for when, ours in reversed(self._sent)):
+                self.strange = now
+
+
+def _is_in(ours: object, theirs: object) -> bool:
+    """Whether all that was sent is in what came back; the server may have added a time stamp."""
+    if isinstance(ours, Mapping):
+        return isinstance(theirs, Mapping) and all(_is_in(ours[key], theirs.get(key)) for key in ours)
+    return ours == theirs
+
+
+def _unsubscription(topic: str) -> str:
+    return json.dumps({"op": "unsubscribe", "id": f"s{topic}", "topic": topic})
+
+
+def _is_packed(type_: str, definitions: Mapping[str, Definition]) -> bool:
+    """Whether a message has arrays that are worth packing, and nothing that a server fails to pack.
+
+    rosbridge raises errors for arrays of a fixed length (all versions of ROS 1, and of ROS 2 until 2026) and
+    of strings (ROS 1), and for the octets of ROS 2.
+    """
+    worth = False
+    wanted, seen = [type_], set[str]()
+    while wanted:
+        definition = definitions.get(wanted.pop())
+        if definition is None:
+            return False
+        seen.add(definition.type)
+        for field in definition.fields.values():
+            is_text = field.base in STRINGS
+            if field.length > 0 or (is_text and field.length == 0) or field.base in ("byte", "wstring"):
+                return False
+            worth |= field.length == 0 and field.base in PRIMITIVES
+            if field.base not in PRIMITIVES and field.base not in seen:
+                wanted.append(field.base)
+    return worth

@@ -102,14 +102,21 @@ class RospyTransport(Transport):
 
     def taken(self, topic: str) -> bool:
         """Ask the master for other nodes of the topic: it never forgets a type."""
-        return self._others(topic, 0) or self._others(topic, 1)
+        return bool(self._others(topic, 0) or self._others(topic, 1))
 
-    def _others(self, topic: str, section: int) -> bool:
-        """Whether other nodes publish (section 0) or subscribe (1)."""
+    def commanders(self, topic: str) -> tuple[str, ...]:
+        """Ask the master for the other publishers."""
+        return self._others(topic, 0)
+
+    def _others(self, topic: str, section: int) -> tuple[str, ...]:
+        """Return the other nodes that publish (section 0) or subscribe (1)."""
         own = _rospy().get_name()
-        return any(
-            name == topic and any(node != own for node in nodes)
+        return tuple(
+            str(node)
             for name, nodes in self._master.ask("getSystemState")[section]
+            if name == topic
+            for node in nodes
+            if node != own
         )
 
     def define(self, type_: str) -> Mapping[str, Definition]:
@@ -163,6 +170,7 @@ class RospyTransport(Transport):
         message = publisher.data_class()
         try:
             genpy.message.fill_message_args(message, [dict(values)])
+            _fill_stamps(message, values, genpy.Time.from_sec(time.time()))
             publisher.publish(message)
         except (genpy.MessageException, rospy.ROSException) as error:
             raise BridgeError(f"`{publisher.resolved_name}` refuses the message: {error}") from error
@@ -232,6 +240,19 @@ def _class_of(type_: str) -> Any:
             f"There is no message type `{type_}` here. Is `{package}` installed, and is the name right?"
         )
     return found
+
+
+def _fill_stamps(message: Any, values: object, now: Any) -> None:
+    """Put the time into headers that have none."""
+    if isinstance(values, (tuple, list)):
+        if values and isinstance(values[0], Mapping):
+            for each, inner in zip(message, values, strict=True):
+                _fill_stamps(each, inner, now)
+    elif isinstance(values, Mapping):
+        if getattr(message, "_type", "") == "std_msgs/Header" and "stamp" not in values:
+            message.stamp = now
+        for name, inner in values.items():
+            _fill_stamps(getattr(message, name), inner, now)
 
 
 def _define(type_: str, found: dict[str, Definition]) -> None:

@@ -3,7 +3,7 @@
 ::
 
     {"version": 1,
-     "subscriptions": {"odom": {"topic": "/odom", "type": "nav_msgs/Odometry"},
+     "subscriptions": {"odom": {"topic": "/odom", "type": "nav_msgs/Odometry", "stale_after": 0.5},
                        "light": {"topic": "/light"}},
      "publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist",
                              "limits": {"linear": 0.5, "angular": 1.0}}}}
@@ -18,18 +18,21 @@ from __future__ import annotations
 
 import json
 import keyword
+import math
 import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
+from urllib.parse import urlsplit
 
 from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
 from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
 
 __all__ = [
+    "Address",
     "Direction",
     "Wire",
     "check_type",
@@ -62,6 +65,8 @@ class Wire:
         In the form ``package/Type``; empty: that of the live topic.
     limits : mapping of str to float
         Of a publisher: ``{"linear": 0.5}`` keeps that field within -0.5 ... 0.5.
+    stale_after : float or None
+        Of a subscription: seconds after which its last message is too old to drive by; None: it never is.
 
     Raises
     ------
@@ -74,6 +79,7 @@ class Wire:
     topic: str
     type: str = ""
     limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)
+    stale_after: float | None = None
 
     def __post_init__(self) -> None:
         parts = self.variable.split(".")
@@ -92,6 +98,9 @@ class Wire:
             )
         object.__setattr__(self, "topic", absolute)
         object.__setattr__(self, "type", check_type(self.type))
+        seconds = self.stale_after
+        if seconds is not None and (type(seconds) not in (int, float) or not 0 < seconds < math.inf):
+            raise BridgeError(f"`stale_after` must be a number of seconds above 0, not {seconds!r}.")
 
     def as_dict(self) -> dict[str, Any]:
         """Everything but variable and direction, as JSON."""
@@ -100,6 +109,8 @@ class Wire:
             wire["type"] = self.type
         if self.limits:
             wire["limits"] = dict(self.limits)
+        if self.stale_after is not None:
+            wire["stale_after"] = self.stale_after
         return wire
 
 
@@ -158,12 +169,13 @@ def _wire_from(variable: str, direction: Direction, entry: object, place: str) -
         entry = {"topic": entry}
     if not isinstance(entry, Mapping) or not isinstance(entry.get("topic"), str):
         raise BridgeError(f"{place}: A `topic` is missing.")
-    _no_others(entry, ("topic", "type", "limits")[: 2 if direction == "subscription" else 3], place)
-    type_, limits = entry.get("type", ""), entry.get("limits", {})
+    own = "stale_after" if direction == "subscription" else "limits"
+    _no_others(entry, ("topic", "type", own), place)
+    type_, limits, stale_after = entry.get("type", ""), entry.get("limits", {}), entry.get("stale_after")
     if not isinstance(type_, str):
         raise BridgeError(f"{place}: The `type` must be a string.")
     try:
-        return Wire(variable, direction, entry["topic"], type_, _limits_from(limits))
+        return Wire(variable, direction, entry["topic"], type_, _limits_from(limits), stale_after)
     except BridgeError as error:
         raise BridgeError(f"{place}: {error}") from None
 
@@ -218,20 +230,79 @@ def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
         raise BridgeError(f"The set-up was not saved. {error}") from error
 
 
-def parse_address(host: str | None, port: int | str | None, default: int) -> tuple[str, int]:
-    """Split an address into host and port: ``turtle.local``, ``10.0.0.5:9090``, ``ws://turtle.local:9090/``.
+@dataclass(frozen=True, slots=True)
+class Address:
+    """Where a robot is found.
+
+    Attributes
+    ----------
+    scheme : str
+        ``ws``, ``wss`` or ``http``.
+    host : str
+        Empty: not given.
+    port : int
+    path : str
+        Empty, or from the first ``/`` on, with a query.
+    """
+
+    scheme: str
+    host: str
+    port: int
+    path: str = ""
+
+    @property
+    def url(self) -> str:
+        """The whole address; of this machine if no host was given."""
+        host = self.host or "127.0.0.1"
+        return f"{self.scheme}://{f'[{host}]' if ':' in host else host}:{self.port}{self.path}"
+
+    def __str__(self) -> str:
+        if not self.host:
+            return ""
+        return self.url if self.path or self.scheme == "wss" else self.url.partition("//")[2]
+
+
+def parse_address(
+    host: str | None, port: int | str | None, default: int, schemes: tuple[str, ...] = ("ws", "wss")
+) -> Address:
+    """Read an address: ``turtle.local``, ``10.0.0.5:9090``, ``[fe80::1]:9090``, ``wss://turtle.local/rosbridge``.
+
+    Parameters
+    ----------
+    host : str, optional
+    port : int or str, optional
+        It replaces a port in `host`.
+    default : int
+        The port if none is given; with ``wss`` it is 443, as in a browser.
+    schemes : tuple of str
+        What may stand before ``://``; the first is the default. Only ``ws`` and ``wss`` have paths.
 
     Raises
     ------
     BridgeError
-        It is not an address.
+        It is not an address, or not one that can be connected to.
     """
     text = str(host or "").strip()
-    bare = text.rpartition("//")[2].rstrip("/")
-    name, colon, digits = bare.rpartition(":") if bare.count(":") == 1 else (bare, "", "")
-    number = str(port) if port is not None else digits if colon else str(default)
-    if not number.isdigit() or not 0 < int(number) < 65536 or (text and not name) or set(name) & set(" /?#"):
-        raise BridgeError(
-            f"`{text}`{f', port {port}' if port else ''} is not an address. Write `host` or `host:port`."
-        )
-    return name, int(number)
+    shown = f"`{text}`{f', port {port}' if port else ''}"
+    if text.count(":") > 1 and "://" not in text and not text.startswith("["):  # an IPv6 address
+        text = f"[{text}]"
+    scheme, mark, _ = text.rpartition("://")
+    if mark and scheme not in schemes:
+        known = " or ".join(f"`{name}://`" for name in schemes) or "a host without that"
+        raise BridgeError(f"{shown} begins with `{scheme}://`, but only {known} can be connected to.")
+    try:
+        parts = urlsplit(text if mark else f"{schemes[0] if schemes else 'host'}://{text}")
+        name, given = parts.hostname or "", parts.port
+        number = int(port) if port is not None else given or (443 if parts.scheme == "wss" else default)
+    except ValueError:
+        name, number = "", -1
+    if "@" in text:
+        raise BridgeError(f"{shown} has a user name, which cannot be sent. Write the address without it.")
+    path = parts.path.rstrip("/") if number > 0 else ""
+    path += f"?{parts.query}" if number > 0 and parts.query else ""
+    if path and parts.scheme not in ("ws", "wss"):
+        raise BridgeError(f"{shown} has a path, which means nothing there. Write `host:port`.")
+    is_name = re.fullmatch(r"[\w.%:-]*", name, re.ASCII) and not re.search(r"[\s#]|\?$", text)
+    if not 0 < number < 65536 or (text and not name) or not is_name:
+        raise BridgeError(f"{shown} is not an address. Write `host` or `host:port`.")
+    return Address(parts.scheme, name, number, path)

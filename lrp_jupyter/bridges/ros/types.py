@@ -63,15 +63,34 @@ class Form:
 
 
 class RosMessage(Message):
-    """A ROS message to be filled."""
+    """A ROS message to be filled.
 
-    __slots__ = ()
+    The time stamp of a header is part of its values only if it was set: the robot's side fills in the time.
+    """
+
+    __slots__ = ("_is_set",)
     _TYPE: ClassVar[str] = ""
+    _is_set: bool
+
+    def __init__(self, path: str = "msg", /, **fields: object) -> None:
+        object.__setattr__(self, "_is_set", False)
+        super().__init__(path, **fields)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields as nested dictionaries."""
+        values = super().as_dict()
+        if self._TYPE == "std_msgs/Header" and "stamp" in values and not self.stamp._is_set:
+            del values["stamp"]
+        return values
 
     def _assign(self, name: str, value: object) -> None:
+        object.__setattr__(self, "_is_set", True)
         if isinstance(value, ReceivedMessage):  # what arrived on one topic may go out on another
             value = value._as_dict()
-        super()._assign(name, value)
+        if isinstance(value, RosMessage) and not value._is_set and self.FIELDS.get(name) is type(value):
+            self._fields[name] = type(value)(f"{self._path}.{name}")
+        else:
+            super()._assign(name, value)
 
 
 class ReceivedMessage:
@@ -242,7 +261,7 @@ class Types:
         one = _DECODERS[field.base] if field.base in PRIMITIVES else self.form(field.base).decode
         if field.length < 0:
             return one
-        return _bytes if field.base in _BYTES else lambda raw: tuple(map(one, _as_list(raw)))
+        return _bytes if field.base in _BYTES else _many(one, _PYTHON.get(field.base))
 
 
 # -- fields to fill -------------------------------------------------------------------------------
@@ -348,6 +367,18 @@ def _bytes(raw: Any) -> bytes:
 def _as_list(raw: Any) -> Any:
     """Return an array of numbers, which ROS 2 gives as one of `array` or NumPy, with those of Python."""
     return raw.tolist() if hasattr(raw, "tolist") else raw
+
+
+def _many(one: Decode, plain: type | None) -> Decode:
+    """Make the decoder of an array; where all elements are of the plain type, none has to be decoded."""
+
+    def decode(raw: Any) -> tuple[object, ...]:
+        items = _as_list(raw)
+        if isinstance(items, (list, tuple)) and set(map(type, items)) == {plain}:
+            return tuple(items)
+        return tuple(map(one, items))
+
+    return decode
 
 
 def _exactly(kind: type, *also: type) -> Decode:

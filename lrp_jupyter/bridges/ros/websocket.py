@@ -3,14 +3,15 @@
 Two things matter to a robot. A command is sent now or never: what could not leave within half a
 second, or was waiting when the connection broke, is dropped. And a server that hangs is noticed: it
 is pinged four times a second, and is called stale until it answers, so that commands do not pile up
-in the network and arrive when they are outdated.
+in the network and arrive when they are outdated. Anything that arrives is a sign of life, since a pong waits
+behind a large message. A link that is slow but steady is given more time, several of its round trips.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
+import ssl
 import struct
 import threading
 import time
@@ -18,9 +19,11 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from socket import SO_LINGER, SOL_SOCKET
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.bridges.ros.frames import Fragments, decode
+from lrp_jupyter.errors import BridgeError, ended
 
 if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
@@ -29,8 +32,10 @@ __all__ = ["Socket", "require_websockets"]
 
 _CONNECT = 3.0  # seconds to reach the server
 _PING = 0.25  # seconds between two pings
-_STALE = 0.6  # seconds without a pong after which it gets no more commands …
+_STALE = 0.6  # seconds without a sign of life after which it gets no more commands …
 _LOST = 4.0  # … and after which the connection is closed
+_STALE_TRIPS, _LOST_TRIPS = 2.5, 6.0  # the same, as multiples of the usual round trip of a slow link
+_SLOWEST = 2.0  # seconds of a round trip; a link that is slower gets no more time
 _FRESH = 0.5  # seconds that a command may wait for the network
 _FLUSH = 0.3  # seconds to send what is queued
 _LARGEST = 64 * 2**20  # bytes of a message; images are large
@@ -52,6 +57,8 @@ class Socket:
     Attributes
     ----------
     is_open, is_stale : bool
+    round_trip : float or None
+        Seconds until a pong, as usual of late; None before the first one.
     ended : str
         Why it ended; empty for no special reason.
     """
@@ -62,6 +69,7 @@ class Socket:
         self.ended = ""
         self.is_open = False
         self.is_stale = False
+        self.round_trip: float | None = None
         self._url, self._receive, self._changed = url, receive, changed
         self._waiting: dict[str, Future[Mapping[str, Any]]] = {}
         self._outbox: deque[tuple[float, str, str]] = deque()  # time, topic (or ""), text
@@ -144,8 +152,9 @@ class Socket:
     async def _live(self) -> None:
         from websockets.exceptions import ConnectionClosed
 
-        self._loop = asyncio.get_running_loop()
+        self._loop, began = asyncio.get_running_loop(), time.monotonic()
         connection = await _reach(self._url)
+        self._trips = deque([(time.monotonic() - began) / 2], maxlen=5)  # connecting takes two, or more
         self.is_open = True
         self._opened.set_result(None)
         tasks = [asyncio.ensure_future(work(connection)) for work in (self._listen, self._speak, self._watch)]
@@ -165,13 +174,11 @@ class Socket:
                 self.ended = str(error)
 
     async def _listen(self, connection: ClientConnection) -> None:
+        fragments = Fragments()
         async for frame in connection:
-            try:
-                message = json.loads(frame)
-            except ValueError:
+            message = fragments.join(decode(frame))
+            if message is None:
                 continue  # not a message; the next one may be
-            if not isinstance(message, dict):
-                continue
             if message.get("op") == "service_response":
                 answer = self._waiting.get(str(message.get("id")))
                 if answer is not None and not answer.done():
@@ -196,14 +203,18 @@ class Socket:
         while True:
             pong = asyncio.ensure_future(await connection.ping())
             began = time.monotonic()
+            usual = min(median(self._trips), _SLOWEST)
+            stale, lost = max(_STALE, _STALE_TRIPS * usual), max(_LOST, _LOST_TRIPS * usual)
             while not pong.done():
                 await asyncio.wait([pong], timeout=_STALE / 6)
-                silence = time.monotonic() - began
-                if silence > _LOST:
+                silence = time.monotonic() - max(began, connection.heard)  # type: ignore[attr-defined]
+                if silence > lost:
                     raise BridgeError(f"The server has not answered for {silence:.0f} s.")
-                if silence > _STALE and not self.is_stale and not pong.done():
+                if silence > stale and not self.is_stale and not pong.done():
                     self.is_stale = True
                     self._changed()
+            self._trips.append(pong.result())
+            self.round_trip = median(self._trips)
             if self.is_stale:
                 self.is_stale = False
                 self._changed()
@@ -228,12 +239,22 @@ def require_websockets() -> None:
 
 
 async def _reach(url: str) -> ClientConnection:
-    from websockets.asyncio.client import connect
+    from websockets.asyncio.client import ClientConnection, connect
     from websockets.exceptions import WebSocketException
+
+    class Connection(ClientConnection):
+        """One that notes when it last heard of the server: a large message is long under way."""
+
+        heard = 0.0
+
+        def data_received(self, data: bytes) -> None:
+            self.heard = time.monotonic()
+            super().data_received(data)
 
     try:
         return await connect(
             url,
+            create_connection=Connection,
             open_timeout=_CONNECT,
             close_timeout=_FLUSH,
             ping_interval=None,  # the loop below pings more often
@@ -241,11 +262,20 @@ async def _reach(url: str) -> ClientConnection:
             compression=None,
             proxy=None,
         )
-    except OSError as error:
+    except ssl.SSLCertVerificationError as error:
         raise BridgeError(
-            f"No rosbridge server answers at `{url}` ({error.strerror or error or 'no answer'})."
+            f"The certificate of `{url}` is not trusted: {ended(error.verify_message)} If the robot made it"
+            " itself, copy it here as a file, and name this in the environment variable `SSL_CERT_FILE`"
+            " (in a notebook: `%env SSL_CERT_FILE=robot.pem`)."
+        ) from None
+    except OSError as error:
+        why = error.strerror or str(error) or type(error).__name__
+        hint = ", or write `ws://` if it does not encrypt" if url.startswith("wss:") else ""
+        raise BridgeError(
+            f"No rosbridge server answers at `{url}` ({why})."
             " Start it with `roslaunch rosbridge_server rosbridge_websocket.launch` (ROS 1) or"
-            " `ros2 launch rosbridge_server rosbridge_websocket_launch.xml` (ROS 2), or name its `host`."
+            " `ros2 launch rosbridge_server rosbridge_websocket_launch.xml` (ROS 2), or name its"
+            f" `host`{hint}."
         ) from None
     except (WebSocketException, ValueError) as error:
         raise BridgeError(f"The server at `{url}` is not a rosbridge server: {error}.") from None

@@ -21,12 +21,13 @@ import time
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from queue import Queue
 from types import ModuleType
 from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.ros import RosBridge, link
+from lrp_jupyter.bridges.ros import RosBridge, link, rosapi
 from lrp_jupyter.bridges.ros.definitions import KNOWN
 
 HERE = Path(__file__).parent
@@ -84,7 +85,8 @@ def graph(rosbridge: ModuleType) -> Any:
         "/light": "std_msgs/UInt8",
         "/cmd_vel": "geometry_msgs/Twist",
     }
-    graph.others |= set(graph.types)
+    graph.others |= {"/cmd_vel"}
+    graph.publishers |= {"/odom": ["/robot"], "/light": ["/robot"]}
     return graph
 
 
@@ -93,8 +95,8 @@ def serve(rosbridge: ModuleType, graph: Any) -> Iterator[Callable[..., Any]]:
     """Start a server for the topics in memory."""
     servers = []
 
-    def start(port: int = 0, rosapi: bool = True) -> Any:
-        servers.append(rosbridge.RosbridgeServer(graph, port, rosapi))
+    def start(port: int = 0, rosapi: bool = True, encryption: Any = None) -> Any:
+        servers.append(rosbridge.RosbridgeServer(graph, port, rosapi, encryption))
         return servers[-1]
 
     yield start
@@ -108,13 +110,18 @@ def server(serve: Callable[..., Any]) -> Any:
 
 
 class Wire:
-    """A stretch of network between bridge and server that can be held up, cut, or cut in two."""
+    """A stretch of network between bridge and server that can be held up, cut, or cut in two.
+
+    It may also be slow: `delay` seconds each way, or `bytes_per_second` from the server.
+    """
 
     def __init__(self, port: int) -> None:
         self.target = port
+        self.delay = 0.0
+        self.bytes_per_second = 0
         self._held = threading.Event()
         self._bytes_left: int | None = None  # of the server's messages
-        self._pairs: list[socket.socket] = []
+        self._ends: list[tuple[socket.socket, socket.socket]] = []
         self._threads: list[threading.Thread] = []
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.port: int = self._listener.getsockname()[1]
@@ -135,7 +142,7 @@ class Wire:
         """End what is connected now."""
         self._bytes_left = None
         self._held.clear()
-        for end in self._pairs:
+        for end in self._sockets():
             with contextlib.suppress(OSError):
                 end.shutdown(socket.SHUT_RDWR)
 
@@ -146,8 +153,11 @@ class Wire:
         self.cut()
         for thread in self._threads:
             thread.join(60)
-        for end in self._pairs:
+        for end in self._sockets():
             end.close()
+
+    def _sockets(self) -> list[socket.socket]:
+        return [end for pair in tuple(self._ends) for end in pair]
 
     def _start(self, work: Callable[..., None], *arguments: Any) -> None:
         self._threads.append(threading.Thread(target=work, args=arguments, name="wire", daemon=True))
@@ -164,22 +174,40 @@ class Wire:
             except OSError:  # no server: behave as if there were none here
                 near.close()
                 continue
-            self._pairs += [near, far]
+            self._ends.append((near, far))
             self._start(self._pass, near, far, False)
             self._start(self._pass, far, near, True)
 
     def _pass(self, source: socket.socket, target: socket.socket, from_server: bool) -> None:
-        tick = threading.Event()
+        under_way: Queue[tuple[float, bytes]] = Queue()
+        self._start(self._deliver, under_way, target, from_server)
         try:
             while data := source.recv(65536):
+                under_way.put((time.monotonic() + self.delay, data))
+        except OSError:
+            pass
+        under_way.put((0.0, b""))
+
+    def _deliver(
+        self, under_way: Queue[tuple[float, bytes]], target: socket.socket, from_server: bool
+    ) -> None:
+        tick = threading.Event()
+        try:
+            while True:
+                due, data = under_way.get()
+                if not data:
+                    break
                 if from_server and self._bytes_left is not None:
                     data, self._bytes_left = data[: self._bytes_left], max(0, self._bytes_left - len(data))
+                tick.wait(max(0.0, due - time.monotonic()))
                 while self._held.is_set():
                     tick.wait(0.01)
                 target.sendall(data)
+                if from_server and self.bytes_per_second:
+                    tick.wait(len(data) / self.bytes_per_second)
         except OSError:
             pass
-        for end in (source, target):
+        for end in [end for pair in self._ends if target in pair for end in pair]:
             with contextlib.suppress(OSError):
                 end.shutdown(socket.SHUT_RDWR)
 
@@ -196,6 +224,8 @@ def wire(server: Any) -> Iterator[Wire]:
 def make(server: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., RosBridge]]:
     """Make bridges to the topics in memory, which try again soon; they are closed in the end."""
     monkeypatch.setattr(link, "_AGAIN", 0.05)
+    monkeypatch.setattr(rosapi, "_SOON", 0.05)
+    monkeypatch.setattr(rosapi, "_RARELY", 0.2)
     bridges = []
 
     def build(**options: Any) -> RosBridge:

@@ -1,8 +1,11 @@
 """A small rosbridge server for the tests: protocol 2.0 as far as the bridge uses it.
 
 Neither Debian nor PyPI has one, so this one is our own; it serves either the
-real ROS master with rospy (`python rosbridge_server.py PORT`), or a few topics in memory. It is strict
-where the real one is: a message with a field that its type does not have is refused with a status.
+real ROS master with rospy (`python rosbridge_server.py PORT`), or a few topics in memory. Where the real one
+is strict or peculiar, it is, too: the messages of a connection are processed in their order, so that a
+service of ROS 2 that hangs holds up all later ones; an unknown operation leaves an error in the log; the
+newest message waits for `throttle_rate`; a message without a time stamp gets one; arrays of a fixed length
+cannot be packed.
 """
 
 from __future__ import annotations
@@ -10,12 +13,16 @@ from __future__ import annotations
 import base64
 import json
 import math
+import ssl
+import struct
 import sys
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
+import cbor2
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection, serve
 
@@ -30,10 +37,16 @@ class MemoryGraph:
         self.types: dict[str, str] = {}
         self.heard: list[tuple[str, dict[str, Any]]] = []
         self.listeners: list[tuple[str, Receive]] = []
+        self.relaxed: list[tuple[str, Receive]] = []  # of these, those who take what is not repeated
         self.advertised: list[str] = []
-        self.others: set[str] = set()  # topics that other nodes use
+        self.others: set[str] = set()  # topics to which other nodes subscribe
+        self.publishers: dict[str, list[str]] = {"/client_count": ["/rosbridge_websocket"]}
+        self.best_effort: set[str] = set()  # topics that are published so
         self.master_is_alive = True
         self.is_ros2 = False
+        self.distribution = "jazzy"
+        self.texts: dict[str, str] = {}  # of types, as in their .msg files and those inside
+        self.time = time.time
 
     def topics(self) -> dict[str, str]:
         if not self.master_is_alive:
@@ -63,13 +76,22 @@ class MemoryGraph:
         names = {"float64": "double", "float32": "float", "bool": "boolean"} if self.is_ros2 else {}
         return names.get(base, base)
 
-    def nodes(self, topic: str, _who: str) -> list[str]:
-        return ["/somebody"] if topic in self.others else []
+    def raw_types(self) -> list[str]:
+        return [self.texts.get(type_.replace("/msg/", "/"), "# none") for type_ in self.topics().values()]
+
+    def nodes(self, topic: str, who: str) -> list[str]:
+        if who == "subscribers":
+            return ["/robot"] if topic in self.others else []
+        own = ["/rosbridge_websocket"] if topic in self.advertised else []
+        return [*own, *self.publishers.get(topic, [])]
 
     def subscribe(self, topic: str, type_: str, receive: Receive) -> object:
         self.types.setdefault(topic, type_)
-        self.listeners.append((topic, receive))
-        return self.listeners[-1]
+        entry = (topic, receive)
+        if topic in self.best_effort:  # chosen now, from the publishers there are
+            self.relaxed.append(entry)
+        self.listeners.append(entry)
+        return entry
 
     def unsubscribe(self, handle: Any) -> None:
         self.listeners.remove(handle)
@@ -83,17 +105,27 @@ class MemoryGraph:
         self.advertised.remove(handle)
 
     def publish(self, handle: Any, values: dict[str, Any]) -> None:
+        header = values.get("header")
+        if header is not None:
+            header.setdefault("stamp", self.stamp(self.time()))
         self.heard.append((handle, values))
+        self.send(handle, **values)
+
+    def stamp(self, seconds: float) -> dict[str, int]:
+        whole, rest = int(seconds), round(seconds % 1 * 1e9)
+        return {"sec": whole, "nanosec": rest} if self.is_ros2 else {"secs": whole, "nsecs": rest}
 
     def send(self, topic: str, **values: Any) -> None:
         """Publish as another node would."""
-        for name, receive in tuple(self.listeners):
-            if name == topic:
-                receive(values)
+        for entry in tuple(self.listeners):
+            if entry[0] == topic and (topic not in self.best_effort or entry in self.relaxed):
+                entry[1](values)
 
 
 class RospyGraph:
     """The topics of a real ROS master."""
+
+    is_ros2 = False
 
     def __init__(self) -> None:
         import rospy
@@ -103,7 +135,10 @@ class RospyGraph:
         self.master = rospy.get_master()
 
     def topics(self) -> dict[str, str]:
-        return {topic: type_ for topic, type_ in self.master.getTopicTypes()[2] if type_ != "*"}
+        try:
+            return {topic: type_ for topic, type_ in self.master.getTopicTypes()[2] if type_ != "*"}
+        except OSError:
+            raise RuntimeError("Unable to communicate with master!") from None
 
     def typedefs(self, type_: str) -> list[dict[str, Any]]:
         kind, found = self._class(type_), []
@@ -121,7 +156,12 @@ class RospyGraph:
             found += self.typedefs(base)
         return found
 
+    def stamp(self, seconds: float) -> dict[str, int]:
+        return {"secs": int(seconds), "nsecs": round(seconds % 1 * 1e9)}
+
     def nodes(self, topic: str, who: str) -> list[str]:
+        if topic == "/client_count" and who == "publishers":
+            return [str(self.rospy.get_name())]
         state = self.master.getSystemState()[2][0 if who == "publishers" else 1]
         return [node for name, nodes in state if name == topic for node in nodes]
 
@@ -158,12 +198,43 @@ class RospyGraph:
 
         message = handle.data_class()
         genpy.message.fill_message_args(message, [values])
+        if "header" in values and "stamp" not in values["header"]:
+            message.header.stamp = self.rospy.Time.from_sec(time.time())
         if handle.unheard:  # as the real one: the first message waits for the subscribers to connect
             handle.unheard = False
             end = time.monotonic() + 0.5
             while handle.get_num_connections() == 0 and time.monotonic() < end:
                 time.sleep(0.01)
         handle.publish(message)
+
+
+PACKED = {
+    "uint16": (69, "H"),
+    "uint32": (70, "I"),
+    "uint64": (71, "Q"),
+    "int8": (72, "b"),
+    "int16": (77, "h"),
+}
+PACKED |= {"int32": (78, "i"), "int64": (79, "q"), "float32": (85, "f"), "float64": (86, "d")}
+
+
+def as_cbor(values: Any, type_: str, definitions: dict[str, Any]) -> Any:
+    """Pack the arrays of a message, or fail as the real server does."""
+    packed = {}
+    for name, kind in definitions[type_].fields.items():
+        value = values.get(name)
+        if value is None:
+            continue
+        if kind.length > 0 or (kind.length == 0 and kind.base == "string"):
+            raise AttributeError(f"{type(value[0]).__name__!r} object has no attribute '__slots__'")
+        if kind.length == 0 and kind.base in PACKED:
+            tag, code = PACKED[kind.base]
+            packed[name] = cbor2.CBORTag(tag, struct.pack(f"<{len(value)}{code}", *value))
+        elif kind.length < 0 and isinstance(value, dict) and "secs" not in value and "sec" not in value:
+            packed[name] = as_cbor(value, kind.base, definitions)
+        else:
+            packed[name] = value
+    return packed
 
 
 def as_json(value: Any) -> Any:
@@ -176,41 +247,128 @@ def as_json(value: Any) -> Any:
     return [as_json(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
-class RosbridgeServer:
-    """The server, on a thread of its own."""
+class Subscription:
+    """A topic that a client subscribed to: the newest message waits until the client may have it."""
 
-    def __init__(self, graph: MemoryGraph | RospyGraph, port: int = 0, rosapi: bool = True) -> None:
+    def __init__(self, send: Callable[[Any], None]) -> None:
+        self.options: dict[str, dict[str, Any]] = {}  # of each id
+        self.handle: Any = None
+        self._send = send
+        self._newest: list[Any] = []
+        self._changed = threading.Condition()
+        self._is_over = False
+        self._thread = threading.Thread(target=self._run, name="subscription", daemon=True)
+        self._thread.start()
+
+    def receive(self, values: Any) -> None:
+        with self._changed:
+            self._newest = [values]
+            self._changed.notify()
+
+    def finish(self) -> None:
+        with self._changed:
+            self._is_over = True
+            self._changed.notify()
+
+    def _run(self) -> None:
+        sent = 0.0
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._newest or self._is_over)
+                throttle = min((each.get("throttle_rate", 0) for each in self.options.values()), default=0)
+                left = sent + throttle / 1000 - time.monotonic()
+                if left > 0:
+                    self._changed.wait_for(lambda: self._is_over, left)
+                if self._is_over:
+                    return
+                newest, self._newest = self._newest[0], []
+            sent = time.monotonic()
+            self._send(newest)
+
+
+class RosbridgeServer:
+    """The server, on a thread of its own.
+
+    Its faults can be chosen: see the attributes.
+
+    Attributes
+    ----------
+    rosapi : bool
+        Whether rosapi runs.
+    hangs : set of str
+        Services that never answer.
+    details_end_rosapi : bool
+        As before rosbridge 2.3.0 on ROS 2 Jazzy: `message_details` raises an error that ends rosapi.
+    packs, fails_to_pack : bool
+        Whether it has the compression `cbor`; and whether it fails at it, as ROS 2 did before rosbridge 2.0.
+    largest : int or None
+        Bytes of a message; larger ones are sent in fragments.
+    log : list of str
+        The errors in the log of the robot.
+    requests : list of dict
+        All that clients sent.
+    """
+
+    def __init__(
+        self,
+        graph: MemoryGraph | RospyGraph,
+        port: int = 0,
+        rosapi: bool = True,
+        encryption: ssl.SSLContext | None = None,
+    ) -> None:
         self.graph, self.rosapi = graph, rosapi
+        self.hangs: set[str] = set()
+        self.details_end_rosapi = False
+        self.packs, self.fails_to_pack = True, False
+        self.largest: int | None = None
+        self.log: list[str] = []
+        self.requests: list[dict[str, Any]] = []
         self.clients: set[ServerConnection] = set()
-        self._server = serve(self._talk, "127.0.0.1", port, max_size=None, compression=None)
+        self._over = threading.Event()
+        self._server = serve(
+            self._talk, "127.0.0.1", port, max_size=None, max_queue=None, compression=None, ssl=encryption
+        )
         self.port: int = self._server.socket.getsockname()[1]
         self._thread = threading.Thread(target=self._server.serve_forever, name="rosbridge server")
         self._thread.start()
 
     def close(self) -> None:
+        self._over.set()
         self._server.shutdown()
         for client in tuple(self.clients):
             client.close_socket()
         self._thread.join(5)
 
+    def asked(self, service: str) -> list[dict[str, Any]]:
+        """The calls of a service so far."""
+        return [each["args"] for each in tuple(self.requests) if each.get("service") == f"/rosapi/{service}"]
+
+    def subscriptions(self, topic: str) -> list[dict[str, Any]]:
+        """The requests for a topic so far."""
+        requests = tuple(self.requests)
+        return [each for each in requests if each["op"] == "subscribe" and each["topic"] == topic]
+
     def _talk(self, client: ServerConnection) -> None:
         self.clients.add(client)
-        subscriptions: dict[str, tuple[str, Any]] = {}
-        publishers: dict[str, tuple[str, Any]] = {}
+        subscriptions: dict[str, Subscription] = {}  # by topic
+        publishers: dict[str, tuple[str, Any]] = {}  # by id
         try:
             for frame in client:
                 request = json.loads(frame)
+                self.requests.append(dict(request))
                 try:
                     self._serve(client, request, subscriptions, publishers)
                 except Exception as error:
+                    self.log.append(f"{request['op']}: {error}")
                     status = {"op": "status", "level": "error", "msg": f"{type(error).__name__}: {error}"}
                     client.send(json.dumps(status))
         except ConnectionClosed:
             pass
         finally:
             self.clients.discard(client)
-            for _, handle in subscriptions.values():
-                self.graph.unsubscribe(handle)
+            for subscription in subscriptions.values():
+                self.graph.unsubscribe(subscription.handle)
+                subscription.finish()
             for _, handle in publishers.values():
                 self.graph.unadvertise(handle)
 
@@ -218,22 +376,24 @@ class RosbridgeServer:
         self,
         client: ServerConnection,
         request: dict[str, Any],
-        subscriptions: dict[str, tuple[str, Any]],
+        subscriptions: dict[str, Subscription],
         publishers: dict[str, tuple[str, Any]],
     ) -> None:
         operation, topic = request["op"], request.get("topic", "")
         if operation == "subscribe":
-
-            def forward(values: dict[str, Any]) -> None:
-                try:
-                    client.send(json.dumps({"op": "publish", "topic": topic, "msg": values}))
-                except ConnectionClosed:
-                    return
-
-            handle = self.graph.subscribe(topic, request["type"], forward)
-            subscriptions[request["id"]] = (topic, handle)
+            known = subscriptions.get(topic)
+            if known is None:
+                known = Subscription(partial(self._forward, client, topic, request["type"], request))
+                known.options[request["id"]] = request
+                known.handle = self.graph.subscribe(topic, request["type"], known.receive)
+                subscriptions[topic] = known
+            known.options.setdefault(request["id"], request).update(request)
         elif operation == "unsubscribe":
-            self.graph.unsubscribe(subscriptions.pop(request["id"])[1])
+            known = subscriptions[topic]
+            known.options.pop(request["id"])
+            if not known.options:
+                self.graph.unsubscribe(subscriptions.pop(topic).handle)
+                known.finish()
         elif operation == "advertise":
             publishers[request["id"]] = (topic, self.graph.advertise(topic, request["type"]))
         elif operation == "unadvertise":
@@ -242,35 +402,76 @@ class RosbridgeServer:
             handles = [handle for name, handle in publishers.values() if name == topic]
             self.graph.publish(handles[0], request["msg"])
         elif operation == "call_service":
-            client.send(json.dumps(self._answer(request)))
+            answer = self._answer(request)
+            if answer is not None:
+                client.send(json.dumps(answer))
+            elif self.graph.is_ros2:
+                self._over.wait()  # as the real one waits: this connection's next message is not processed
+        else:
+            raise KeyError(f"Unknown operation: {operation}.")
 
-    def _answer(self, request: dict[str, Any]) -> dict[str, Any]:
-        service, arguments = request["service"], request.get("args", {})
+    def _forward(
+        self, client: ServerConnection, topic: str, type_: str, request: dict[str, Any], values: Any
+    ) -> None:
+        message = {"op": "publish", "topic": topic, "msg": values}
+        try:
+            if request.get("compression") == "cbor" and self.packs:
+                if self.fails_to_pack:
+                    raise AttributeError("'LaserScan' object has no attribute '_slot_types'")
+                definitions = self.graph.definitions  # type: ignore[union-attr]
+                packed = as_cbor(values, type_.replace("/msg/", "/"), definitions)
+                client.send(cbor2.dumps({**message, "msg": packed}))
+                return
+            text = json.dumps(message)
+            size = self.largest or len(text)
+            parts = [text[start : start + size] for start in range(0, len(text), size)]
+            for number, part in enumerate(parts):
+                fragment = {"op": "fragment", "id": 0, "data": part, "num": number, "total": len(parts)}
+                client.send(text if len(parts) == 1 else json.dumps(fragment))
+        except ConnectionClosed:
+            return
+        except Exception as error:
+            self.log.append(f"Exception calling subscribe callback: {error}")
+
+    def _answer(self, request: dict[str, Any]) -> dict[str, Any] | None:
+        service, arguments = request["service"].removeprefix("/rosapi/"), request.get("args", {})
         answer = {"op": "service_response", "id": request["id"], "service": service}
+        if service in self.hangs:
+            return None
+        if service == "message_details" and self.details_end_rosapi:
+            self.rosapi = False
+            self.log.append("KeyError: 'check_fields'")
+            return None
         try:
             if not self.rosapi:
-                raise KeyError(f"Service {service} does not exist")
-            return {
-                **answer,
-                "values": self._rosapi(service.removeprefix("/rosapi/"), arguments),
-                "result": True,
-            }
+                raise KeyError(f"Service {request['service']} does not exist")
+            return {**answer, "values": self._rosapi(service, arguments), "result": True}
         except Exception as error:
+            self.log.append(f"call_service {type(error).__name__}: {error}")
             return {**answer, "values": f"{type(error).__name__}: {error}", "result": False}
 
     def _rosapi(self, service: str, arguments: dict[str, Any]) -> dict[str, Any]:
+        graph = self.graph
+        topics = graph.topics() if service.startswith("topics") else {}
         if service == "topics":
-            topics = self.graph.topics()
             return {"topics": list(topics), "types": list(topics.values())}
+        if service == "topics_and_raw_types":
+            texts = graph.raw_types()  # type: ignore[union-attr]
+            return {"topics": list(topics), "types": list(topics.values()), "typedefs_full_text": texts}
         if service == "message_details":
-            return {"typedefs": self.graph.typedefs(arguments["type"])}
+            return {"typedefs": graph.typedefs(arguments["type"])}
         if service in ("publishers", "subscribers"):
-            return {service: self.graph.nodes(arguments["topic"], service)}
+            return {service: graph.nodes(arguments["topic"], service)}
+        if service == "get_time":
+            return {"time": graph.stamp(time.time())}
+        if service == "get_ros_version" and graph.is_ros2:  # type: ignore[union-attr]
+            return {"version": 2, "distro": graph.distribution}  # type: ignore[union-attr]
         raise KeyError(f"Service /rosapi/{service} does not exist")
 
 
 if __name__ == "__main__":
     running = RosbridgeServer(RospyGraph(), int(sys.argv[1]))
+    running.packs = False
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     sys.stdin.read()  # until the parent process ends

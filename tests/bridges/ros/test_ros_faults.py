@@ -30,13 +30,14 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def driver(make: Make, wire: Any) -> RosBridge:
+def driver(make: Make, wire: Any, graph: Any, until: Any) -> RosBridge:
     """A bridge over a wire that can be cut, with an odometry and a velocity."""
     ros = make(port=wire.port)
     ros.open()
     ros.arm()
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel")
+    until(lambda: graph.listeners and graph.advertised)
     return ros
 
 

@@ -196,6 +196,34 @@ def test_a_topic_changed_under_a_variable_starts_without_data(
     until(lambda: real.subscribers("/chatter") == [])
 
 
+def test_who_else_commands_is_told(real: Any, connect: Connect, until: Any) -> None:
+    ros = connect()
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    twist = "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
+    other = real.start("/usr/bin/rostopic", "pub", "-r", "5", "/cmd_vel", "geometry_msgs/Twist", twist)
+
+    def row() -> str:
+        return str(ros.panel().tables[0].rows[0][6])
+
+    until(lambda: "/rostopic_" in row())
+    assert any("/rostopic_" in notice.text for notice in ros.safety.notices)
+    other.send_signal(signal.SIGINT)
+    until(lambda: "/rostopic_" not in row())
+    assert "/lrp" not in row()
+
+
+def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(
+    real: Any, connect: Connect, until: Any
+) -> None:
+    ros = connect()
+    ros.publish("move", "/cmd", "geometry_msgs/TwistStamped")
+    lines = echo(real, until, "/cmd")
+    before = time.time()
+    until(lambda: ros.robot.move(linear=0.2) or [line for line in lines if not line.startswith("%")])
+    stamps = [int(line.split(",")[2]) / 1e9 for line in lines if not line.startswith("%")]
+    assert before - 1 < stamps[0] < time.time() + 1
+
+
 def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect, until: Any) -> None:
     ros = connect()
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
@@ -307,6 +335,7 @@ def test_a_rosbridge_server_that_dies_and_comes_back_gets_no_old_commands(
     assert velocities(lines) == [(0.1, 0.0), (0.0, 0.0), (0.3, 0.0)]
 
 
+@pytest.mark.parametrize("backend", ["rospy"])
 def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect, until: Any) -> None:
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
@@ -319,6 +348,28 @@ def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect, until: Any
         real.signal_master(signal.SIGCONT)
     chatter(real, "again")
     until(lambda: reading(ros, "text"))
+
+
+@pytest.mark.parametrize("backend", ["rosbridge"])
+def test_a_master_that_hangs_ends_nothing_that_runs_over_rosbridge(
+    real: Any, connect: Connect, until: Any
+) -> None:
+    ros = connect()
+    ros.subscribe("text", "/chatter", "std_msgs/String")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    lines = echo(real, until, "/cmd_vel")
+    until(lambda: ros.robot.move(linear=0.1) or velocities(lines))
+    chatter(real, "hello")
+    until(lambda: reading(ros, "text"))
+    real.signal_master(signal.SIGSTOP)
+    try:
+        until(lambda: any("does not answer" in notice.text for notice in ros.safety.notices))
+        ros.robot.move(linear=0.3)
+        until(lambda: velocities(lines)[-1:] == [(0.3, 0.0)])
+        assert ros.describe("text").age is not None
+        assert ros.status.state is ConnectionState.CONNECTED
+    finally:
+        real.signal_master(signal.SIGCONT)
 
 
 def test_without_a_master_rospy_does_not_open_and_reports_it(real: Any) -> None:

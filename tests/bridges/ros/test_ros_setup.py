@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ros import RosBridge
-from lrp_jupyter.bridges.ros.setup import Wire, setup_as_dict, setup_from_dict
+from lrp_jupyter.bridges.ros.setup import Wire, parse_address, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 Make = Callable[..., RosBridge]
@@ -99,6 +99,9 @@ def test_a_setup_is_the_same_after_a_way_through_json(setup: list[Wire]) -> None
         ({"subscriptions": {"odom": {"topic": "/o", "type": 3}}}, "must be a string"),
         ({"publishers": {"move": {"topic": "/m", "limits": 3}}}, "`limits` must be an object"),
         ({"publishers": {"move": {"topic": "/m", "limits": {"x": "fast"}}}}, "limit of `x` must be"),
+        ({"subscriptions": {"a": {"topic": "/a", "stale_after": 0}}}, "seconds above 0, not 0"),
+        ({"subscriptions": {"a": {"topic": "/a", "stale_after": "1"}}}, "seconds above 0, not '1'"),
+        ({"publishers": {"a": {"topic": "/a", "stale_after": 1}}}, "There is no `stale_after`"),
         ({"subscriptions": {"a": "/a"}, "publishers": {"a": "/b"}}, "is already a subscription"),
     ],
 )
@@ -137,6 +140,62 @@ def test_an_address_may_be_written_in_several_ways(host: str) -> None:
     assert fields(ros)["address"].value == host.strip()
     ros.answer("host", "10.0.0.6")
     assert fields(ros)["address"].value == "10.0.0.6"
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "url", "shown"),
+    [
+        (None, None, "ws://127.0.0.1:9090", ""),
+        (None, 9091, "ws://127.0.0.1:9091", ""),
+        ("turtle.local", None, "ws://turtle.local:9090", "turtle.local:9090"),
+        ("turtle.local:1", "2", "ws://turtle.local:2", "turtle.local:2"),
+        ("wss://turtle.local:9090", None, "wss://turtle.local:9090", "wss://turtle.local:9090"),
+        ("wss://lab.org/robot/3", None, "wss://lab.org:443/robot/3", "wss://lab.org:443/robot/3"),
+        ("ws://lab.org/robot?key=x", None, "ws://lab.org:9090/robot?key=x", "ws://lab.org:9090/robot?key=x"),
+        ("lab.org/robot", None, "ws://lab.org:9090/robot", "ws://lab.org:9090/robot"),
+        ("[::1]:9091", None, "ws://[::1]:9091", "[::1]:9091"),
+        ("fe80::a:1", None, "ws://[fe80::a:1]:9090", "[fe80::a:1]:9090"),
+        ("wss://[::1]", None, "wss://[::1]:443", "wss://[::1]:443"),
+    ],
+)
+def test_an_address_means_what_is_written(host: str, port: Any, url: str, shown: str) -> None:
+    address = parse_address(host, port, 9090)
+    assert (address.url, str(address)) == (url, shown)
+    if host and port is None:
+        assert parse_address(shown, None, 9090) == address
+
+
+def test_the_address_of_a_master_may_be_that_of_the_environment() -> None:
+    assert str(parse_address("http://turtle:11311/", None, 11311, ("http",))) == "turtle:11311"
+    assert RosBridge(backend="rospy", host="http://turtle:11311").address == "turtle:11311"
+
+
+@pytest.mark.parametrize(
+    ("backend", "host", "sentence"),
+    [
+        ("rosbridge", "http://turtle:9090", "begins with `http://`, but only `ws://` or `wss://`"),
+        ("rosbridge", "ftp://turtle", "begins with `ftp://`"),
+        ("rosbridge", "me@turtle", "has a user name"),
+        ("rosbridge", "wss://me:secret@turtle/x", "has a user name"),
+        ("rosbridge", "turtle:70000", "is not an address"),
+        ("rosbridge", "ws://", "is not an address"),
+        ("rosbridge", "[::1", "is not an address"),
+        ("rosbridge", "turtle#1", "is not an address"),
+        ("rospy", "ws://turtle:11311", "begins with `ws://`, but only `http://`"),
+        ("rospy", "http://turtle:11311/x", "has a path"),
+    ],
+)
+def test_an_address_that_cannot_be_connected_to_is_refused(backend: str, host: str, sentence: str) -> None:
+    with pytest.raises(BridgeError, match=sentence):
+        RosBridge(backend=backend, host=host)
+
+
+def test_a_subscription_may_say_when_it_is_too_old_to_drive_by() -> None:
+    setup = {"subscriptions": {"scan": {"topic": "/scan", "stale_after": 0.5}}}
+    assert setup_as_dict(setup_from_dict(setup))["subscriptions"] == setup["subscriptions"]
+    ros = RosBridge()
+    ros.subscribe("scan", "/scan", stale_after=0.5)
+    assert ros.setup["subscriptions"] == setup["subscriptions"]
 
 
 # -- from Python ----------------------------------------------------------------------------------
@@ -188,7 +247,7 @@ def test_the_same_subscription_again_is_not_a_second_one(ros: RosBridge, graph: 
 def test_two_variables_on_one_topic_share_it(ros: RosBridge, graph: Any, until: Any) -> None:
     ros.subscribe("odom", "/odom")
     ros.subscribe("also", "/odom")
-    until(lambda: rows(ros)["also"]["value"] == "no data yet")
+    until(lambda: graph.listeners and rows(ros)["also"]["value"] == "no data yet")
     assert len(graph.listeners) == 1
     ros.remove("odom")
     graph.send("/odom", pose={"pose": {"position": {"x": 3.0}}})

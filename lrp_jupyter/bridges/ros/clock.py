@@ -1,0 +1,107 @@
+"""Times: how old a message is by the robot's clock, and how often a program can use one.
+
+The age of a message follows from its time stamp, although the robot's clock is not this computer's. A message
+cannot arrive before it is made. So the smallest difference between the time of arrival here and the stamp,
+among all messages of the robot, is that of the two clocks, and the shortest way. Whatever a message has
+beyond that is its age: time that it spent in a queue or in a slow network. What every message spends on its
+way, i.e. half a round trip, cannot be seen.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Mapping
+from statistics import median
+from typing import Any
+
+__all__ = ["ProgramPace", "RobotClock", "stamp_of"]
+
+_SIMULATED = 1e8  # seconds; clocks of simulations begin at 0 and may run at another speed
+_OTHER = 60.0  # seconds; a stamp that is so old is of another clock, or recorded
+_BACK = 1.0  # seconds; a clock that goes back was set
+_PACES = (0.0, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)  # seconds
+_DRIFT = 1e-4  # seconds per second by which two clocks may drift apart
+
+
+class RobotClock:
+    """Relates the robot's clock to `time.monotonic` here; for any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was learned."""
+        self._offset: float | None = None
+        self._at = 0.0
+
+    def made_at(self, stamp: float | None, now: float, last: float | None = None) -> float:
+        """Return when a message was made, in seconds of `time.monotonic`.
+
+        Parameters
+        ----------
+        stamp : float or None
+            Its time stamp in seconds; None or 0: it has none, and was made now.
+        now : float
+            When it arrived.
+        last : float, optional
+            The stamp before it, on the same topic.
+        """
+        if not stamp or stamp < _SIMULATED:
+            return now
+        with self._lock:
+            difference, offset = now - stamp, self._offset
+            if offset is None or difference < offset or (last is not None and stamp < last - _BACK):
+                self._offset, self._at = difference, now
+                return now
+            self._offset = offset = offset + _DRIFT * max(0.0, now - self._at)
+            self._at = now
+            age = max(0.0, difference - offset)
+        return now if age > _OTHER else now - age
+
+
+def stamp_of(message: Any) -> float | None:
+    """Return the time stamp in the header of a raw message, in seconds; None where it has none."""
+    stamp = _part(_part(message, "header"), "stamp")
+    whole, rest = _part(stamp, "secs", "sec"), _part(stamp, "nsecs", "nanosec")
+    if isinstance(whole, int) and isinstance(rest, int):
+        return whole + rest * 1e-9
+    return None
+
+
+def _part(value: Any, *names: str) -> Any:
+    """Return a field of a dictionary or an object, under one of its names."""
+    for name in names:
+        found = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
+        if found is not None:
+            return found
+    return None
+
+
+class ProgramPace:
+    """How often a program can use a new message: twice in a tick.
+
+    Measured, since a program may run faster or slower than its robot's world.
+
+    Attributes
+    ----------
+    seconds : float
+        One of a few values, so that a tick that comes late changes nothing.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = 0.02
+        self._last: float | None = None
+        self._gaps: deque[float] = deque(maxlen=9)
+
+    def tick(self) -> None:
+        """Note that a tick begins."""
+        now = time.monotonic()
+        if self._last is not None:
+            self._gaps.append(now - self._last)
+        self._last = now
+        if len(self._gaps) == self._gaps.maxlen:
+            wanted = 1.1 * median(self._gaps) / 2  # a little more: ticks are not exact
+            self.seconds = max(pace for pace in _PACES if pace <= wanted)

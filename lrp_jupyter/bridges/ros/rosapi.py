@@ -1,0 +1,342 @@
+"""What rosapi says of the robot: its topics, their types, and who publishes.
+
+It is asked on a websocket and a thread of its own, rarely, and nothing depends on its answers coming soon:
+rosbridge processes the messages of one connection in their order, so that a service that hangs would hold up
+every command after it, and a list would wait behind large messages.
+
+An unknown type is asked for in the way that the robot survives. On ROS 1 that is `message_details`. On ROS 2
+Jazzy and later, rosapi of rosbridge before 2.3.0 raises ``KeyError: 'check_fields'`` at this question, which
+can end it; its version cannot be asked for. So on ROS 2 it is `topics_and_raw_types`, the text of the
+``.msg`` files of all topics that exist; and only releases before Jazzy are asked for other types.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from lrp_jupyter.bridges.ros.clock import RobotClock, stamp_of
+from lrp_jupyter.bridges.ros.definition_text import definitions_from_text
+from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, canonical, from_rosapi
+from lrp_jupyter.bridges.ros.link import RefusedError
+from lrp_jupyter.bridges.ros.websocket import Socket
+from lrp_jupyter.errors import BridgeError, did_you_mean
+
+__all__ = ["Rosapi"]
+
+_FIRST = 2.0  # seconds that connecting waits for the first list
+_ANSWER = 5.0  # seconds for an answer, …
+_LONG_ANSWER = 20.0  # … for the texts of all types
+_SOON, _RARELY = 1.0, 5.0  # seconds between two lists, while something is missing or not
+_VALID = 2.0  # seconds for which the users of a topic are known
+_LONGEST = 30.0  # … and at most, while there is no rosapi: each question leaves an error in the robot's log
+_JOIN = 2.0  # seconds that ending the thread may take
+_SURE = ("foxy", "galactic", "humble", "iron")  # releases of ROS 2 whose rosapi describes any type
+_OWN = "/client_count"  # rosbridge itself publishes it
+
+
+class Rosapi:
+    """The questions to rosapi, and the last answers.
+
+    Owner: its thread asks; each answer is replaced by one assignment, and any thread may read it.
+
+    Parameters
+    ----------
+    url : str
+        Of the rosbridge server.
+    clock : RobotClock
+        Told the time of the robot.
+    warn : callable
+        Called with a sentence when rosapi is missing, and when it is there again.
+    changed : callable
+        Called when there is something new.
+
+    Attributes
+    ----------
+    is_ros2 : bool
+    trouble : str
+        That ROS itself does not answer, as a sentence; else empty.
+    publishers : mapping of str to tuple of str
+        The nodes that publish on the watched topics, without rosbridge itself.
+    """
+
+    def __init__(
+        self, url: str, clock: RobotClock, warn: Callable[[str], None], changed: Callable[[], None]
+    ) -> None:
+        self.is_ros2 = False
+        self.trouble = ""
+        self.publishers: Mapping[str, tuple[str, ...]] = {}
+        self._in_need = False
+        self._url, self._clock, self._warn, self._changed = url, clock, warn, changed
+        self._topics: Mapping[str, str] = {}
+        self._answered = threading.Event()
+        self._exists = self._is_missed = False
+        self._failures = 0
+        self._distribution: str | None = None
+        self._own: tuple[str, ...] = ()
+        self._watched: frozenset[str] = frozenset()
+        self._wanted: frozenset[str] = frozenset()
+        self._types: dict[str, Mapping[str, Definition] | BridgeError] = {}
+        self._doubted: frozenset[str] = frozenset()
+        self._taken: dict[str, tuple[float, bool]] = {}
+        self._ids = itertools.count(1)
+        self._socket: Socket | None = None
+        self._wake = threading.Event()
+        self._closing = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    # -- from any thread --------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Begin to ask."""
+        self._closing, self._failures, self._own = threading.Event(), 0, ()
+        self._types = {}
+        if self.trouble:
+            self._answered.clear()
+        self.trouble = ""
+        self._thread = threading.Thread(
+            target=self._run, args=(self._closing,), name="rosbridge: rosapi", daemon=True
+        )
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Ask no more; the answers stay. Bounded."""
+        thread, self._thread = self._thread, None
+        self._closing.set()
+        self._wake.set()
+        self._hang_up()
+        if thread is not None and thread is not threading.current_thread():
+            thread.join(_JOIN)
+
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics with their types as they were a moment ago; the first time, wait a moment."""
+        self._answered.wait(_FIRST)
+        self._answered.set()
+        return self._topics
+
+    def define(self, type_: str) -> Mapping[str, Definition] | None:
+        """Return the definitions of a type and those in it, if they are known; None while they are asked for.
+
+        Raises
+        ------
+        RefusedError
+            What rosapi answers cannot be understood.
+        """
+        found = self._types.get(type_)
+        if isinstance(found, BridgeError):
+            raise RefusedError(str(found))
+        if found is None and not self._exists:
+            return {}
+        if found is None and type_ not in self._wanted:
+            self._wanted |= {type_}
+            self._wake.set()
+        return found
+
+    def taken(self, topic: str) -> bool | None:
+        """Return whether any node publishes or subscribes to a topic; None while that is being asked."""
+        answer = self._taken.get(topic)
+        if answer is not None and time.monotonic() - answer[0] < _VALID:
+            return answer[1]
+        if not self._exists:
+            return True
+        if topic not in self._doubted:
+            self._doubted |= {topic}
+            self._wake.set()
+        return None
+
+    def watch(self, topics: Iterable[str], in_need: bool) -> None:
+        """Choose the topics whose publishers are asked for, and how soon.
+
+        Parameters
+        ----------
+        topics : iterable of str
+        in_need : bool
+            Whether a topic or a message is missing, so that it is worth asking sooner.
+        """
+        watched = frozenset(topics)
+        if watched - self._watched or (in_need and not self._in_need):
+            self._wake.set()
+        self._watched, self._in_need = watched, in_need
+
+    # -- on its own thread ------------------------------------------------------------------------
+
+    def _run(self, closing: threading.Event) -> None:
+        while not closing.is_set():
+            self._wake.clear()
+            before = (self._topics, self.publishers, self.trouble, self._exists)
+            try:
+                news = self._ask_all()
+            except Exception as error:  # an answer of another form: go on without it
+                self._miss(f"has a rosapi whose answer cannot be understood: {error!r}.")
+                news = False
+            self._answered.set()
+            if news or before != (self._topics, self.publishers, self.trouble, self._exists):
+                self._changed()
+            pause = _SOON if self._in_need or self.trouble else _RARELY
+            self._wake.wait(min(pause * 2**self._failures, _LONGEST))
+
+    def _ask_all(self) -> bool:
+        """Ask what there is to ask; return whether somebody waits for one of the answers."""
+        appeared = self._list_topics()
+        if not self._exists or self.trouble:
+            return False
+        wanted, doubted = self._wanted, self._doubted
+        for type_ in wanted:
+            self._types[type_] = self._describe(type_)
+        for topic in doubted:
+            users = (self._nodes(who, topic) for who in ("publishers", "subscribers"))
+            self._taken[topic] = (time.monotonic(), any(users))
+        self._wanted -= wanted
+        self._doubted -= doubted
+        self.publishers = {topic: self._others(topic) for topic in self._watched}
+        return appeared or bool(wanted or doubted)
+
+    def _list_topics(self) -> bool:
+        """Ask for the topics; return whether rosapi has just appeared."""
+        try:
+            values = self._ask("/rosapi/topics")
+        except RefusedError as error:
+            if "master" in str(error).lower() and self._exists:  # rosapi is there, but ROS is not
+                self.trouble = f"`{self._url}` answers, but its ROS master does not: {error}"
+                return False
+            self._miss(
+                "has no rosapi: topics are not listed, and only common types are known. Start it there."
+            )
+            return False
+        except BridgeError:
+            if self._socket is not None and self._socket.is_open:
+                self._give_up()
+                self._miss("has a rosapi that does not answer: topics are not listed for now.")
+            self._failures = min(self._failures + 1, 5)
+            return False
+        names, types = values.get("topics", []), values.get("types")
+        if types is None:  # an old rosapi: one type at a time
+            types = [self._try("/rosapi/topic_type", topic=name).get("type", "") for name in names]
+        topics = {str(name): canonical(str(type_)) for name, type_ in zip(names, types, strict=False)}
+        self.is_ros2 = any("/msg/" in str(type_) for type_ in types)
+        if topics != self._topics:  # what was not known may be now
+            self._types = {type_: found for type_, found in self._types.items() if found}
+        appeared = not self._exists
+        self._topics, self._exists, self.trouble, self._failures = topics, True, "", 0
+        if appeared:
+            time_there = stamp_of({"header": {"stamp": self._try("/rosapi/get_time").get("time")}})
+            self._clock.made_at(time_there, time.monotonic())
+        if self._is_missed:
+            self._is_missed = False
+            self._warn(f"rosapi of `{self._url}` answers now: topics are listed.")
+        return appeared
+
+    def _miss(self, why: str) -> None:
+        self._exists = False
+        self._failures = min(self._failures + 1, 5)
+        if not self._is_missed:
+            self._is_missed = True
+            self._warn(f"`{self._url}` {why}")
+
+    def _others(self, topic: str) -> tuple[str, ...]:
+        """Return who publishes on a topic, without rosbridge."""
+        if not self._own:
+            self._own = self._nodes("publishers", _OWN)
+        return tuple(
+            node
+            for node in self._nodes("publishers", topic)
+            if (node not in self._own if self._own else "rosbridge" not in node)
+        )
+
+    def _nodes(self, who: str, topic: str) -> tuple[str, ...]:
+        return tuple(map(str, self._try(f"/rosapi/{who}", topic=topic).get(who, [])))
+
+    def _describe(self, type_: str) -> Mapping[str, Definition] | BridgeError:
+        try:
+            if not self.is_ros2:
+                return self._details(type_)
+            found = self._from_raw_types(type_)
+            if found:
+                return found
+            if self._distribution is None:
+                self._distribution = str(self._try("/rosapi/get_ros_version").get("distro", ""))
+            if self._distribution in _SURE:
+                return self._details(type_.replace("/", "/msg/", 1))
+        except BridgeError as error:
+            return error
+        return BridgeError(
+            f"`{self._url}` knows no message type `{type_}` of a topic that exists."
+            f"{did_you_mean(type_, {*KNOWN, *self._topics.values()})} If its name is right, start the node"
+            " that uses it first. rosapi is asked for no other types, because before rosbridge 2.3.0 that can"
+            " end it on ROS 2 Jazzy and later."
+        )
+
+    def _details(self, type_: str) -> Mapping[str, Definition]:
+        return from_rosapi(self._try("/rosapi/message_details", type=type_).get("typedefs", []))
+
+    def _from_raw_types(self, type_: str) -> Mapping[str, Definition]:
+        """Return the definitions of a type that a topic has, from the texts of all topics."""
+        values = self._try("/rosapi/topics_and_raw_types", _LONG_ANSWER)
+        for each, text in zip(values.get("types", []), values.get("typedefs_full_text", []), strict=False):
+            if canonical(str(each)) == type_ and not str(text).startswith("# failed to get full definition"):
+                return {**HEADERS[2], **definitions_from_text(type_, str(text))}
+        return {}
+
+    def _try(self, service: str, patience: float | None = None, **arguments: object) -> Mapping[str, Any]:
+        """Return the values of an answer; nothing if there is none."""
+        try:
+            return self._ask(service, patience, **arguments)
+        except RefusedError:
+            return {}
+        except BridgeError:
+            self._give_up()
+            return {}
+
+    def _ask(self, service: str, patience: float | None = None, **arguments: object) -> Mapping[str, Any]:
+        """Call a service.
+
+        Raises
+        ------
+        RefusedError
+            The call failed, or there is no such service.
+        BridgeError
+            There is no connection, or nothing came back.
+        """
+        socket = self._socket
+        if socket is None or not socket.is_open:
+            socket = Socket(self._url, _ignore, _ignore)
+            socket.open()
+            self._socket = socket
+            if threading.current_thread() is not self._thread:  # stopped meanwhile
+                self._hang_up()
+        key = f"q{next(self._ids)}"
+        answer = socket.expect(key)
+        socket.put(json.dumps({"op": "call_service", "id": key, "service": service, "args": arguments}))
+        try:
+            response = answer.result(_ANSWER if patience is None else patience)
+        except TimeoutError:
+            raise BridgeError(f"`{self._url}` did not answer the call of {service}.") from None
+        finally:
+            socket.forget(key)
+        values = response.get("values")
+        if response.get("result", True) is False or not isinstance(values, dict):
+            raise RefusedError(f"{service}: {values or response.get('msg') or 'no answer'}")
+        return values
+
+    def _give_up(self) -> None:
+        """Wait no more for an answer.
+
+        On ROS 2, rosbridge goes on waiting for it, and this connection with it. On ROS 1 it does not; and
+        there, while the master hangs, a new connection would make rosbridge hang, too: it logs each one, which
+        asks the master.
+        """
+        if self.is_ros2 or not self._topics:
+            self._hang_up()
+
+    def _hang_up(self) -> None:
+        socket, self._socket = self._socket, None
+        if socket is not None:
+            socket.close()
+
+
+def _ignore(_message: object = None) -> None:
+    """Only answers matter on this connection."""

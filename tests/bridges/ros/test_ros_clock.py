@@ -1,0 +1,126 @@
+"""How old a message is by the robot's clock, and how often a program can use one."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock, stamp_of
+from lrp_jupyter.bridges.ros.setup import Wire
+from lrp_jupyter.bridges.ros.types import Types
+
+THERE = 1_800_000_000.0  # the robot's time when it is 0 here
+
+
+def test_a_message_that_was_long_under_way_is_old() -> None:
+    clock = RobotClock()
+    assert clock.made_at(THERE, 0.05) == 0.05
+    assert clock.made_at(THERE + 1, 9.05) == pytest.approx(1.05, abs=0.01)
+
+
+def test_one_that_comes_sooner_than_all_before_corrects_the_clock() -> None:
+    clock = RobotClock()
+    clock.made_at(THERE, 8.0)  # the first one was late, too: nobody can know
+    clock.made_at(THERE + 9, 9.0)
+    assert clock.made_at(THERE + 2, 10.0) == pytest.approx(2.0, abs=0.01)
+
+
+@given(st.lists(st.tuples(st.floats(0, 50), st.floats(0, 20)), min_size=1), st.floats(-1e6, 1e6))
+def test_a_message_is_never_younger_than_its_arrival_nor_older_than_it_is(
+    messages: list[tuple[float, float]], offset: float
+) -> None:
+    clock = RobotClock()
+    for made, delay in messages:
+        found = clock.made_at(THERE + offset + made, made + delay)
+        assert made - 0.01 <= found <= made + delay + 1e-6
+
+
+@pytest.mark.parametrize("stamp", [None, 0.0, 17.25])
+def test_without_a_stamp_of_a_real_clock_the_arrival_counts(stamp: float | None) -> None:
+    clock = RobotClock()
+    clock.made_at(THERE, 0.0)
+    assert clock.made_at(stamp, 5.0) == 5.0
+
+
+def test_a_stamp_that_is_minutes_off_is_of_another_clock() -> None:
+    clock = RobotClock()
+    clock.made_at(THERE, 0.0)
+    assert clock.made_at(THERE - 3600, 5.0) == 5.0, "a recording, or a computer whose clock was never set"
+
+
+def test_a_clock_that_is_set_back_is_learned_again() -> None:
+    clock = RobotClock()
+    clock.made_at(THERE, 0.0)
+    clock.made_at(THERE + 1, 1.0, THERE)
+    assert clock.made_at(THERE - 20, 2.0, THERE + 1) == 2.0
+    assert clock.made_at(THERE - 19, 3.0, THERE - 20) == pytest.approx(3.0, abs=0.01)
+
+
+def test_two_clocks_may_drift_apart() -> None:
+    clock = RobotClock()
+    for second in range(0, 36_000, 60):  # 50 parts in a million, for ten hours
+        made = clock.made_at(THERE + second * (1 - 5e-5), float(second))
+        assert second - made < 0.01
+
+
+@pytest.mark.parametrize(
+    ("message", "stamp"),
+    [
+        ({"header": {"stamp": {"secs": 12, "nsecs": 500_000_000}}}, 12.5),
+        ({"header": {"stamp": {"sec": 12, "nanosec": 0}}}, 12.0),
+        (SimpleNamespace(header=SimpleNamespace(stamp=SimpleNamespace(secs=1, nsecs=0))), 1.0),
+        ({"header": {"stamp": {"secs": "12"}}}, None),
+        ({"header": 3}, None),
+        ({"data": 1}, None),
+        (None, None),
+        (7, None),
+    ],
+)
+def test_the_stamp_of_a_message_is_found_in_its_header(message: Any, stamp: float | None) -> None:
+    assert stamp_of(message) == stamp
+
+
+def test_the_age_of_a_reading_is_that_of_its_stamp(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.channel.time", SimpleNamespace(monotonic=lambda: now))
+    channel = Channel(Wire("scan", "subscription", "/scan", "sensor_msgs/LaserScan"))
+    channel.form = Types().form("sensor_msgs/LaserScan")
+    channel.live = True
+
+    def arrive(seconds_late: float) -> float | None:
+        stamp = {"sec": int(THERE + now - seconds_late), "nanosec": 0}
+        channel.receive({"header": {"stamp": stamp, "frame_id": "base"}, "ranges": [1.0]})
+        return channel.age()
+
+    assert arrive(0) == 0
+    now = 1.0
+    assert arrive(0) == pytest.approx(0, abs=0.01)
+    now = 10.0
+    assert arrive(8) == pytest.approx(8, abs=0.01)
+    now = 11.0
+    assert channel.age() == pytest.approx(9, abs=0.01)
+
+
+# -- the pace of a program ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("period", "pace"),
+    [(1.0, 0.1), (0.1, 0.05), (0.0999, 0.05), (0.05, 0.02), (0.02, 0.01), (0.01, 0.005), (0.001, 0.0)],
+)
+def test_a_program_can_use_two_messages_in_a_tick(
+    period: float, pace: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 0.0
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.clock.time", SimpleNamespace(monotonic=lambda: now))
+    watch = ProgramPace()
+    assert watch.seconds == 0.02
+    for tick in range(12):
+        watch.tick()
+        now += 5.0 if tick == 6 else period  # a stall changes nothing
+    assert watch.seconds == pace

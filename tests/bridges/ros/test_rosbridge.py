@@ -1,0 +1,537 @@
+"""A rosbridge server as strangers run it: its services hang, its log is read, its network is slow."""
+
+from __future__ import annotations
+
+import ssl
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.ros import RosBridge, rosapi, rosbridge, websocket
+from lrp_jupyter.bridges.ros.definitions import KNOWN, Definition, FieldType
+from lrp_jupyter.errors import BridgeError
+
+Make = Callable[..., RosBridge]
+Until = Callable[..., None]
+ODOM = {"pose": {"pose": {"position": {"x": 1.0, "y": 2.0}, "orientation": {"z": 1.0, "w": 0.0}}}}
+SCAN = {"header": {"frame_id": "base"}, "angle_min": -1.5, "ranges": [0.5, 1.25, 2.0], "intensities": []}
+
+
+@pytest.fixture
+def ros2(graph: Any) -> Any:
+    """The graph of a ROS 2."""
+    graph.is_ros2 = True
+    return graph
+
+
+@pytest.fixture
+def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Silence is noticed sooner."""
+    monkeypatch.setattr(rosapi, "_ANSWER", 0.3)
+    monkeypatch.setattr(rosapi, "_FIRST", 0.2)
+    monkeypatch.setattr(rosbridge, "_QUIET", 0.05)
+    monkeypatch.setattr(rosbridge, "_UNPACKED", 0.2)
+
+
+def opened(make: Make, **options: Any) -> RosBridge:
+    ros = make(**options)
+    ros.open()
+    ros.arm()
+    return ros
+
+
+def notices(ros: RosBridge) -> list[str]:
+    return [notice.text for notice in ros.safety.notices if notice.kind == "fault"]
+
+
+def value(ros: RosBridge, row: str) -> str:
+    """What the panel shows in the row of a variable."""
+    table = ros.panel().tables[0]
+    return dict(zip(table.keys, table.rows, strict=True))[row][6]
+
+
+# -- types ----------------------------------------------------------------------------------------
+
+
+def test_types_that_are_known_here_are_not_asked_for(
+    make: Make, server: Any, ros2: Any, until: Until
+) -> None:
+    server.details_end_rosapi = True
+    ros = opened(make)
+    ros.subscribe("odom", "/odom", "nav_msgs/Odometry")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    ros.robot.move(linear=0.2)
+    until(lambda: ros2.heard)
+    until(lambda: ros2.send("/odom", header={"stamp": {"sec": 5, "nanosec": 7}}, **ODOM) or age(ros, "odom"))
+    assert (ros.robot.odom.x, ros.robot.odom.header.stamp.sec) == (1.0, 5)
+    assert server.rosapi
+    assert not server.asked("message_details")
+
+
+def age(ros: RosBridge, name: str) -> bool:
+    return ros.describe(name).age is not None
+
+
+def test_an_unknown_type_of_ros_2_is_read_from_the_text_of_its_msg_file(
+    make: Make, server: Any, ros2: Any, until: Until
+) -> None:
+    server.details_end_rosapi = True
+    ros2.types["/leds"] = "my_msgs/Leds"
+    ros2.texts["my_msgs/Leds"] = (
+        "# the lights\nuint8 MOST=4\nstd_msgs/Header header\nLed[<=4] leds\nfloat32 dim 0.5\n"
+        + "=" * 80
+        + "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+        + "=" * 80
+        + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
+        + "=" * 80
+        + "\nMSG: my_msgs/Led\nstring<=8 colour\nbool on\n"
+    )
+    ros = opened(make)
+    ros.publish("leds", "/leds")
+    ros.robot.leds(leds=[{"colour": "red", "on": True}])
+    until(lambda: ros2.heard)
+    topic, message = ros2.heard[0]
+    assert topic == "/leds"
+    assert message["leds"] == [{"colour": "red", "on": True}]
+    assert server.rosapi
+
+
+def test_a_type_that_no_topic_of_ros_2_has_is_refused_with_the_reason(
+    make: Make, server: Any, ros2: Any
+) -> None:
+    server.details_end_rosapi = True
+    ros = opened(make)
+    with pytest.raises(BridgeError, match=r"no message type `my_msgs/Thing`.*before rosbridge 2\.3\.0"):
+        ros.publish("thing", "/thing", "my_msgs/Thing")
+    with pytest.raises(BridgeError, match="Did you mean `geometry_msgs/Twist`"):
+        ros.publish("move", "/cmd", "geometry_msgs/Twsit")
+    assert server.rosapi
+
+
+def test_releases_before_jazzy_describe_any_type(make: Make, server: Any, ros2: Any, until: Until) -> None:
+    ros2.distribution = "humble"
+    ros2.definitions["my_msgs/Horn"] = Definition("my_msgs/Horn", {"tone": FieldType("float64")})
+    ros = opened(make)
+    ros.publish("horn", "/horn", "my_msgs/Horn")
+    ros.robot.horn(tone=440)
+    until(lambda: ("/horn", {"tone": 440.0}) in ros2.heard)
+
+
+def test_a_text_that_cannot_be_read_is_refused_with_its_line(make: Make, ros2: Any) -> None:
+    ros2.types["/leds"] = "my_msgs/Leds"
+    ros2.texts["my_msgs/Leds"] = "float32 dim\nwhat is this(?)\n=3"
+    with pytest.raises(BridgeError, match="`my_msgs/Leds`, line 3: `=3` cannot be read"):
+        opened(make).subscribe("leds", "/leds")
+
+
+@pytest.mark.usefixtures("hasty")
+def test_silence_about_a_type_refuses_that_type_and_nothing_else(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    server.hangs.add("message_details")
+    ros = opened(make)
+    ros.publish("move", "/cmd_vel")
+    with pytest.raises(BridgeError, match="no message type `my_msgs/Thing`"):
+        ros.publish("thing", "/thing", "my_msgs/Thing")
+    ros.robot.move(linear=0.2)  # on another connection than the one that hangs
+    until(lambda: graph.heard)
+    assert ros.status.state is not ConnectionState.LOST
+
+
+# -- rosapi that comes late, or slowly ------------------------------------------------------------
+
+
+def test_a_rosapi_that_starts_later_is_found(
+    serve: Callable[..., Any], make: Make, graph: Any, until: Until
+) -> None:
+    server = serve(rosapi=False)
+    ros = opened(make, port=server.port)
+    ros.subscribe("odom", "/odom")
+    until(lambda: len(server.asked("topics")) > 2)
+    assert len([text for text in notices(ros) if "has no rosapi" in text]) == 1
+    server.rosapi = True
+    until(lambda: "/odom" in ros.topics)
+    until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
+    assert notices(ros)[-1].endswith("answers now: topics are listed.")
+
+
+def test_after_a_reconnect_rosapi_is_asked_again(
+    serve: Callable[..., Any], make: Make, graph: Any, until: Until
+) -> None:
+    server = serve()
+    port = server.port
+    ros = opened(make, port=port)
+    server.close()
+    until(lambda: ros.status.state is ConnectionState.LOST)
+    graph.types["/new"] = "std_msgs/Bool"
+    serve(port)
+    until(lambda: ros.topics.get("/new") == "std_msgs/Bool")
+
+
+@pytest.mark.parametrize("is_ros2", [False, True], ids=["ROS 1", "ROS 2"])
+@pytest.mark.usefixtures("hasty")
+def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
+    make: Make, server: Any, graph: Any, until: Until, is_ros2: bool
+) -> None:
+    graph.is_ros2 = is_ros2
+    server.hangs.add("topics")
+    ros = opened(make)
+    ros.subscribe("odom", "/odom", "nav_msgs/Odometry")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    until(lambda: len(server.asked("topics")) > 1)
+    assert any("does not answer" in text for text in notices(ros))
+    ros.robot.move(linear=0.2)
+    until(lambda: graph.heard)
+    until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
+    assert ros.status.state is ConnectionState.CONNECTED
+    server.hangs.clear()
+    until(lambda: "/odom" in ros.topics)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_on_ros_1_no_connection_is_made_anew_for_a_question_that_is_not_answered(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    ros = opened(make)
+    until(lambda: ros.topics)
+    before = set(server.clients)
+    server.hangs.add("topics")
+    until(lambda: any("does not answer" in text for text in notices(ros)))
+    server.hangs.clear()
+    until(lambda: notices(ros)[-1].endswith("answers now: topics are listed."))
+    assert set(server.clients) == before
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_rosapi_that_has_ended_is_not_a_lost_robot(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    ros = opened(make)
+    ros.publish("move", "/cmd_vel")
+    server.rosapi = False
+    until(lambda: any("has no rosapi" in text for text in notices(ros)))
+    ros.robot.move(linear=0.2)
+    until(lambda: graph.heard)
+    assert ros.status.state is ConnectionState.CONNECTED
+
+
+def test_what_rosapi_answers_in_another_form_is_passed_over(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    graph.topics = lambda: {7: None}
+    server._rosapi = lambda service, _: {"topics": 7, "types": None}
+    ros = opened(make)
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    ros.robot.move(linear=0.2)
+    until(lambda: graph.heard)
+    assert any("cannot be understood" in text for text in notices(ros))
+
+
+# -- subscriptions --------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_best_effort_sensor_of_ros_2_that_starts_later_arrives(
+    make: Make, server: Any, ros2: Any, until: Until
+) -> None:
+    ros = opened(make)
+    ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
+    until(lambda: any(topic == "/scan" for topic, _ in ros2.listeners))
+    ros2.best_effort.add("/scan")
+    ros2.publishers["/scan"] = ["/lidar"]
+    until(lambda: ros2.send("/scan", **SCAN) or age(ros, "scan"))
+    assert ros.robot.scan.ranges == (0.5, 1.25, 2.0)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_sensor_that_is_only_quiet_is_not_subscribed_to_again_and_again(
+    make: Make, server: Any, ros2: Any, until: Until
+) -> None:
+    ros2.publishers["/bumper"] = ["/base"]
+    ros2.types["/bumper"] = "std_msgs/Bool"
+    ros = opened(make)
+    ros.subscribe("bumper", "/bumper")
+    until(lambda: "/base" in value(ros, "bumper"))
+    assert "restart rosbridge" in value(ros, "bumper")
+    until(lambda: len(server.asked("topics")) > 5)
+    assert len(server.subscriptions("/bumper")) == 2
+    ros2.send("/bumper", data=True)
+    until(lambda: age(ros, "bumper"))
+    until(lambda: value(ros, "bumper") == "True")
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_topic_that_is_published_but_does_not_arrive_points_to_the_log(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    ros = opened(make)
+    ros.subscribe("odom", "/odom")
+    until(lambda: "see the log of rosbridge" in value(ros, "odom"))
+    graph.send("/odom", **ODOM)
+    until(lambda: value(ros, "odom").startswith("x=1"))
+
+
+def test_a_fast_topic_is_thinned_out_to_what_the_program_can_use(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    ros = opened(make)
+    ros.subscribe("odom", "/odom")
+    until(lambda: server.subscriptions("/odom"))
+    assert server.subscriptions("/odom")[0]["throttle_rate"] == 20
+    assert server.subscriptions("/odom")[0]["queue_length"] == 1
+    assert ros.wiring.link is not None
+    ros.wiring.link.transport.pace = 0.05
+    ros.wiring.link.transport.changed()
+    until(lambda: len(server.subscriptions("/odom")) == 2)
+    assert server.subscriptions("/odom")[1]["throttle_rate"] == 50
+    assert server.subscriptions("/odom")[1]["id"] == server.subscriptions("/odom")[0]["id"]
+    assert len(graph.listeners) == 1
+
+
+def test_large_arrays_come_packed_and_small_messages_as_text(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    graph.types["/scan"] = "sensor_msgs/LaserScan"
+    ros = opened(make)
+    ros.subscribe("scan", "/scan")
+    ros.subscribe("odom", "/odom")
+    until(lambda: len(graph.listeners) == 2)
+    until(lambda: graph.send("/scan", **SCAN) or age(ros, "scan"))
+    until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
+    assert server.subscriptions("/scan")[0]["compression"] == "cbor"
+    assert server.subscriptions("/odom")[0]["compression"] == "none"
+    assert ros.robot.scan.ranges == (0.5, 1.25, 2.0)
+    assert ros.robot.scan.intensities == ()
+
+
+def test_an_old_server_that_does_not_pack_sends_text(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    server.packs = False
+    ros = opened(make)
+    ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
+    until(lambda: graph.send("/scan", **SCAN) or age(ros, "scan"))
+    assert ros.robot.scan.ranges == (0.5, 1.25, 2.0)
+
+
+@pytest.mark.usefixtures("hasty")
+def test_a_server_that_fails_to_pack_is_asked_for_text(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    server.fails_to_pack = True
+    graph.publishers["/scan"] = ["/lidar"]
+    ros = opened(make)
+    ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
+    until(lambda: graph.send("/scan", **SCAN) or age(ros, "scan"))
+    assert any("Exception calling subscribe callback" in line for line in server.log)
+    assert [each["compression"] for each in server.subscriptions("/scan")] == ["cbor", "none"]
+
+
+@pytest.mark.parametrize(
+    ("type_", "expected"),
+    [
+        ("sensor_msgs/LaserScan", True),
+        ("nav_msgs/Odometry", False),  # 36 numbers, which no server packs
+        ("sensor_msgs/Imu", False),
+        ("geometry_msgs/Twist", False),
+        ("test/Names", False),
+        ("test/Image", True),
+        ("test/Octets", False),
+        ("test/Loop", True),
+        ("test/Missing", False),
+    ],
+)
+def test_only_what_every_server_packs_is_packed(type_: str, expected: bool) -> None:
+    fields = {
+        "test/Names": {"names": FieldType("string", 0), "values": FieldType("float64", 0)},
+        "test/Image": {"header": FieldType("std_msgs/Header"), "data": FieldType("uint8", 0)},
+        "test/Octets": {"data": FieldType("byte", 0)},
+        "test/Loop": {"inner": FieldType("test/Loop", 0), "data": FieldType("int16", 0)},
+        "test/Missing": {"data": FieldType("test/Nowhere")},
+    }
+    definitions = {**KNOWN, **{name: Definition(name, inside) for name, inside in fields.items()}}
+    assert rosbridge._is_packed(type_, definitions) is expected
+
+
+def test_a_message_that_is_too_large_for_the_server_comes_in_fragments(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    server.largest = 50
+    ros = opened(make)
+    ros.subscribe("odom", "/odom")
+    until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
+    assert ros.robot.odom.x == 1.0
+
+
+# -- commands -------------------------------------------------------------------------------------
+
+
+def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    graph.time = lambda: 1_800_000_000.5
+    graph.types["/cmd"] = "geometry_msgs/TwistStamped"
+    ros = opened(make)
+    ros.publish("move", "/cmd")
+    ros.robot.move(linear=0.2)
+    ros.robot.move(lambda msg: msg.header(frame_id="base"))
+    ros.robot.move(lambda msg: msg.header.stamp(secs=3))
+    ros.robot.move(header={"stamp": {"secs": 0}})
+    until(lambda: len(graph.heard) == 4)
+    stamps = [values["header"]["stamp"] for _, values in graph.heard]
+    now = {"secs": 1_800_000_000, "nsecs": 500_000_000}
+    assert stamps == [now, now, {"secs": 3, "nsecs": 0}, {"secs": 0, "nsecs": 0}]
+
+
+def test_no_error_is_left_in_the_log_of_the_robot(make: Make, server: Any, graph: Any, until: Until) -> None:
+    ros = opened(make)
+    ros.subscribe("odom", "/odom")
+    ros.publish("move", "/cmd_vel")
+    ros.robot.move(linear=0.2)
+    until(lambda: len(server.asked("topics")) > 1 and graph.heard)
+    ros.close()
+    until(lambda: not server.clients)
+    assert server.log == []
+
+
+def test_another_node_that_commands_is_told_once_and_shown_in_the_panel(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    graph.publishers["/cmd_vel"] = ["/teleop"]
+    ros = opened(make)
+    ros.publish("move", "/cmd_vel")
+    until(lambda: "/teleop publishes here, too" in value(ros, "move"))
+    until(lambda: len(server.asked("topics")) > 4)
+    assert len([text for text in notices(ros) if "`/teleop` publishes on `/cmd_vel`" in text]) == 1
+    graph.publishers["/cmd_vel"] = ["/teleop", "/nav"]
+    until(lambda: any("`/nav` publishes on `/cmd_vel`" in text for text in notices(ros)))
+    graph.publishers["/cmd_vel"] = []
+    until(lambda: "publishes here" not in value(ros, "move"))
+
+
+def test_another_client_of_the_same_server_that_commands_is_told(
+    make: Make, server: Any, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rosbridge, "_FIGHT", 0.3)
+    monkeypatch.setattr(rosbridge.RosbridgeTransport, "period", 0.05)
+    ours, theirs = opened(make), opened(make)
+    for ros in (ours, theirs):
+        ros.publish("move", "/cmd_vel")
+    until(lambda: ours.robot.move(linear=0.2) or any(topic == "/cmd_vel" for topic, _ in graph.listeners))
+    for _ in range(5):
+        ours.robot.move(linear=0.2)
+    assert "publishes here" not in value(ours, "move")
+    until(lambda: theirs.robot.move(linear=-0.1) or "another client of" in value(ours, "move"))
+    assert any("`another client of ws://" in text for text in notices(ours))
+    until(lambda: "publishes here" not in value(ours, "move"))
+
+
+# -- the network ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def slow(wire: Any) -> Any:
+    wire.delay = 0.2  # each way
+    return wire
+
+
+def test_a_link_that_is_slow_but_steady_is_used_and_told(
+    make: Make, slow: Any, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(websocket, "_STALE", 0.3)
+    monkeypatch.setattr(websocket, "_LOST", 0.6)
+    monkeypatch.setattr(rosbridge.RosbridgeTransport, "period", 0.05)
+    ros = make(port=slow.port)
+    states: list[ConnectionState] = []
+    tell = ros.set_status
+    monkeypatch.setattr(ros, "set_status", lambda state, *text: states.append(state) or tell(state, *text))
+    ros.open()
+    ros.arm()
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    until(lambda: any("is slow: a round trip takes 0." in text for text in notices(ros)))
+    shown = {field.key: field.value for field in ros.panel().fields}["round_trip"]
+    assert shown.endswith("ms (slow)")
+    until(lambda: ros.round_trip is not None and graph.advertised)
+    ros.robot.move(linear=0.2)
+    until(lambda: graph.heard)
+    assert not {ConnectionState.STALE, ConnectionState.LOST} & set(states)
+
+
+def test_the_round_trip_of_a_good_link_is_shown_and_not_called_slow(
+    make: Make, server: Any, until: Until
+) -> None:
+    ros = opened(make)
+    until(lambda: ros.round_trip is not None)
+    shown = {field.key: field.value for field in ros.panel().fields}["round_trip"]
+    assert shown.endswith(" ms")
+    assert not any("slow" in text for text in notices(ros))
+
+
+def test_a_large_message_on_its_way_is_a_sign_of_life(
+    make: Make, wire: Any, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The pong waits behind it, for longer than a server that says nothing would have."""
+    monkeypatch.setattr(websocket, "_STALE", 0.3)
+    monkeypatch.setattr(websocket, "_LOST", 0.6)
+    graph.types["/text"] = "std_msgs/String"
+    ros = opened(make, port=wire.port)
+    ros.subscribe("text", "/text")
+    until(lambda: any(topic == "/text" for topic, _ in graph.listeners))
+    wire.bytes_per_second = 1_000_000
+    graph.send("/text", data="x" * 1_500_000)
+    until(lambda: ros.status.state is ConnectionState.CONNECTED)
+    assert not notices(ros)
+
+
+# -- encryption -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A certificate that nobody signed but its owner, and its key."""
+    folder = tmp_path_factory.mktemp("certificate")
+    names = (folder / "robot.pem", folder / "robot.key")
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=robot"]
+    command += ["-addext", "subjectAltName=IP:127.0.0.1", "-out", str(names[0]), "-keyout", str(names[1])]
+    try:
+        subprocess.run(command, check=True, capture_output=True)
+    except FileNotFoundError:
+        pytest.skip("There is no openssl to make a certificate with.")
+    return names
+
+
+@pytest.fixture
+def encrypted(serve: Callable[..., Any], certificate: tuple[Path, Path]) -> Any:
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(*certificate)
+    return serve(encryption=context)
+
+
+def test_an_encrypted_server_is_spoken_to_encrypted(
+    encrypted: Any, make: Make, graph: Any, until: Until, certificate: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SSL_CERT_FILE", str(certificate[0]))
+    ros = opened(make, host=f"wss://127.0.0.1:{encrypted.port}/robot", port=None)
+    ros.publish("move", "/cmd_vel")
+    ros.robot.move(linear=0.2)
+    until(lambda: graph.heard)
+    assert ros.address == f"wss://127.0.0.1:{encrypted.port}/robot"
+
+
+def test_a_certificate_that_is_not_trusted_is_named_with_what_to_do(
+    encrypted: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("SSL_CERT_FILE", raising=False)
+    ros = RosBridge(host=f"wss://127.0.0.1:{encrypted.port}")
+    with pytest.raises(BridgeError, match=r"is not trusted: self-signed certificate\..*SSL_CERT_FILE"):
+        ros.open()
+
+
+def test_a_server_that_does_not_encrypt_is_not_spoken_to_in_the_clear(server: Any) -> None:
+    with pytest.raises(BridgeError, match=r"write `ws://` if it does not encrypt"):
+        RosBridge(host=f"wss://127.0.0.1:{server.port}").open()
+    assert server.requests == []
