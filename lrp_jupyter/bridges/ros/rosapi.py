@@ -326,8 +326,8 @@ class Rosapi:
         """Wait no more for an answer.
 
         On ROS 2, rosbridge goes on waiting for it, and this connection with it. On ROS 1 it does not; and
-        there, while the master hangs, a new connection would make rosbridge hang, too: it logs each one, which
-        asks the master.
+        there, while the master hangs, a new connection would make rosbridge hang, too: it logs each one,
+        which asks the master.
         """
         if self.is_ros2 or not self._topics:
             self._hang_up()
