@@ -350,6 +350,11 @@ class _Run:
         for notice in self._bridge.safety.notices:
             if notice.text not in self._notices:
                 self._notices.add(notice.text)
+                if notice.kind == "stale" and status.state in (
+                    ConnectionState.STALE,
+                    ConnectionState.WAITING,
+                ):
+                    continue  # the status has said it
                 self.print(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
 
     def _print_hang(self, frame: Frame) -> None:

@@ -342,6 +342,31 @@ def test_every_change_of_the_connection_to_the_robot_is_printed(lrp, program):
     ]
 
 
+class Hushed(Bridge):
+    """A bridge to a robot that is silent for a while."""
+
+    name = "hushed"
+
+    def open_interface(self):
+        self.ticks = 0
+
+    def sense(self, now):
+        self.ticks += 1
+        if not 3 < self.ticks < 12:
+            self.feed("light.data", 7, doc="brightness", stale_after=0.3)
+
+    def stop(self):
+        pass
+
+
+def test_data_that_are_too_old_are_printed_once_and_so_is_their_end(lrp, program):
+    result = lrp("run", program("(machine m (state a)) (spawn m a)"), "--bridge", "hushed", "--for", "1.5")
+    said = [line.partition("robot: ")[2] for line in result.stdout.splitlines() if "robot: " in line]
+    _connected, _armed, stale, fresh = said
+    assert stale.startswith("`robot.light.data` is stale: its value is 0.")
+    assert fresh == "`hushed` is connected."
+
+
 def test_hardware_that_is_named_is_armed_and_ctrl_c_stops_it(lrp, program):
     handler = signal.getsignal(signal.SIGINT)  # in the background it is another than in a terminal
     Recorder.log.clear()
