@@ -64,8 +64,8 @@ class RosBridge(Bridge):
         With ``"auto"`` that for which the environment is set up, else the first one that answers.
     host : str, optional
         Of the rosbridge server or the ROS master, ``host`` or ``host:port``; of an encrypted server
-        ``wss://host/path``. Default: this machine or, with rospy, the value of ``ROS_MASTER_URI``. With dds: of
-        a robot that cannot be found by multicast; default: none.
+        ``wss://host/path``. Default: this machine or, with rospy, the value of ``ROS_MASTER_URI``. With
+        dds: of a robot that cannot be found by multicast; default: none.
     port : int, optional
         Default: 9090 for rosbridge (443 with ``wss://``), 11311 for rospy.
     setup : path or mapping, optional
