@@ -12,7 +12,7 @@ import time
 from collections import deque
 from typing import Any, NamedTuple
 
-from lrp_jupyter.bridges.ros.clock import RobotClock, stamp_of
+from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
@@ -50,8 +50,8 @@ class Channel:
         Whether the robot is being asked for what is missing.
     commanders : tuple of str
         Of a publisher of velocities: who else publishes on its topic.
-    clock : RobotClock
-        That of the robot.
+    stamps : Stamps
+        The time stamps of the messages, by the robot's clock.
     has_moved : bool
         Whether a velocity other than zero was sent: when the connection is lost, it is unknown whether
         it, or a stop, arrived.
@@ -71,8 +71,7 @@ class Channel:
         self.waiting = "it is being connected"
         self.is_asked_for = False
         self.commanders: tuple[str, ...] = ()
-        self.clock = RobotClock()
-        self._last_stamp: float | None = None
+        self.stamps = Stamps(RobotClock())
         self.handle: object = None
         self.has_moved = False
         self.owes_stop = False
@@ -103,10 +102,7 @@ class Channel:
             return
         self.problem = ""
         self.stamp()
-        stamp = stamp_of(raw)
-        made = self.clock.made_at(stamp, self._times[-1], self._last_stamp)
-        self._last_stamp = stamp
-        self.latest = Arrival(value, made)
+        self.latest = Arrival(value, self.stamps.made_at(raw, self._times[-1]))
 
     def stamp(self) -> None:
         """Record the time of a received or sent message."""

@@ -16,11 +16,12 @@ from collections.abc import Mapping
 from statistics import median
 from typing import Any
 
-__all__ = ["ProgramPace", "RobotClock", "stamp_of"]
+__all__ = ["ProgramPace", "RobotClock", "Stamps", "stamp_of"]
 
 _SIMULATED = 1e8  # seconds; clocks of simulations begin at 0 and may run at another speed
 _OTHER = 60.0  # seconds; a stamp that is so old is of another clock, or recorded
-_BACK = 1.0  # seconds; a clock that goes back was set
+_BACK = 1.0  # seconds by which a clock must be off to have been set
+_SET_BACK = 10.0  # seconds with stamps that are lower than an earlier one
 _PACES = (0.0, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)  # seconds
 _DRIFT = 1e-4  # seconds per second by which two clocks may drift apart
 
@@ -37,7 +38,7 @@ class RobotClock:
         self._offset: float | None = None
         self._at = 0.0
 
-    def made_at(self, stamp: float | None, now: float, last: float | None = None) -> float:
+    def made_at(self, stamp: float | None, now: float) -> float:
         """Return when a message was made, in seconds of `time.monotonic`.
 
         Parameters
@@ -46,20 +47,55 @@ class RobotClock:
             Its time stamp in seconds; None or 0: it has none, and was made now.
         now : float
             When it arrived.
-        last : float, optional
-            The stamp before it, on the same topic.
         """
         if not stamp or stamp < _SIMULATED:
             return now
         with self._lock:
             difference, offset = now - stamp, self._offset
-            if offset is None or difference < offset or (last is not None and stamp < last - _BACK):
+            if offset is None or difference < offset:
                 self._offset, self._at = difference, now
                 return now
             self._offset = offset = offset + _DRIFT * max(0.0, now - self._at)
             self._at = now
             age = max(0.0, difference - offset)
         return now if age > _OTHER else now - age
+
+    def read(self, stamp: float | None, now: float) -> None:
+        """Note what the robot's clock shows now; it may have been set back since."""
+        self.made_at(stamp, now)
+        if stamp and stamp >= _SIMULATED:
+            with self._lock:
+                if self._offset is not None and now - stamp > self._offset + _BACK:
+                    self._offset, self._at = now - stamp, now
+
+
+class Stamps:
+    """The time stamps of one topic.
+
+    Parameters
+    ----------
+    clock : RobotClock
+    """
+
+    def __init__(self, clock: RobotClock) -> None:
+        self._clock = clock
+        self._highest = 0.0
+        self._since = 0.0
+
+    def made_at(self, message: Any, now: float) -> float:
+        """Return when a raw message was made, in seconds of `time.monotonic`.
+
+        Old messages come with higher and higher stamps, too. So a topic whose stamps stay below an earlier
+        one is of a clock that was set back.
+        """
+        stamp = stamp_of(message)
+        if stamp is not None and stamp < self._highest - _BACK:
+            if now - self._since > _SET_BACK:
+                self._clock.reset()
+                self._highest = stamp
+        elif stamp is not None:
+            self._highest, self._since = max(stamp, self._highest), now
+        return self._clock.made_at(stamp, now)
 
 
 def stamp_of(message: Any) -> float | None:

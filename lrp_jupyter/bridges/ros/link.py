@@ -17,7 +17,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.clock import RobotClock
+from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
@@ -329,7 +329,8 @@ class TopicLink:
         """Note who else commands, and how slow the link is."""
         for channel in channels:
             if channel.handle is not None and channel.is_velocity:
-                before, channel.commanders = channel.commanders, self.transport.commanders(channel.wire.topic)
+                before, others = channel.commanders, self.transport.commanders(channel.wire.topic)
+                channel.commanders = tuple(other for other in others if GUARD_NODE not in other)
                 for other in channel.commanders:
                     if other not in before:
                         self._warn(
@@ -377,7 +378,7 @@ class TopicLink:
             channel.message = self.types.message(type_)
             _check_limits(channel)
         self._learned(channel)
-        channel.clock = self.transport.clock
+        channel.stamps = Stamps(self.transport.clock)
         channel.live = True  # before joining: a latched message arrives while we do
         handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive)
         if channel.owes_stop and channel.message is not None:

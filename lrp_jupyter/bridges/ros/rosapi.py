@@ -32,6 +32,8 @@ _FIRST = 2.0  # seconds that connecting waits for the first list
 _ANSWER = 5.0  # seconds for an answer, …
 _LONG_ANSWER = 20.0  # … for the texts of all types
 _SOON, _RARELY = 1.0, 5.0  # seconds between two lists, while something is missing or not
+_CLOCK = 60.0  # seconds between two readings of the robot's clock …
+_PROMPT = 0.5  # … which may take that long
 _VALID = 2.0  # seconds for which the users of a topic are known
 _LONGEST = 30.0  # … and at most, while there is no rosapi: each question leaves an error in the robot's log
 _JOIN = 2.0  # seconds that ending the thread may take
@@ -76,6 +78,7 @@ class Rosapi:
         self._answered = threading.Event()
         self._exists = self._is_missed = False
         self._failures = 0
+        self._next_time = 0.0
         self._distribution: str | None = None
         self._own: tuple[str, ...] = ()
         self._watched: frozenset[str] = frozenset()
@@ -222,13 +225,22 @@ class Rosapi:
             self._types = {type_: found for type_, found in self._types.items() if found}
         appeared = not self._exists
         self._topics, self._exists, self.trouble, self._failures = topics, True, "", 0
-        if appeared:
-            time_there = stamp_of({"header": {"stamp": self._try("/rosapi/get_time").get("time")}})
-            self._clock.made_at(time_there, time.monotonic())
+        self._read_clock()
         if self._is_missed:
             self._is_missed = False
             self._warn(f"rosapi of `{self._url}` answers now: topics are listed.")
         return appeared
+
+    def _read_clock(self) -> None:
+        """Ask for the robot's time, now and then; an answer that took long says little."""
+        asked = time.monotonic()
+        if asked < self._next_time:
+            return
+        self._next_time = asked + _CLOCK
+        there = stamp_of({"header": {"stamp": self._try("/rosapi/get_time").get("time")}})
+        now = time.monotonic()
+        if now - asked < _PROMPT:
+            self._clock.read(there, now)
 
     def _miss(self, why: str) -> None:
         self._exists = False

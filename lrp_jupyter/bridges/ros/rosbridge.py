@@ -268,7 +268,7 @@ class RosbridgeTransport(Transport):
     def hint(self, handle: object) -> str:
         """Return what may be wrong where a topic has a publisher, but no message came."""
         assert isinstance(handle, _Handle)
-        one = self._inputs.get(handle.topic)
+        one = self._inputs.get(handle.topic) if handle.direction == "subscription" else None
         publishers = self._rosapi.publishers.get(handle.topic, ())
         if one is None or one.heard is not None or time.monotonic() - one.since < _UNPACKED or not publishers:
             return ""

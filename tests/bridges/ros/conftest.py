@@ -28,7 +28,7 @@ from typing import Any
 import pytest
 
 from lrp_jupyter.bridges.ros import RosBridge, link, rosapi
-from lrp_jupyter.bridges.ros.definitions import KNOWN
+from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN
 
 HERE = Path(__file__).parent
 DEBIAN = Path("/usr/lib/python3/dist-packages")
@@ -79,7 +79,7 @@ def stand_in() -> ModuleType:
 
 @pytest.fixture
 def graph(rosbridge: ModuleType) -> Any:
-    graph = rosbridge.MemoryGraph(dict(KNOWN))
+    graph = rosbridge.MemoryGraph({**KNOWN, **HEADERS[1]})
     graph.types |= {
         "/odom": "nav_msgs/Odometry",
         "/light": "std_msgs/UInt8",

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock, stamp_of
+from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock, Stamps, stamp_of
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import Types
 
@@ -53,12 +53,35 @@ def test_a_stamp_that_is_minutes_off_is_of_another_clock() -> None:
     assert clock.made_at(THERE - 3600, 5.0) == 5.0, "a recording, or a computer whose clock was never set"
 
 
+def at(seconds: float) -> dict[str, Any]:
+    """A message that was made so many seconds after the first."""
+    nanoseconds = round(seconds % 1 * 1e9)
+    return {"header": {"stamp": {"sec": int(THERE + seconds // 1), "nanosec": nanoseconds}}}
+
+
 def test_a_clock_that_is_set_back_is_learned_again() -> None:
+    stamps = Stamps(RobotClock())
+    found = [now - stamps.made_at(at(now if now < 5 else now - 30), float(now)) for now in range(25)]
+    assert found[:5] == pytest.approx([0] * 5, abs=0.01)
+    assert found[5] == pytest.approx(30, abs=0.01)
+    assert found[-5:] == pytest.approx([0] * 5, abs=0.01)
+
+
+def test_messages_that_stay_old_are_not_a_clock_that_was_set_back() -> None:
+    stamps = Stamps(RobotClock())
+    stamps.made_at(at(0), 0.0)
+    for now in range(1, 60):
+        assert now - stamps.made_at(at(now - 8), float(now)) == pytest.approx(8, abs=0.01)
+
+
+def test_the_clock_of_the_robot_itself_shows_that_it_was_set_back() -> None:
     clock = RobotClock()
     clock.made_at(THERE, 0.0)
-    clock.made_at(THERE + 1, 1.0, THERE)
-    assert clock.made_at(THERE - 20, 2.0, THERE + 1) == 2.0
-    assert clock.made_at(THERE - 19, 3.0, THERE - 20) == pytest.approx(3.0, abs=0.01)
+    clock.read(THERE + 10 - 5, 10.0)
+    assert clock.made_at(THERE + 11 - 5, 11.0) == pytest.approx(11, abs=0.01)
+    clock.read(None, 12.0)
+    clock.read(17.0, 13.0)
+    assert clock.made_at(THERE + 14 - 7, 14.0) == pytest.approx(12, abs=0.01)
 
 
 def test_two_clocks_may_drift_apart() -> None:

@@ -165,9 +165,9 @@ def test_an_address_means_what_is_written(host: str, port: Any, url: str, shown:
         assert parse_address(shown, None, 9090) == address
 
 
-def test_the_address_of_a_master_may_be_that_of_the_environment() -> None:
+def test_the_address_of_a_master_may_be_written_as_in_the_environment() -> None:
     assert str(parse_address("http://turtle:11311/", None, 11311, ("http",))) == "turtle:11311"
-    assert RosBridge(backend="rospy", host="http://turtle:11311").address == "turtle:11311"
+    assert RosBridge(backend="rospy", host="http://turtle:11311").address == "http://turtle:11311"
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ssl
 import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,8 @@ import pytest
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, rosapi, rosbridge, websocket
-from lrp_jupyter.bridges.ros.definitions import KNOWN, Definition, FieldType
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, FieldType
+from lrp_jupyter.errors import BridgeError, NoDataYet
 
 Make = Callable[..., RosBridge]
 Until = Callable[..., None]
@@ -25,6 +26,7 @@ SCAN = {"header": {"frame_id": "base"}, "angle_min": -1.5, "ranges": [0.5, 1.25,
 def ros2(graph: Any) -> Any:
     """The graph of a ROS 2."""
     graph.is_ros2 = True
+    graph.definitions |= HEADERS[2]
     return graph
 
 
@@ -187,7 +189,7 @@ def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
     ros.robot.move(linear=0.2)
     until(lambda: graph.heard)
     until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
-    assert ros.status.state is ConnectionState.CONNECTED
+    until(lambda: ros.status.state is ConnectionState.CONNECTED)
     server.hangs.clear()
     until(lambda: "/odom" in ros.topics)
 
@@ -365,6 +367,32 @@ def test_a_message_that_is_too_large_for_the_server_comes_in_fragments(
     ros.subscribe("odom", "/odom")
     until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
     assert ros.robot.odom.x == 1.0
+
+
+def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    ros = opened(make)
+    ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan", stale_after=0.5)
+    ros.publish("move", "/cmd_vel")
+    until(lambda: graph.listeners and graph.advertised)
+
+    def scanned(seconds_ago: float) -> None:
+        stamp = graph.stamp(time.time() - seconds_ago)
+        graph.send("/scan", **{**SCAN, "header": {"frame_id": "base", "stamp": stamp}})
+
+    until(lambda: scanned(0) or age(ros, "scan"))
+    until(lambda: scanned(8) or (ros.describe("scan").age or 0) > 7)
+    ros.begin_tick(0.0, 0.1)
+    with pytest.raises(NoDataYet, match="old"):
+        _ = ros.robot.scan
+    assert ros.status.state is ConnectionState.STALE
+    ros.robot.move(linear=0.2)
+    ros.end_tick(0.0)
+    assert 0.2 not in [values["linear"]["x"] for _, values in graph.heard]
+    until(lambda: scanned(0) or (ros.describe("scan").age or 9) < 0.5)
+    ros.begin_tick(0.1, 0.1)
+    assert ros.robot.scan.ranges == (0.5, 1.25, 2.0)
 
 
 # -- commands -------------------------------------------------------------------------------------
