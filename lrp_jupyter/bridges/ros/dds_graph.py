@@ -121,6 +121,10 @@ class EndpointGraph:
             if end.topic == topic and (writes is None or end.writes == writes)
         ]
 
+    def announces(self, end: Endpoint) -> bool:
+        """Whether the participant of an endpoint announces its nodes."""
+        return any(each.participant == end.participant for each in self.ends(_NODES, writes=True))
+
     def is_whole(self) -> bool:
         """Whether readers and writers of each participant are known: a node of ROS 2 has both."""
         ends = self._endpoints.values()

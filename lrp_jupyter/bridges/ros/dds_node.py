@@ -143,8 +143,8 @@ class TopicPublisher(_TopicEnd):
         """
         try:
             sample = self._node.types.sample(self.type, values)
-            is_gone = self.was_heard and not self._entity.get_matched_subscriptions()
-            self._owed = sample if urgent and is_gone else None
+            is_heard = self.others() and self._entity.get_matched_subscriptions()
+            self._owed = sample if urgent and self.was_heard and not is_heard else None
             self._entity.write(sample)
         except DDSException as error:
             raise BridgeError(f"`{self.topic}` was not sent: {error}") from error
@@ -154,9 +154,10 @@ class TopicPublisher(_TopicEnd):
     def serve(self) -> None:
         """Send the stop that is owed as soon as somebody hears it.
 
-        A reader is known a moment before it is connected, and what is sent in between is lost.
+        A reader is known a moment before it is connected, and gone a moment before it is disconnected; what
+        is sent in between is lost.
         """
-        if self._entity.get_publication_matched_status().current_count:
+        if self._entity.get_publication_matched_status().current_count and self.others():
             self.was_heard = True
             owed, self._owed = self._owed, None
             if owed is not None:
@@ -224,6 +225,10 @@ class DdsNode:
     def ends(self) -> tuple[_TopicEnd, ...]:
         """The subscriptions and publishers."""
         return self._ends
+
+    def name_of(self, end: Endpoint) -> str:
+        """Return the name of the node that has an endpoint; empty while it has not announced itself."""
+        return self.directory.name_of(end) or ("" if self.graph.announces(end) else "a node without a name")
 
     def subscribe(self, topic: str, type_: str, receive: Callable[[Any], None]) -> TopicReader:
         """Subscribe; messages arrive on the node's thread."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,9 +20,28 @@ SETUP = Path(__file__).parents[1] / "follower.json"
 
 
 class TestDds(BridgeConformance):
+    moves = True
+
     @pytest.fixture(autouse=True)
-    def _connected(self, robot: Callable[..., Any]) -> None:
-        robot()
+    def _connected(self, robot: Callable[..., Any], processes: Any) -> None:
+        self.start, self.end = robot, processes.end
+        self.robot = robot()
+        self.told = processes.lines(self.robot)  # it prints when it is told another speed
 
     def make_bridge(self) -> Bridge:
         return RosBridge(backend="dds", setup=SETUP)
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return bool(self.told)
+
+    def silence(self) -> None:
+        os.killpg(self.robot.pid, signal.SIGSTOP)
+
+    def cut(self) -> None:
+        self.end(self.robot)
+
+    def restore(self) -> None:
+        if self.robot.poll() is None:
+            os.killpg(self.robot.pid, signal.SIGCONT)
+        else:
+            self.robot = self.start()

@@ -168,38 +168,50 @@ def test_it_announces_itself_as_a_node_of_ros_2(peer: Any, connect: Connect, unt
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel")
 
-    def ends(what: str, topic: str) -> list[dict[str, Any]]:
-        return [end for end in robot.said(what) if end[what] == topic and end["gid"][:8] != own]
-
-    own = robot.said("their_writer")[0]["gid"][:8]
-    until(lambda: ends("their_writer", "rt/cmd_vel") and ends("their_reader", "rt/odom"))
-    (writer,) = ends("their_writer", "rt/cmd_vel")
-    reader = ends("their_reader", "rt/odom")[-1]
-    assert writer["type"] == "geometry_msgs::msg::dds_::Twist_"
-    assert writer["user_data"] == f"typehash={TWIST};"
-    assert (writer["reliable"], writer["kept"]) == (True, False)
-    assert {one["user_data"] for one in robot.said("participant")} >= {"enclave=/;"}
-
     def announced() -> dict[str, Any]:
         nodes = [node for line in robot.got("ros_discovery_info") for node in line["nodes"]]
-        return next((node for node in reversed(nodes) if node["name"].startswith("lrp_")), {})
+        return next((node for node in reversed(nodes) if node["name"] == "lrp"), {})
 
-    until(lambda: announced().get("writers") == [writer["gid"]])
-    until(lambda: announced()["readers"] == [reader["gid"]])
+    def ends(what: str, side: str) -> list[dict[str, Any]]:
+        return [end for end in robot.said(what) if end["gid"] in announced().get(side, [])]
+
+    until(lambda: ends("their_writer", "writers") and ends("their_reader", "readers"))
+    (writer,), (reader,) = ends("their_writer", "writers"), ends("their_reader", "readers")
+    assert (writer["their_writer"], writer["type"]) == ("rt/cmd_vel", "geometry_msgs::msg::dds_::Twist_")
+    assert writer["user_data"] == f"typehash={TWIST};"
+    assert (writer["reliable"], writer["kept"]) == (True, False)
+    assert reader["their_reader"] == "rt/odom"
     assert announced()["namespace"] == "/"
+    assert {one["user_data"] for one in robot.said("participant")} == {"enclave=/;"}
     ros.remove("odom")
     until(lambda: announced()["readers"] == [])
 
 
-def test_other_nodes_that_command_are_known_by_their_names(peer: Any, connect: Connect, until: Any) -> None:
+def test_other_nodes_that_command_are_named(peer: Any, connect: Connect, until: Any) -> None:
     robot = peer("writer echo reliable")
     ros = connect()
-    assert ros.wiring.link is not None
-    commanders = ros.wiring.link.transport.commanders
-    until(lambda: commanders("/echo") == ("a node that does not say its name",))
+    ros.publish("move", "/echo", "geometry_msgs/Twist")
     robot.do("announce teleop")
-    until(lambda: commanders("/echo") == ("/teleop",))
-    assert commanders("/cmd_vel") == ()
+    until(lambda: any("`/teleop` publishes on `/echo`, too" in notice.text for notice in ros.safety.notices))
+
+
+def test_the_guard_of_a_robot_is_not_reported_as_another_who_commands(
+    peer: Any, connect: Connect, until: Any
+) -> None:
+    robot = peer("reader cmd_vel reliable", "reader ros_discovery_info reliable transient_local")
+    ros = connect()
+    ros.publish("move", "/cmd_vel")
+
+    def writers() -> list[str]:
+        nodes = [node for line in robot.got("ros_discovery_info") for node in line["nodes"]]
+        return [node["name"] for node in nodes if node["writers"]]
+
+    until(lambda: {"lrp", "lrp_guard"} <= set(writers()))
+    assert ros.wiring.link is not None
+    node = ros.wiring.link.transport._node  # type: ignore[attr-defined]
+    until(lambda: [node.name_of(end) for end in node.graph.ends("rt/cmd_vel", True)] == ["/lrp_guard"])
+    assert ros.wiring.link.transport.commanders("/cmd_vel") == ()
+    assert not [notice.text for notice in ros.safety.notices if "too: the robot obeys" in notice.text]
 
 
 def test_a_robot_that_dies_is_lost_and_gets_no_old_command_when_it_is_back(
@@ -236,6 +248,7 @@ def test_a_part_of_the_robot_that_goes_is_named(peer: Any, connect: Connect, unt
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel")
     ros.robot.move(linear=0.2)
+    until(lambda: robot.speeds() == [0.2])
     until(lambda: robot.do("odom 1 2") or ros.status.state is ConnectionState.CONNECTED)
     robot.do("drop cmd_vel")
     until(lambda: "no other node subscribes to `/cmd_vel` any more" in ros.status.sentence)
