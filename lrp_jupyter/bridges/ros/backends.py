@@ -163,14 +163,17 @@ def choose_backend(
         return Choice(backend)
     if scheme := _SCHEMES.get((host or "").partition("://")[0]):
         return Choice(scheme, f"`{host}` is an address of its kind")
-    return (None if host or port else _choose_by_environment()) or _choose_by_answer(host, port, domain)
+    return (None if host or port else _choose_by_setting(domain)) or _choose_by_answer(host, port, domain)
 
 
-def _choose_by_environment() -> Choice | None:
-    for backend, is_set, reason in (
-        ("rclpy", os.environ.get("ROS_VERSION") == "2", "ROS 2 is set up in this environment"),
-        ("rospy", os.environ.get("ROS_MASTER_URI"), "`ROS_MASTER_URI` is set"),
-    ):
+def _choose_by_setting(domain: int | None) -> Choice | None:
+    ros2 = os.environ.get("ROS_VERSION") == "2", "ROS 2 is set up in this environment"
+    ros1 = bool(os.environ.get("ROS_MASTER_URI")), "`ROS_MASTER_URI` is set"
+    dds = bool(os.environ.get("ROS_DOMAIN_ID")), "`ROS_DOMAIN_ID` is set"
+    settings = [("rclpy", *ros2), ("rospy", *ros1), ("dds", *dds)]
+    if domain is not None:
+        settings = [(backend, True, "a `domain` is named") for backend in ("rclpy", "dds")]
+    for backend, is_set, reason in settings:
         if is_set and _is_installed(backend):
             return Choice(backend, reason)
     return None

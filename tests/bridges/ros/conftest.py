@@ -73,6 +73,11 @@ def rosbridge() -> ModuleType:
 
 
 @pytest.fixture(scope="session")
+def latency() -> ModuleType:
+    return _load("latency")
+
+
+@pytest.fixture(scope="session")
 def stand_in() -> ModuleType:
     return _load("rclpy_stand_in")
 

@@ -54,6 +54,17 @@ def test_ros_2_is_taken_where_it_is_set_up(rclpy: Any, monkeypatch: pytest.Monke
     assert status.endswith("Back end: rclpy, because ROS 2 is set up in this environment.")
 
 
+def test_a_domain_of_ros_2_leads_to_dds(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("cyclonedds", reason="The extra `ros2` is missing.")
+    assert choose_backend(AUTO, domain=7) == Choice("dds", "a `domain` is named")
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    assert choose_backend(AUTO) == Choice("dds", "`ROS_DOMAIN_ID` is set")
+
+
+def test_an_installed_ros_2_is_preferred_in_a_domain(rclpy: Any) -> None:
+    assert choose_backend(AUTO, domain=7) == Choice("rclpy", "a `domain` is named")
+
+
 def test_what_is_set_counts_for_this_machine_only(
     rclpy: Any, serve: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

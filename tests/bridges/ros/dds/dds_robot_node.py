@@ -25,12 +25,12 @@ from lrp_jupyter.sim.simulation import STEP, Simulation
 
 _EVERY = 4  # physics steps between two messages
 _LATE = 0.05  # s
-_QOS = Qos(
+QOS = Qos(
     Policy.Reliability.Reliable(duration(milliseconds=100)),
     Policy.Durability.Volatile,
     Policy.History.KeepLast(10),
 )
-_LOOPBACK = (
+LOOPBACK = (
     '<General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General><Discovery>'
     '<ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers>'
     "<LeaseDuration>2s</LeaseDuration></Discovery>"
@@ -111,11 +111,11 @@ class Odometry(IdlStruct, typename="nav_msgs.msg.dds_.Odometry_"):
 def main(speed: float, world: str) -> None:
     simulation = Simulation(world)
     number = int(os.environ["ROS_DOMAIN_ID"])
-    domain = Domain(number, _LOOPBACK)
+    domain = Domain(number, LOOPBACK)
     participant = DomainParticipant(number)
-    commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), _QOS)
+    commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), QOS)
     writers = {
-        name: DataWriter(participant, Topic(participant, f"rt/{name}", kind), _QOS)
+        name: DataWriter(participant, Topic(participant, f"rt/{name}", kind), QOS)
         for name, kind in (("odom", Odometry), ("light", UInt8), ("bumper", UInt8))
     }
     wanted = (0.0, 0.0)

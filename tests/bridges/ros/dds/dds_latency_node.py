@@ -1,0 +1,48 @@
+"""The other side of the benchmark of the latency on Cyclone DDS: `python dds_latency_node.py COUNT`."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+from pathlib import Path
+
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+from dds_robot_node import LOOPBACK, QOS, Twist, UInt8
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+from latency_node import Stopwatch
+
+
+def main(count: int) -> None:
+    number = int(os.environ["ROS_DOMAIN_ID"])
+    domain = Domain(number, LOOPBACK)
+    participant = DomainParticipant(number)
+    light = DataWriter(participant, Topic(participant, "rt/light", UInt8), QOS)
+    commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), QOS)
+    stopwatch = Stopwatch(lambda value: light.write(UInt8(value)))
+
+    def listen() -> None:
+        while True:
+            for command in commands.take_iter(timeout=duration(milliseconds=100)):
+                stopwatch.command(command.linear.x)
+
+    threading.Thread(target=listen, daemon=True).start()
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
+    sys.stdin.readline()  # the program runs
+    sys.stdout.write(json.dumps(stopwatch.measure(count)) + "\n")
+    sys.stdout.flush()
+    sys.stdin.read()
+    del domain
+    os._exit(0)  # a thread still waits for commands
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

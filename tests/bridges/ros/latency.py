@@ -1,0 +1,55 @@
+"""How long a robot waits for its program: from a published message to the command of the new state.
+
+A benchmark of every back end: `pytest -m ros tests/bridges/ros -k latency` prints rows of the table in the
+documentation, with the median and the 95th percentile in milliseconds (`CHANGES=100` measures longer).
+Nothing is asserted about times but that each change of the light is answered.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+
+import pytest
+
+from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.live.session import Session
+
+CHANGES = os.environ.get("CHANGES", "10")
+RATES = (10, 50)  # Hz
+PROGRAM = """
+(machine answer
+  (event bright [robot.light.data > 128])
+  (event dark [robot.light.data < 128])
+  (state forward (running [robot.move(linear=0.1)]))
+  (state backward (running [robot.move(linear=-0.1)]))
+  (on dark forward -> backward)
+  (on bright backward -> forward))
+(spawn answer backward)
+"""
+
+
+def measure(bridge: RosBridge, rate: float, node: subprocess.Popen[str]) -> list[float]:
+    """Run the program against a node that changes the light; return what it has measured."""
+    assert node.stdin is not None
+    assert node.stdout is not None
+    with Session(PROGRAM, bridge=bridge, rate=rate) as session:
+        session.start()
+        assert session.wait_for("backward", timeout=30)
+        node.stdin.write("go\n")
+        node.stdin.flush()
+        line = node.stdout.readline()
+    assert line, "the node has ended"
+    times: list[float] = json.loads(line)
+    assert len(times) == int(CHANGES)
+    return times
+
+
+def tell(capsys: pytest.CaptureFixture[str], backend: str, rate: float, times: list[float]) -> None:
+    """Print a row of the table."""
+    median, slow = statistics.median(times), statistics.quantiles(times, n=20)[-1]
+    with capsys.disabled():
+        sys.stdout.write(f"\n| {backend} | {rate} Hz | {median:.0f} | {slow:.0f} |\n")
