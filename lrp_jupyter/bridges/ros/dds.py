@@ -27,7 +27,7 @@ from lrp_jupyter.bridges.ros.dds_node import DdsNode, TopicPublisher, TopicReade
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
 from lrp_jupyter.bridges.ros.definitions import Definition
 from lrp_jupyter.bridges.ros.domain import domain_number
-from lrp_jupyter.bridges.ros.link import GUARD_NODE, RefusedError, Transport
+from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import VELOCITIES
 from lrp_jupyter.errors import BridgeError
@@ -146,10 +146,10 @@ class DdsTransport(Transport):
         return bool(self._open_node().graph.ends(f"rt{topic}"))
 
     def commanders(self, topic: str) -> tuple[str, ...]:
-        """Return the names of the other nodes that publish on a topic, but those that only stop a robot."""
+        """Return the names of the other nodes that publish on a topic."""
         node = self._open_node()
         names = {node.name_of(end) for end in node.graph.ends(f"rt{topic}", writes=True)}
-        return tuple(sorted(name for name in names if name.rpartition("/")[2] not in ("", GUARD_NODE)))
+        return tuple(sorted(names - {""}))
 
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
         """Create a reader or a writer."""
