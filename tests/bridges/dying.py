@@ -97,6 +97,10 @@ class Driver(Protocol):
         """Return why it is paused, or all that it printed."""
         ...
 
+    def notices(self) -> str:
+        """Return what was said of the robot."""
+        ...
+
     def resume(self) -> None:
         """Have it drive on; a command line without a keyboard has ended."""
         ...
@@ -127,6 +131,9 @@ class CommandLine:
 
     def reason(self) -> str:
         return " ".join(self._log.read_text().split())
+
+    def notices(self) -> str:
+        return self.reason()
 
     def resume(self) -> None:
         assert self.process.wait(60) == 1, "nobody could resume it"
@@ -159,6 +166,9 @@ class Kernel:
 
     def reason(self) -> str:
         return self._run("", "session.frame.reason")
+
+    def notices(self) -> str:
+        return self._run("", "[notice.text for notice in bridge.safety.notices]")
 
     def resume(self) -> None:
         self._run("session.resume()")
@@ -222,8 +232,12 @@ class StandsStill:
         wait_until(lambda: time.monotonic() - moment > 1.5)  # a brick stops sooner than anybody notices
         kill(driver, signal.SIGCONT)
         who = ", and the guard stopped the robot." if self.guarded else ": the robot was stopped."
-        wait_until(lambda: who in driver.reason(), "nobody is told")
+        try:
+            wait_until(lambda: who in driver.reason())
+        except AssertionError:
+            raise AssertionError(f"nobody is told, but {driver.reason()!r}: {driver.notices()}") from None
         assert "This program was suspended for" in driver.reason()
+        assert "publishes on" not in driver.notices(), f"nobody else commands: {driver.notices()}"
         driver.resume()
         assert not any(speed for _, speed in robot.speeds()[stood:]), "it drove on by itself"
 
