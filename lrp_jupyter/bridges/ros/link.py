@@ -274,14 +274,13 @@ class TopicLink:
             try:
                 if not self.connected:
                     self._connect()
-                pause = self._synchronize()
+                self._wake.wait(self._synchronize())
             except BridgeError as error:
-                pause = self._lose(str(error))
+                self._lose(str(error))
             except (
                 Exception
             ) as error:  # a fault of this bridge: report it rather than continue with old readings
-                pause = self._lose(ended(f"The ROS bridge itself failed: {type(error).__name__}: {error}"))
-            self._wake.wait(pause)
+                self._lose(ended(f"The ROS bridge itself failed: {type(error).__name__}: {error}"))
         self.connected = False
         for channel in (*self._channels, *self._dropped):
             self._leave(channel)
@@ -409,14 +408,14 @@ class TopicLink:
         if handle is not None:
             self.transport.leave(handle)
 
-    def _lose(self, sentence: str) -> float:
-        """Report that the robot is lost; return the seconds until the next attempt."""
+    def _lose(self, sentence: str) -> None:
+        """Report that the robot is lost, and wait until the next attempt."""
         if self._closing.is_set():
-            return 0.0
+            return
         if not self._first.done():
             self._first.set_exception(BridgeError(sentence))
             self._closing.set()
-            return 0.0
+            return
         self._trouble, self.connected, self.topics = sentence, False, {}
         for channel in self._channels:
             channel.forget()
@@ -424,7 +423,7 @@ class TopicLink:
             channel.owes_stop |= channel.has_moved
         self._report_change(ConnectionState.LOST, sentence)  # first: the transport may still send a stop
         self._disconnect()
-        return _AGAIN
+        self._closing.wait(_AGAIN)  # whatever else changes: a connection that ends is such a change
 
     def _disconnect(self) -> None:
         if self._transport is not None:

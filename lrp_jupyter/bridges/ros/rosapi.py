@@ -2,7 +2,8 @@
 
 It is asked on a websocket and a thread of its own, rarely, and nothing depends on its answers coming soon:
 rosbridge processes the messages of one connection in their order, so that a service that hangs would hold up
-every command after it, and a list would wait behind large messages.
+every command after it, and a list would wait behind large messages. On the same connection, commands are
+listened to that others send: subscribing waits, too, while the master of ROS 1 hangs.
 
 An unknown type is asked for in the way that the robot survives. On ROS 1 that is `message_details`. On ROS 2
 Jazzy and later, rosapi of rosbridge before 2.3.0 raises ``KeyError: 'check_fields'`` at this question, which
@@ -31,7 +32,8 @@ __all__ = ["Rosapi"]
 _FIRST = 2.0  # seconds that connecting waits for the first list
 _ANSWER = 5.0  # seconds for an answer, …
 _LONG_ANSWER = 20.0  # … for the texts of all types
-_SOON, _RARELY = 1.0, 5.0  # seconds between two lists, while something is missing or not
+_ECHO_RATE = 100  # milliseconds between two commands that are listened to
+_SOON, _RARELY = 1.0, 2.0  # seconds between two lists, while something is missing or not
 _CLOCK = 60.0  # seconds between two readings of the robot's clock …
 _PROMPT = 0.5  # … which may take that long
 _VALID = 2.0  # seconds for which the users of a topic are known
@@ -84,6 +86,8 @@ class Rosapi:
         self._watched: frozenset[str] = frozenset()
         self._wanted: frozenset[str] = frozenset()
         self._types: dict[str, Mapping[str, Definition] | BridgeError] = {}
+        self._listeners: Mapping[str, tuple[str, Callable[[Any], None]]] = {}
+        self._heard: set[str] = set()  # the topics that were subscribed to on this connection
         self._doubted: frozenset[str] = frozenset()
         self._taken: dict[str, tuple[float, bool]] = {}
         self._ids = itertools.count(1)
@@ -151,6 +155,17 @@ class Rosapi:
             self._wake.set()
         return None
 
+    def listen(self, topic: str, type_: str, receive: Callable[[Any], None]) -> None:
+        """Listen to a topic; on the thread of the connection."""
+        if topic not in self._listeners:
+            self._listeners = {**self._listeners, topic: (type_, receive)}
+            self._wake.set()
+
+    def ignore(self, topic: str) -> None:
+        """Listen no more."""
+        self._listeners = {name: each for name, each in self._listeners.items() if name != topic}
+        self._wake.set()
+
     def watch(self, topics: Iterable[str], in_need: bool) -> None:
         """Choose the topics whose publishers are asked for, and how soon.
 
@@ -177,7 +192,8 @@ class Rosapi:
                 self._miss(f"has a rosapi whose answer cannot be understood: {error!r}.")
                 news = False
             self._answered.set()
-            if news or before != (self._topics, self.publishers, self.trouble, self._exists):
+            news |= before != (self._topics, self.publishers, self.trouble, self._exists)
+            if news and not closing.is_set():
                 self._changed()
             pause = _SOON if self._in_need or self.trouble else _RARELY
             self._wake.wait(min(pause * 2**self._failures, _LONGEST))
@@ -185,6 +201,7 @@ class Rosapi:
     def _ask_all(self) -> bool:
         """Ask what there is to ask; return whether somebody waits for one of the answers."""
         appeared = self._list_topics()
+        self._tell_listeners()
         if not self._exists or self.trouble:
             return False
         wanted, doubted = self._wanted, self._doubted
@@ -241,6 +258,24 @@ class Rosapi:
         now = time.monotonic()
         if now - asked < _PROMPT:
             self._clock.read(there, now)
+
+    def _tell_listeners(self) -> None:
+        """Subscribe to what is listened to, once on each connection."""
+        socket, wanted = self._socket, self._listeners
+        if socket is None or not socket.is_open:
+            return
+        for topic in wanted.keys() - self._heard:
+            request = {"op": "subscribe", "id": f"e{topic}", "topic": topic, "type": wanted[topic][0]}
+            socket.put(json.dumps({**request, "queue_length": 1, "throttle_rate": _ECHO_RATE}))
+        for topic in self._heard - wanted.keys():
+            socket.put(json.dumps({"op": "unsubscribe", "id": f"e{topic}", "topic": topic}))
+        self._heard = set(wanted)
+
+    def _receive(self, message: Mapping[str, Any]) -> None:
+        """Pass on what was listened to; on the socket's thread."""
+        listener = self._listeners.get(str(message.get("topic")))
+        if listener is not None and message.get("op") == "publish":
+            listener[1](message.get("msg"))
 
     def _miss(self, why: str) -> None:
         self._exists = False
@@ -315,9 +350,9 @@ class Rosapi:
         """
         socket = self._socket
         if socket is None or not socket.is_open:
-            socket = Socket(self._url, _ignore, _ignore)
+            socket = Socket(self._url, self._receive, _ignore)
             socket.open()
-            self._socket = socket
+            self._socket, self._heard = socket, set()
             if threading.current_thread() is not self._thread:  # stopped meanwhile
                 self._hang_up()
         key = f"q{next(self._ids)}"
@@ -350,5 +385,5 @@ class Rosapi:
             socket.close()
 
 
-def _ignore(_message: object = None) -> None:
-    """Only answers matter on this connection."""
+def _ignore() -> None:
+    """Nothing depends on this connection."""

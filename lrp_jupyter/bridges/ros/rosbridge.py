@@ -176,9 +176,8 @@ class RosbridgeTransport(Transport):
             return
         if handle.direction == "publisher":
             socket.put(json.dumps({"op": "unadvertise", "id": f"p{number}", "topic": topic}))
-            echo = self._echoes.pop(topic, None)
-            if echo is not None and echo.handle is not None:
-                self.leave(echo.handle)
+            self._echoes.pop(topic, None)
+            self._rosapi.ignore(topic)
             return
         known = self._inputs[topic]
         known.receivers = {key: one for key, one in known.receivers.items() if key != number}
@@ -287,10 +286,8 @@ class RosbridgeTransport(Transport):
     def commanders(self, topic: str) -> tuple[str, ...]:
         """Return the other nodes that rosapi knows, or the client of this server whose commands are seen."""
         echo = self._echoes.setdefault(topic, _Echo())
-        if echo.has_sent and (echo.handle is None or echo.handle.socket is not self._socket):
-            handle = self.join(topic, self._outputs[topic], "subscription", echo.receive)
-            assert isinstance(handle, _Handle)
-            echo.handle = handle
+        if echo.has_sent:
+            self._rosapi.listen(topic, self._spelled(self._outputs[topic]), echo.receive)
         nodes = self._rosapi.publishers.get(topic, ())
         if not nodes and time.monotonic() - echo.strange < _FIGHT:
             return (f"another client of {self.place}",)
@@ -324,7 +321,6 @@ class _Echo:
     """
 
     def __init__(self) -> None:
-        self.handle: _Handle | None = None
         self.has_sent = False
         self.strange = float("-inf")
         self._sent: deque[tuple[float, Mapping[str, Any]]] = deque(maxlen=1000)

@@ -15,7 +15,7 @@ import pytest
 from bridges.bounded import bounded
 
 from lrp_jupyter.bridges.bridge import ConnectionState
-from lrp_jupyter.bridges.ros import RosBridge, rosbridge, websocket
+from lrp_jupyter.bridges.ros import RosBridge, link, rosbridge, websocket
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.session import Session
 
@@ -275,6 +275,20 @@ def test_a_server_whose_master_dies_is_lost_until_the_master_is_back(
     until(lambda: ros.status.state is ConnectionState.WAITING)
     until(lambda: graph.send("/odom", **ODOM) or ros.describe("odom").age is not None)
     assert ros.robot.odom.y == 2.0
+
+
+def test_a_robot_that_stays_lost_is_looked_for_in_steps(
+    make: Make, graph: Any, server: Any, until: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ros = make()
+    ros.open()
+    until(lambda: ros.topics)
+    monkeypatch.setattr(link, "_AGAIN", 60.0)
+    graph.master_is_alive = False
+    until(lambda: ros.status.state is ConnectionState.LOST)
+    asked = len(server.asked("topics"))
+    until(lambda: not server.clients)
+    assert len(server.asked("topics")) == asked
 
 
 # -- what the server says -------------------------------------------------------------------------
