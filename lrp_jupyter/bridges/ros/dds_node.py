@@ -23,8 +23,9 @@ from cyclonedds.util import duration
 
 from lrp_jupyter.bridges.ros.dds_domain import DdsDomain
 from lrp_jupyter.bridges.ros.dds_graph import Endpoint, EndpointGraph, NodeDirectory
-from lrp_jupyter.bridges.ros.dds_qos import command_qos, disagreements, qos_of, reading_qos
+from lrp_jupyter.bridges.ros.dds_qos import command_qos, disagreements, node_of, qos_of, reading_qos
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
+from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.errors import BridgeError
 
 __all__ = ["DdsNode", "TopicPublisher", "TopicReader"]
@@ -126,7 +127,8 @@ class TopicPublisher(_TopicEnd):
 
     def __init__(self, node: DdsNode, topic: str, type_: str, was_heard: bool) -> None:
         super().__init__(node, topic, type_)
-        self._entity = DataWriter(node.participant, self._topic, command_qos(self._hash))
+        name = node.name if GUARD_NODE in node.name else ""  # nobody is to wonder who it is
+        self._entity = DataWriter(node.participant, self._topic, command_qos(self._hash, name))
         self._qos = qos_of(self._entity)
         self.was_heard = was_heard
         self._owed: Any = None  # a stop that nobody heard
@@ -187,6 +189,7 @@ class DdsNode:
 
     Attributes
     ----------
+    name : str
     failure : str
         Why it no longer works; empty while it does.
 
@@ -199,7 +202,7 @@ class DdsNode:
     def __init__(
         self, number: int, name: str, host: str, types: MessageTypes, changed: Callable[[], None]
     ) -> None:
-        self.types, self.failure = types, ""
+        self.name, self.types, self.failure = name, types, ""
         self._changed = changed
         self._domain = DdsDomain.enter(number, host)
         try:
@@ -228,7 +231,8 @@ class DdsNode:
 
     def name_of(self, end: Endpoint) -> str:
         """Return the name of the node that has an endpoint; empty while it has not announced itself."""
-        return self.directory.name_of(end) or ("" if self.graph.announces(end) else "a node without a name")
+        name = self.directory.name_of(end) or node_of(end.qos)
+        return name or ("" if self.graph.announces(end) else "a node without a name")
 
     def subscribe(self, topic: str, type_: str, receive: Callable[[Any], None]) -> TopicReader:
         """Subscribe; messages arrive on the node's thread."""

@@ -15,22 +15,30 @@ from typing import Any
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
-__all__ = ["command_qos", "disagreements", "qos_of", "reading", "reading_qos", "type_hash_of"]
+__all__ = ["command_qos", "disagreements", "node_of", "qos_of", "reading", "reading_qos", "type_hash_of"]
 
 _BLOCKED = duration(milliseconds=10)  # that a command may wait for room; nothing else of Python runs then
 _HASH = b"typehash="
+_NODE = b"node="  # not of ROS 2, where a node announces its name only to others that do
 
 reading = threading.Lock()
 """To be held where cyclonedds reads policies: it does that into variables that all threads share."""
 
 
-def command_qos(type_hash: str) -> Qos:
-    """Return what a publisher offers: a new command replaces one that was not delivered yet."""
+def command_qos(type_hash: str, node: str = "") -> Qos:
+    """Return what a publisher offers: a new command replaces one that was not delivered yet.
+
+    Parameters
+    ----------
+    type_hash : str
+    node : str
+        The name of the node, if its publishers carry it.
+    """
     return Qos(
         Policy.Reliability.Reliable(_BLOCKED),
         Policy.Durability.Volatile,
         Policy.History.KeepLast(1),
-        *_common(type_hash),
+        *_common(type_hash, node),
     )
 
 
@@ -80,13 +88,23 @@ def disagreements(offered: Qos, asked: Qos) -> list[str]:
 
 def type_hash_of(qos: Qos) -> str:
     """Return the hash of the type that an endpoint carries since ROS 2 Iron; else an empty text."""
+    return _carried(qos, _HASH)
+
+
+def node_of(qos: Qos) -> str:
+    """Return the name of the node that an endpoint itself carries; else an empty text."""
+    return _carried(qos, _NODE)
+
+
+def _carried(qos: Qos, key: bytes) -> str:
     data = qos[Policy.Userdata].data if Policy.Userdata in qos else b""
-    return next((p.removeprefix(_HASH).decode() for p in data.split(b";") if p.startswith(_HASH)), "")
+    return next((part.removeprefix(key).decode() for part in data.split(b";") if part.startswith(key)), "")
 
 
-def _common(type_hash: str) -> Iterable[Any]:
+def _common(type_hash: str, node: str = "") -> Iterable[Any]:
     yield Policy.DataRepresentation(use_cdrv0_representation=True)
-    yield Policy.Userdata(_HASH + type_hash.encode() + b";")
+    name = _NODE + node.encode() + b";" if node else b""
+    yield Policy.Userdata(_HASH + type_hash.encode() + b";" + name)
 
 
 _DURABILITY = (
