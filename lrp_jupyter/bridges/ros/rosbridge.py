@@ -18,6 +18,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros.definitions import (
     HEADERS,
     KNOWN,
@@ -333,8 +334,10 @@ class _Echo:
             self._sent.append((time.monotonic(), values))
 
     def receive(self, values: Any) -> None:
-        """Compare a command with ours."""
+        """Compare a command with ours; a stop is nobody's command, as it is what a guard sends."""
         now = time.monotonic()
+        if not moves(values):
+            return
         with self._lock:
             if not any(now - when < _ECHO and _is_in(ours, values) for when, ours in reversed(self._sent)):
                 self.strange = now

@@ -452,6 +452,10 @@ def test_another_client_of_the_same_server_that_commands_is_told(
     until(lambda: ours.robot.move(linear=0.2) or any(topic == "/cmd_vel" for topic, _ in graph.listeners))
     for _ in range(5):
         ours.robot.move(linear=0.2)
+    sent = len(graph.heard)
+    for _ in range(5):
+        theirs.robot.stop()  # as a guard does
+    until(lambda: len(graph.heard) >= sent + 5)
     assert "publishes here" not in value(ours, "move")
     until(lambda: theirs.robot.move(linear=-0.1) or "another client of" in value(ours, "move"))
     assert any("`another client of ws://" in text for text in notices(ours))
