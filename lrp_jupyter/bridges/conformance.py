@@ -633,7 +633,8 @@ class BridgeConformance:
 
     def _check_standing(self, bridge: Bridge, sent: Sent, calls: list[str]) -> None:
         """Require that the robot was stopped, and that no further command moves it."""
-        stopped = self._ticks(bridge, self.answer_within, until=lambda: bool(calls))  # on another thread
+        # with commands, or the command watchdog would be who stops it; it may be stopped on another thread
+        stopped = self._ticks(bridge, self.answer_within, lambda: bool(calls), _drive_all)
         require(stopped, "The robot was not stopped.")
         before = _moved(sent)
         self._ticks(bridge, 4 * _PERIOD, until=lambda: False, act=_drive_all)

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from bridges.bounded import bounded
 
+from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance, check_bridge
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.errors import BridgeError, NoDataYet
@@ -668,9 +669,28 @@ def test_every_check_of_the_public_conformance_tests_passes(brick: Any, free_udp
 
 
 class TestConformance(BridgeConformance):
+    moves = True
+
     @pytest.fixture(autouse=True)
-    def _brick(self, brick: Any, free_udp_port: int) -> None:
+    def _brick(self, make_brick: Callable[..., Any], free_udp_port: int) -> None:
+        self.brick = brick = make_brick()
+        brick.sensors[0].type, brick.sensors[0].values = 16, {0: 0.0}
+        brick.sensors[2].type, brick.sensors[2].values = 29, {0: 42.0}
+        brick.sensors[3].type, brick.sensors[3].values = 30, {0: 25.5}
         self.options: dict[str, Any] = {"port": brick.port, "beacon_port": free_udp_port, "patience": 0.5}
 
     def make_bridge(self) -> EV3Bridge:
         return EV3Bridge("127.0.0.1", **self.options)
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return any(motor.turning for motor in self.brick.motors)
+
+    def silence(self) -> None:
+        self.brick.fault = "refuse"  # it answers, but with no reading
+
+    def cut(self) -> None:
+        self.brick.unplug()
+
+    def restore(self) -> None:
+        self.brick.fault = ""
+        self.brick.plug_in()
