@@ -1,7 +1,13 @@
-"""The public checks of every bridge, on both back ends."""
+"""The public checks of every bridge, on rosbridge and rospy; on DDS they are in a folder of their own."""
 
 from __future__ import annotations
 
+import json
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,28 +15,86 @@ import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
+from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros import RosBridge
 
-SETUP = Path(__file__).with_name("follower.json")
+HERE = Path(__file__).parent
+SETUP: dict[str, Any] = json.loads((HERE / "follower.json").read_text())
+for _wire in SETUP["subscriptions"].values():
+    _wire["stale_after"] = 0.5
 
 
 class TestRosbridge(BridgeConformance):
+    moves = True
+
     @pytest.fixture(autouse=True)
-    def _connected(self, server: Any) -> None:
-        self.port = server.port
+    def _connected(self, serve: Callable[..., Any], graph: Any) -> Iterator[None]:
+        self.serve, self.graph = serve, graph
+        self.server = serve()
+        self.port = self.server.port
+        self.speaks, over = True, threading.Event()
+
+        def speak() -> None:
+            while not over.wait(0.05):
+                if self.speaks:
+                    graph.send("/light", data=200)
+
+        speaker = threading.Thread(target=speak)
+        speaker.start()
+        yield
+        over.set()
+        speaker.join()
 
     def make_bridge(self) -> Bridge:
-        return RosBridge(backend="rosbridge", host="127.0.0.1", port=self.port, setup=SETUP)
+        wires = {**SETUP, "subscriptions": {"light": SETUP["subscriptions"]["light"]}}
+        return RosBridge(backend="rosbridge", host="127.0.0.1", port=self.port, setup=wires)
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return any(topic == "/cmd_vel" and moves(values) for topic, values in self.graph.heard)
+
+    def silence(self) -> None:
+        self.speaks = False
+
+    def cut(self) -> None:
+        self.server.close()
+
+    def restore(self) -> None:
+        if self.speaks:
+            self.server = self.serve(self.port)
+        self.speaks = True
 
 
 @pytest.mark.ros
 class TestRospy(BridgeConformance):
+    moves = True
+    robot: Any = None  # for all checks
+
     @pytest.fixture(autouse=True)
     def _connected(self, lasting: Any) -> None:
-        self.port = lasting.master_port
-        first = self.make_bridge()  # rospy's one node, with its threads, stays with the process
-        first.open()
-        first.close()
+        self.ros, self.port = lasting, lasting.master_port
+        if TestRospy.robot is None:
+            self.start()
+            first = self.make_bridge()  # rospy's one node, with its threads, stays with the process
+            first.open()
+            first.close()
+
+    def start(self) -> None:
+        command = (sys.executable, str(HERE / "robot_node.py"), "1", "line")
+        TestRospy.robot = self.ros.start(*command, ready=True)
 
     def make_bridge(self) -> Bridge:
         return RosBridge(backend="rospy", host="127.0.0.1", port=self.port, setup=SETUP)
+
+    def silence(self) -> None:
+        os.killpg(self.robot.pid, signal.SIGSTOP)
+
+    def cut(self) -> None:
+        self.ros.end(self.robot)
+        self.ros.kill_master()
+
+    def restore(self) -> None:
+        if self.robot.poll() is None:
+            os.killpg(self.robot.pid, signal.SIGCONT)
+        else:
+            self.ros.start_master()
+            self.start()
