@@ -122,6 +122,21 @@ class MemoryGraph:
                 entry[1](values)
 
 
+class Latecomers:
+    """Sends the first messages of a publisher to subscribers that connect a moment later, as the real one."""
+
+    def __init__(self, publisher: Any) -> None:
+        self.publisher = publisher
+
+    def peer_subscribe(self, _topic: str, _to_all: Any, to_peer: Callable[[Any], None]) -> None:
+        if time.monotonic() - self.publisher.began < 1:
+            for message in tuple(self.publisher.first):
+                to_peer(message)
+
+    def peer_unsubscribe(self, _topic: str, _count: int) -> None:
+        pass
+
+
 class RospyGraph:
     """The topics of a real ROS master."""
 
@@ -187,7 +202,8 @@ class RospyGraph:
 
     def advertise(self, topic: str, type_: str) -> Any:
         publisher = self.rospy.Publisher(topic, self._class(type_), queue_size=10, tcp_nodelay=True)
-        publisher.unheard = True
+        publisher.began, publisher.first = 0.0, []
+        publisher.impl.add_subscriber_listener(Latecomers(publisher))
         return publisher
 
     def unadvertise(self, handle: Any) -> None:
@@ -200,11 +216,9 @@ class RospyGraph:
         genpy.message.fill_message_args(message, [values])
         if "header" in values and "stamp" not in values["header"]:
             message.header.stamp = self.rospy.Time.from_sec(time.time())
-        if handle.unheard:  # as the real one: the first message waits for the subscribers to connect
-            handle.unheard = False
-            end = time.monotonic() + 0.5
-            while handle.get_num_connections() == 0 and time.monotonic() < end:
-                time.sleep(0.01)
+        handle.began = handle.began or time.monotonic()
+        if time.monotonic() - handle.began < 1:
+            handle.first.append(message)
         handle.publish(message)
 
 
