@@ -372,6 +372,8 @@ class RosbridgeServer:
                 self.requests.append(dict(request))
                 try:
                     self._serve(client, request, subscriptions, publishers)
+                except ConnectionClosed:  # by a client that no longer wants the answer: nothing to log
+                    raise
                 except Exception as error:
                     self.log.append(f"{request['op']}: {error}")
                     status = {"op": "status", "level": "error", "msg": f"{type(error).__name__}: {error}"}
