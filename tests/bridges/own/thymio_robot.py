@@ -54,11 +54,13 @@ class Thymio(ServerNode):
 class Connection:
     """One program that is connected."""
 
-    def __init__(self, link: socket.socket, node: Thymio) -> None:
-        self.link, self.node = link, node
+    def __init__(self, link: socket.socket, node: Thymio, others: list[Connection]) -> None:
+        self.link, self.node, self.others = link, node, others
         self.sending = threading.Lock()
         self.known: dict[str, list[int]] = {}
         self.handler = ServerHandler(None, {node}, self.send)
+
+    def start(self) -> None:
         threading.Thread(target=self.listen, daemon=True).start()
 
     def send(self, packet: bytes) -> None:
@@ -69,8 +71,11 @@ class Connection:
         with self.link, self.link.makefile("rb") as stream, suppress(OSError):
             while size := stream.read(4):
                 self.handler.process_message(stream.read(int.from_bytes(size, "little")))
+        self.others.remove(self)
         self.node.status = ThymioFB.NODE_STATUS_AVAILABLE  # who is gone has no lock
         self.node.watch_flags = 0
+        for other in tuple(self.others):  # one of them may wait for it
+            other.handler.send_nodes_changed()
 
     def tell(self) -> None:
         """Send what has changed, as the device manager does ten times a second."""
@@ -89,7 +94,9 @@ def main(port: int, speed: float) -> None:
 
     def accept() -> None:
         while True:
-            connections.append(Connection(listener.accept()[0], node))
+            link = listener.accept()[0]
+            connections.append(Connection(link, node, connections))
+            connections[-1].start()
 
     threading.Thread(target=accept, daemon=True).start()
     ready(robot, f"ready {listener.getsockname()[1]}")
@@ -103,7 +110,7 @@ def main(port: int, speed: float) -> None:
         }
         if node.watch_flags & ThymioFB.WATCHABLE_INFO_VARIABLES and time.monotonic() - last[0] > 0.1 / speed:
             last[0] = time.monotonic()
-            for connection in connections:
+            for connection in tuple(connections):
                 connection.tell()
 
     robot.run(publish)
