@@ -71,7 +71,7 @@ describe("arming a robot", () => {
     expect(find('[role="dialog"]')).toBeNull();
   });
 
-  it("is no longer a question when somebody else has armed it, or it is another robot", async () => {
+  it("is no longer a question when it was armed elsewhere, or it is another robot", async () => {
     for (const answer of [{ armed: true }, { name: "ev3" }]) {
       await set(ROS);
       press("armed");
@@ -83,12 +83,12 @@ describe("arming a robot", () => {
 
   it("shows in the panel, and in the question, when that changes", async () => {
     press("armed");
-    await set({ failsafe: "Nobody stops the robot." });
+    await set({ failsafe: "Nothing stops the robot." });
     const shown = [...root.querySelectorAll(".lrp-failsafe")].map((each) => each.textContent);
-    expect(shown).toEqual(["Nobody stops the robot.", "Nobody stops the robot."]);
+    expect(shown).toEqual(["Nothing stops the robot.", "Nothing stops the robot."]);
     expect(find('[data-lrp-action="armed"]')!.title).toContain("While disarmed");
     await set({ armed: true });
-    expect(find('[data-lrp-action="armed"]')!.title).toBe("Nobody stops the robot.");
+    expect(find('[data-lrp-action="armed"]')!.title).toBe("Nothing stops the robot.");
   });
 
   it("has nothing to say of a simulated robot", async () => {

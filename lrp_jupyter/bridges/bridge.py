@@ -18,8 +18,8 @@ A bridge for a robot of one's own needs one method::
         def move(self, linear=0.0, angular=0.0):
             ...
 
-What is fed has an age, and nobody drives on what is too old: see `feed`. Where the robot is asked for a value
-and answers at once, `add_variable` takes the function that asks. A connection that has to be read by waiting
+What is fed has an age, and the robot does not drive on values that are too old: see `feed`. Where the robot
+is asked for a value and answers at once, `add_variable` takes the function that asks. A connection that has to be read by waiting
 has a base of its own, :class:`~lrp_jupyter.bridges.reconnecting.ReconnectingBridge`.
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
@@ -369,7 +369,7 @@ class Bridge(Interface, ABC):
 
         ``"lost"`` stops the robot, once, and refuses its commands until the state is ``"connected"``,
         ``"waiting for data"`` or ``"stale"``; then a robot that had been commanded is stopped again, since
-        nobody knows what it has done meanwhile. Nothing is sent a second time. After `close` the call does
+        it is not known what it has done meanwhile. Nothing is sent a second time. After `close` the call does
         nothing.
 
         Parameters

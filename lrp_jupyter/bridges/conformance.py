@@ -468,14 +468,14 @@ class BridgeConformance:
     # -- the robot itself -------------------------------------------------------------------------
 
     def test_readings_tell_their_age(self) -> None:
-        """The bridge knows how old each reading is, so that nobody drives on old ones."""
+        """The bridge knows how old each reading is, so that the robot does not drive on old ones."""
         with self._opened() as bridge:
             if bridge.time_step is not None:
                 return
             bare = [f"`{each.path}`" for each in variables(bridge) if not each.knows_age]
             if bare:
                 raise NotChecked(
-                    f"Nobody can tell how old {', '.join(bare)} is: when the data cease, the robot drives on."
+                    f"The age of {', '.join(bare)} is unknown: when the data stop, the robot drives on."
                     " `feed` the values, or give `add_variable` an `age` and `stale_after`."
                 )
 

@@ -28,11 +28,13 @@ from typing import Any, Protocol
 from lrp_jupyter.bridges.safety import Notice, NoticeKind
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
-__all__ = ["NOBODY", "SILENCE", "Guard", "Guarded", "Stopper", "now"]
+__all__ = ["SILENCE", "UNGUARDED", "Guard", "Guarded", "Stopper", "now"]
 
 SILENCE = 1.0
 """Seconds without a beat after which the process stops the robot."""
-NOBODY = "Nobody stops the robot when this program or this computer dies: it goes on with its last command."
+UNGUARDED = (
+    "Nothing stops the robot when this program or this computer dies: it goes on with its last command."
+)
 
 _BEAT = 0.1  # s between two beats
 _LAPSE = 0.8 * SILENCE  # s after which this side takes itself for suspended: sooner than the other side does

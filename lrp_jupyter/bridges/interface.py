@@ -14,7 +14,7 @@ from functools import partial
 from typing import ClassVar, Self
 
 from lrp_jupyter.bridges.fed import FedValues
-from lrp_jupyter.bridges.guard import NOBODY, Guard, Stopper
+from lrp_jupyter.bridges.guard import UNGUARDED, Guard, Stopper
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message, moves
 from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
@@ -315,12 +315,12 @@ class Interface:
         except Exception as error:
             guarded, trouble = True, sentence_of(error)
         if trouble:
-            return f"{NOBODY.removesuffix('.')}. The robot is not guarded: {trouble}"
-        return self.guarded_by if guarded else NOBODY
+            return f"{UNGUARDED.removesuffix('.')}. The robot is not guarded: {trouble}"
+        return self.guarded_by if guarded else UNGUARDED
 
     guarded_by: ClassVar[str] = (
         "If this program dies or hangs, a guard process stops the robot. If this computer sleeps or is cut"
-        " off, nobody does, unless the robot stops by itself."
+        " off, nothing does, unless the robot stops by itself."
     )
 
     @property

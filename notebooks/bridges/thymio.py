@@ -4,13 +4,13 @@
     lrp run follower --bridge thymio.py
 
 or `%run thymio.py` in a notebook, then `%lrp bridge thymio`. The device manager listens on port 8596 of
-this computer; this bridge takes the first robot that nobody else uses. The Thymio has no bumper:
+this computer; this bridge takes the first robot that is free. The Thymio has no bumper:
 `robot.bumper.data` is 1 when something is about a centimetre before it. Its ground sensors go from 0 to
 about 1000 and are different in every robot: see what `robot.light.data` says on your line, and change
 `bright`.
 
 Who stops the robot when this process dies? The guard process: it calls `halt` below, which takes the robot
-over. While this process is only suspended, or when the computer dies, nobody does.
+over. While this process is only suspended, or when the computer dies, nothing does.
 
 Met in tests: the server that tdmclient brings with it, with a simulated robot. Not met: a Thymio, and the
 real device manager.
@@ -68,7 +68,7 @@ class Thymio(ReconnectingBridge):
     """
 
     name = "thymio"
-    guarded_by = "If this program dies, a guard process stops the Thymio. If it hangs, nobody does."
+    guarded_by = "If this program dies, a guard process stops the Thymio. If it hangs, nothing does."
 
     def __init__(self, host: str = "127.0.0.1", port: int = 8596, bright: float = 1000.0):
         self.host, self.port, self.bright = host, port, bright

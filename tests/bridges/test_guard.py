@@ -18,7 +18,7 @@ from bridges.dying import CommandLine, Robot, StandsStill, guards, lives, wait_u
 
 from lrp_jupyter.bridges import guard
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.guard import NOBODY, Stopper
+from lrp_jupyter.bridges.guard import UNGUARDED, Stopper
 from lrp_jupyter.errors import BridgeError
 
 pytestmark = pytest.mark.slow  # each starts processes of its own
@@ -284,7 +284,7 @@ def test_a_guard_that_crashes_at_once_is_told_and_arming_starts_another_one(
     (process,) = guards(os.getpid())
     os.kill(process, signal.SIGKILL)
     wait_until(lambda: "ended by itself" in bridge.failsafe)
-    assert bridge.failsafe.startswith(NOBODY[:-1])
+    assert bridge.failsafe.startswith(UNGUARDED[:-1])
     assert "Arm the robot again" in texts(bridge)[0]
     bridge.disarm()
     bridge.arm()
@@ -310,7 +310,7 @@ def test_a_guard_that_cannot_reach_the_robot_is_told_and_the_robot_is_armed(
 ) -> None:
     bridge = drive(kind)
     wait_until(lambda: why in bridge.failsafe, bridge.failsafe)
-    assert bridge.failsafe.startswith(NOBODY[:-1])
+    assert bridge.failsafe.startswith(UNGUARDED[:-1])
     wait_until(lambda: len(texts(bridge)) == 1)
     assert texts(bridge)[0].startswith("The robot is not guarded. ")
     bridge.robot.move(linear=0.3)
@@ -371,8 +371,8 @@ def test_nobody_guards_a_robot_without_a_stopper_and_arming_says_so(
     robot: Robot, drive: Callable[..., Driven]
 ) -> None:
     bridge = drive(None)
-    assert bridge.failsafe == NOBODY
-    assert texts(bridge, "armed")[0].endswith(NOBODY)
+    assert bridge.failsafe == UNGUARDED
+    assert texts(bridge, "armed")[0].endswith(UNGUARDED)
     assert guards(os.getpid()) == []
 
 

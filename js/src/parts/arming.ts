@@ -37,7 +37,7 @@ export function askToArm(lab: Lab, at: Point): void {
     const { bridge } = store.state;
     failsafe.show(bridge.failsafe);
     place();
-    if (bridge.armed || bridge.name !== name) close(false); // somebody else has answered, or it is another robot
+    if (bridge.armed || bridge.name !== name) close(false); // answered elsewhere, or it is another robot
   });
 }
 

@@ -1,7 +1,7 @@
 """The back ends of the ROS bridge, i.e. the ways to communicate with ROS, and the choice among them.
 
 A person who names none gets the one for which the environment is set up, since it knows most: the shell of
-somebody who works with ROS. Otherwise it is the first one that answers.
+a person who works with ROS. Otherwise it is the first one that answers.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ AUTO = "auto"
 """The name that leaves the choice to this module."""
 
 _PORTS: Mapping[str, int] = {"rosbridge": 9090, "rospy": 11311}
-_NO_PORT = 1  # nobody has this one
+_NO_PORT = 1  # no robot has this one
 _SCHEMES: Mapping[str, str] = {"ws": "rosbridge", "wss": "rosbridge", "http": "rospy"}
 _LIBRARIES: Mapping[str, str] = {
     "rosbridge": "websockets",

@@ -268,7 +268,7 @@ class RosBridge(Bridge):
 
     guarded_by = (
         "If this program dies or hangs, a guard process stops the robot. If this computer sleeps or is cut"
-        " off, nobody does, unless `lrp guard` runs on the robot, or its driver stops it when commands cease."
+        " off, nothing does, unless `lrp guard` runs on the robot or its driver stops it when commands stop."
     )
 
     def stopper(self) -> Stopper | None:

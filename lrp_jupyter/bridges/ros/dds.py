@@ -12,8 +12,8 @@ not get through, by unicast to a `host`. A reader and a writer meet if three thi
 
 DDS does not know of nodes: they are announced on a topic of their own (`dds_graph`). A node whose computer
 dies says nothing: it is believed to be there until its lease ends, 10 s (Cyclone DDS) or 20 s (Fast DDS)
-after its last sign of life, so what is noticed first is that its topics are silent. When nobody is left on
-the far side of all topics, the robot is lost, until somebody is there again.
+after its last sign of life, so what is noticed first is that its topics are silent. When no node is left on
+the far side of all topics, the robot is lost, until there is one again.
 
 Fast DDS 2.9 and Cyclone DDS 11 were met on the wire, and no robot yet.
 """
@@ -73,7 +73,7 @@ class DdsTransport(Transport):
         Raises
         ------
         BridgeError
-            Nobody is there, or DDS cannot be started, or a folder has no definitions.
+            There is no node, or DDS cannot be started, or a folder has no definitions.
         """
         self.disconnect()
         types = MessageTypes(self._folders)
@@ -90,7 +90,7 @@ class DdsTransport(Transport):
 
     def _nobody(self) -> str:
         return (
-            f"Nobody answers in ROS 2's domain {self._domain}. Is the robot on, in this network, and its"
+            f"No node answers in ROS 2's domain {self._domain}. Is the robot on, in this network, and its"
             f" `ROS_DOMAIN_ID` {self._domain}? Where multicast does not get through, name its `host`."
         )
 
@@ -122,7 +122,7 @@ class DdsTransport(Transport):
         Raises
         ------
         BridgeError
-            Nobody is left on the far side of all topics.
+            No node is left on the far side of all topics.
         """
         node = self._open_node()
         met = {(end.topic, end.writes) for end in node.ends if end.others()}
@@ -187,7 +187,7 @@ class DdsTransport(Transport):
         handle.send(values, urgent)
 
     def hint(self, handle: object) -> str:
-        """Return why nothing arrives: another quality of service, or nobody on the far side."""
+        """Return why nothing arrives: another quality of service, or no node on the far side."""
         assert isinstance(handle, (TopicReader, TopicPublisher))
         topic, writes = f"`{handle.topic}`", handle.writes
         if found := handle.disagreements():

@@ -87,7 +87,7 @@ class DdsDomain:
                     f"DDS cannot be started in domain {self.number}. Is there a network, and what"
                     " `CYCLONEDDS_URI` says right?"
                 ) from error
-            # somebody else in this process, such as a notebook that uses cyclonedds, is there already
+            # other code in this process, such as a notebook that uses cyclonedds, has joined it already
 
 
 def _configuration(host: str) -> str:

@@ -144,7 +144,7 @@ class NodeDirectory:
 
     def __init__(self, participant: DomainParticipant, name: str) -> None:
         self._participant, self._name = participant, name
-        self._octets = 0  # of an identity; 0: nobody has announced a node yet
+        self._octets = 0  # of an identity; 0: no node was announced yet
         self._reader: Any = None
         self._writer: Any = None
         self._announced: Any = None

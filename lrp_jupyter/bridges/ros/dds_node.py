@@ -97,7 +97,7 @@ class TopicReader(_TopicEnd):
         self.adapt()
 
     def adapt(self) -> None:
-        """Subscribe as the publishers offer, and anew when they offer something else."""
+        """Subscribe as the publishers offer, and again when they offer something else."""
         asked = reading_qos([other.qos for other in self.others()], self._hash)
         if asked != self._asked:
             before = self._entity
@@ -127,11 +127,11 @@ class TopicPublisher(_TopicEnd):
 
     def __init__(self, node: DdsNode, topic: str, type_: str, was_heard: bool) -> None:
         super().__init__(node, topic, type_)
-        name = node.name if GUARD_NODE in node.name else ""  # nobody is to wonder who it is
+        name = node.name if GUARD_NODE in node.name else ""  # so that it can be recognised
         self._entity = DataWriter(node.participant, self._topic, command_qos(self._hash, name))
         self._qos = qos_of(self._entity)
         self.was_heard = was_heard
-        self._owed: Any = None  # a stop that nobody heard
+        self._owed: Any = None  # a stop that no subscriber received
         node.listen(self._entity, DDSStatus.PublicationMatched)
         self.serve()
 
@@ -154,7 +154,7 @@ class TopicPublisher(_TopicEnd):
             raise BridgeError(f"`{self.topic}` refuses the message: {error}") from error
 
     def serve(self) -> None:
-        """Send the stop that is owed as soon as somebody hears it.
+        """Send the stop that is owed as soon as there is a subscriber.
 
         A reader is known a moment before it is connected, and gone a moment before it is disconnected; what
         is sent in between is lost.

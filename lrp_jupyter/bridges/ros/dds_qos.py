@@ -3,7 +3,7 @@
 In DDS a reader and a writer of one topic meet only if the writer offers at least what the reader asks for.
 So a subscription asks for what all publishers of its topic offer, and no more: sensors are often best
 effort, and a latched topic keeps its last message for those who come later. A command is delivered to who
-listens now, in order, and never to somebody who comes later.
+listens now, in order, and never to a subscriber that comes later.
 """
 
 from __future__ import annotations

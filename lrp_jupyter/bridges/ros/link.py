@@ -156,7 +156,7 @@ class TopicLink:
     ----------
     find : callable
         Returns the transport, which is not connected yet; called once, on the link's thread. It may ask who
-        answers, in bounded time, and raises `BridgeError` if nobody does.
+        answers, in bounded time, and raises `BridgeError` if no robot does.
     place : str
         Address of the robot, for messages, as far as it is known before that.
     report : callable

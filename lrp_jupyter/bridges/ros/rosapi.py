@@ -199,7 +199,7 @@ class Rosapi:
             self._wake.wait(min(pause * 2**self._failures, _LONGEST))
 
     def _ask_all(self) -> bool:
-        """Ask what there is to ask; return whether somebody waits for one of the answers."""
+        """Ask what there is to ask; return whether one of the answers is awaited."""
         appeared = self._list_topics()
         self._tell_listeners()
         if not self._exists or self.trouble:

@@ -334,7 +334,7 @@ class _Echo:
             self._sent.append((time.monotonic(), values))
 
     def receive(self, values: Any) -> None:
-        """Compare a command with ours; a stop is nobody's command, as it is what a guard sends."""
+        """Compare a command with ours; a stop does not count, because a guard sends it."""
         now = time.monotonic()
         if not moves(values):
             return

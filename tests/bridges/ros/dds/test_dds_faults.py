@@ -57,7 +57,7 @@ def other(domain: int) -> Iterator[DdsNode]:
 @pytest.mark.usefixtures("impatient")
 def test_where_nobody_is_opening_fails_and_says_what_to_look_at(make: Make, domain: int) -> None:
     ros = make()
-    sentence = rf"Nobody answers in ROS 2's domain {domain}\. Is the robot on.*`ROS_DOMAIN_ID` {domain}\?"
+    sentence = rf"No node answers in ROS 2's domain {domain}\. Is the robot on.*`ROS_DOMAIN_ID` {domain}\?"
     with bounded(3), pytest.raises(BridgeError, match=sentence):
         ros.open()
     assert ros.status.state is ConnectionState.DISCONNECTED
