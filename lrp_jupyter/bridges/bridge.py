@@ -19,8 +19,8 @@ A bridge for a robot of one's own needs one method::
             ...
 
 What is fed has an age, and the robot does not drive on values that are too old: see `feed`. Where the robot
-is asked for a value and answers at once, `add_variable` takes the function that asks. A connection that has to be read by waiting
-has a base of its own, :class:`~lrp_jupyter.bridges.reconnecting.ReconnectingBridge`.
+is asked for a value and answers at once, `add_variable` takes the function that asks. A connection that has
+to be read by waiting has a base of its own, :class:`~lrp_jupyter.bridges.reconnecting.ReconnectingBridge`.
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
 `add_members`, `close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`,

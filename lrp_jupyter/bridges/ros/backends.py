@@ -157,7 +157,7 @@ def choose_backend(
     Raises
     ------
     BridgeError
-        Nobody answers.
+        No robot answers.
     """
     if backend != AUTO:
         return Choice(backend)

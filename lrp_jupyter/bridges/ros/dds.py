@@ -80,7 +80,7 @@ class DdsTransport(Transport):
         node = DdsNode(self._domain, self.node, self._host, types, lambda: self.changed())
         self._node = node
         if not node.wait_for(lambda: self._is_there(node), _FIND):
-            raise BridgeError(self._gone() if self._met else self._nobody())
+            raise BridgeError(self._gone() if self._met else self._no_node())
         node.wait_for(node.graph.is_whole, _SETTLE)
 
     def _is_there(self, node: DdsNode) -> bool:
@@ -88,7 +88,7 @@ class DdsTransport(Transport):
             return len(node.graph) > 0
         return any(node.graph.ends(f"rt{topic}", not writes) for topic, writes in self._met)
 
-    def _nobody(self) -> str:
+    def _no_node(self) -> str:
         return (
             f"No node answers in ROS 2's domain {self._domain}. Is the robot on, in this network, and its"
             f" `ROS_DOMAIN_ID` {self._domain}? Where multicast does not get through, name its `host`."
