@@ -59,7 +59,7 @@ from lrp_jupyter.bridges.interface import Interface
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.options import no_option
-from lrp_jupyter.bridges.panel import Panel
+from lrp_jupyter.bridges.panel import STOP, Field, Panel
 from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
@@ -222,7 +222,14 @@ class Bridge(Interface, ABC):
         """React to the end of a pause. Nothing commanded before the pause is sent again."""
 
     def panel(self) -> Panel | None:
-        """Return the current panel. Default: the panel that `open_interface` returned."""
+        """Return the current panel.
+
+        Default: the panel that `open_interface` returned; for hardware without one, its status and a stop.
+        """
+        if self._opened_panel is None and self.hardware and self._is_open:
+            return Panel(
+                self.name, fields=(Field("status", "Status", value=self.status.sentence),), buttons=(STOP,)
+            )
         return self._opened_panel
 
     def answer(self, key: str, value: str) -> None:

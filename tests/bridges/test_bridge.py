@@ -631,3 +631,35 @@ def test_the_sentence_about_a_foreign_exception_ends_with_one_full_stop(words):
     with pytest.raises(BridgeError):
         bridge.open()
     assert bridge.status.sentence == f"RuntimeError: {words.rstrip('.')}."
+
+
+def test_hardware_without_a_panel_of_its_own_has_its_status_and_a_stop() -> None:
+    class Bare(Bridge, offered=False):
+        def open_interface(self) -> None:
+            self.stops = 0
+            self.set_status("waiting for data", "Waiting for the first value.")
+
+        def stop(self) -> None:
+            self.stops += 1
+
+    bare = Bare()
+    assert bare.panel() is None
+    bare.open()
+    panel = bare.panel()
+    assert panel is not None
+    assert [field.value for field in panel.fields] == ["Waiting for the first value."]
+    bare.press(panel.buttons[0].key)
+    assert bare.stops == 1
+    bare.close()
+
+
+def test_a_simulation_without_a_panel_has_none() -> None:
+    class Toy(Bridge, offered=False):
+        hardware = False
+
+        def open_interface(self) -> None: ...
+
+    toy = Toy()
+    toy.open()
+    assert toy.panel() is None
+    toy.close()
