@@ -15,7 +15,9 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any, Literal
 
-__all__ = ["STOP", "Button", "Field", "Panel", "Question", "Table"]
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["STOP", "Button", "Field", "Panel", "Question", "Table", "number_in"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,3 +94,24 @@ class Panel:
     def as_dict(self) -> dict[str, Any]:
         """Return a JSON form."""
         return dataclasses.asdict(self)
+
+
+def number_in(text: str, label: str) -> float:
+    """Return the number that a person wrote into a field.
+
+    Parameters
+    ----------
+    text : str
+        With a point or a comma.
+    label : str
+        Of the field.
+
+    Raises
+    ------
+    BridgeError
+        It is not a number.
+    """
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:
+        raise BridgeError(f"`{label}` must be a number, not {text!r}.") from None

@@ -34,7 +34,7 @@ from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
 from lrp_jupyter.bridges.ev3.slices import SLICE
 from lrp_jupyter.bridges.ev3.vehicle import PORTS, WHEELS, Vehicle
 from lrp_jupyter.bridges.message import Message, Twist, real_number
-from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
+from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table, number_in
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = ["EV3Bridge"]
@@ -355,7 +355,7 @@ class EV3Bridge(Bridge):
         if key == "beep":
             self.robot.beep()
         elif motor and key in ("forward", "backward"):
-            speed = number_in((values or {}).get("speed", "50"))
+            speed = number_in((values or {}).get("speed", "50"), "Speed by hand")
             getattr(self.robot, row).start_at_speed(speed if key == "forward" else -speed)
         elif motor and key == "halt":
             getattr(self.robot, row).stop()
@@ -412,14 +412,6 @@ _LABELS = {
     "bumper": "Touch sensor",
     "distance": "Distance sensor",
 }
-
-
-def number_in(text: str) -> float:
-    """Convert the text of a number field."""
-    try:
-        return float(text.replace(",", "."))
-    except ValueError:
-        raise BridgeError(f"The speed by hand must be a number, not {text!r}.") from None
 
 
 def sensor_texts(seen: SensorReading) -> tuple[str, str, str, str]:

@@ -235,9 +235,7 @@ class BrickLink:
                     self._read(self._connection)
             except BridgeError as error:
                 pause = self._handle_trouble(str(error))
-            except (
-                Exception
-            ) as error:  # a fault of this bridge: report it rather than continue with old readings
+            except Exception as error:  # of this bridge: better told than going on with old readings
                 self._handle_trouble(ended(f"The EV3 bridge itself failed: {type(error).__name__}: {error}"))
                 break
             self._closing.wait(pause)

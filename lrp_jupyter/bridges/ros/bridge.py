@@ -31,7 +31,7 @@ from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.guard import Stopper
 from lrp_jupyter.bridges.message import Message, moves, real_number
 from lrp_jupyter.bridges.nodes import Limits, RobotMethod
-from lrp_jupyter.bridges.panel import Panel
+from lrp_jupyter.bridges.panel import Panel, number_in
 from lrp_jupyter.bridges.ros.backends import (
     Choice,
     check_backend,
@@ -42,7 +42,7 @@ from lrp_jupyter.bridges.ros.backends import (
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
-from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
+from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel
 from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
@@ -420,7 +420,12 @@ class RosBridge(Bridge):
         if key in ("subscribe", "publish"):
             type_ = check_type(fields.get("type", ""), self.topics.values())
             direction: Direction = "subscription" if key == "subscribe" else "publisher"
-            self.connect(Wire(variable, direction, fields.get("topic", ""), type_), wait=False)
+            late = fields.get("stale_after", "").strip()
+            if late and direction == "publisher":
+                raise BridgeError(f"`{STALE_AFTER}` is for subscriptions. Leave it empty for a publisher.")
+            stale_after = number_in(late, STALE_AFTER) if late else None
+            wire = Wire(variable, direction, fields.get("topic", ""), type_, stale_after=stale_after)
+            self.connect(wire, wait=False)
             self._draft = Draft()
         elif key == "pick":
             self._draft = Draft(variable or row.rpartition("/")[2], row, self.topics.get(row, ""))

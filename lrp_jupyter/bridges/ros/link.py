@@ -277,9 +277,7 @@ class TopicLink:
                 self._wake.wait(self._synchronize())
             except BridgeError as error:
                 self._lose(str(error))
-            except (
-                Exception
-            ) as error:  # a fault of this bridge: report it rather than continue with old readings
+            except Exception as error:  # of this bridge: better told than going on with old readings
                 self._lose(ended(f"The ROS bridge itself failed: {type(error).__name__}: {error}"))
         self.connected = False
         for channel in (*self._channels, *self._dropped):

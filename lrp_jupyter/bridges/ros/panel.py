@@ -16,7 +16,10 @@ from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import SLOW
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 
-__all__ = ["Draft", "draw_panel", "gist"]
+__all__ = ["STALE_AFTER", "Draft", "draw_panel", "gist"]
+
+STALE_AFTER = "Too old after"
+"""The label of the field for `stale_after` of a subscription."""
 
 _MOST = 6  # fields of a message that are shown
 _short = reprlib.Repr()
@@ -31,6 +34,7 @@ class Draft:
     variable: str = ""
     topic: str = ""
     type: str = ""
+    stale_after: str = ""
 
 
 def draw_panel(
@@ -57,6 +61,7 @@ def draw_panel(
             Field("variable", "Variable", "text", draft.variable),
             Field("topic", "Topic", "text", draft.topic, names, press="pick"),
             Field("type", "Type", "text", draft.type, tuple(sorted(set(topics.values())))),
+            Field("stale_after", STALE_AFTER, "number", draft.stale_after, unit="s"),
             Field("setup", "Set-up file", "text", setup),
         ),
         tables=(
@@ -104,7 +109,7 @@ def _row(channel: Channel) -> tuple[str, ...]:
         nothing = "no data yet" if wire.direction == "subscription" else "nothing sent yet"
         shown = nothing if message is None else gist(message)
     if channel.commanders:
-        shown += f" ({', '.join(channel.commanders)} publishes here, too)"
+        shown += f" (also published by {', '.join(channel.commanders)})"
     return (
         wire.variable,
         wire.direction,

@@ -367,6 +367,17 @@ def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph:
     assert "light" not in rows(ros)
 
 
+def test_a_person_chooses_when_a_message_is_too_old(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.press("subscribe", values={"variable": "light", "topic": "/light", "stale_after": "0,3"})
+    assert ros.setup["subscriptions"]["light"]["stale_after"] == 0.3
+    assert fields(ros)["stale_after"].value == "", "it is not kept for the next one"
+    until(lambda: rows(ros)["light"]["type"] == "std_msgs/UInt8")
+    graph.send("/light", data=7)
+    until(lambda: rows(ros)["light"]["value"] == "7")
+    until(lambda: ros.begin_tick(0.0, 0.1) or ros.end_tick(0.0) or ros.status.state == "stale")
+    assert "`robot.light`" in ros.status.sentence
+
+
 def test_what_cannot_be_connected_is_reported_in_its_row(ros: RosBridge, until: Any) -> None:
     ros.press("subscribe", values={"variable": "light", "topic": "/light", "type": "std_msgs/String"})
     until(lambda: "carries `std_msgs/UInt8`" in rows(ros)["light"]["value"])
@@ -379,6 +390,9 @@ def test_what_cannot_be_connected_is_reported_in_its_row(ros: RosBridge, until: 
         ("subscribe", "", {"variable": "", "topic": "/odom"}, "not a valid name"),
         ("subscribe", "", {"variable": "odom", "topic": ""}, "not a valid topic name"),
         ("publish", "", {"variable": "move", "topic": "/m", "type": "Twist"}, "geometry_msgs/Twist"),
+        ("publish", "", {"variable": "move", "topic": "/m", "stale_after": "1"}, "is for subscriptions"),
+        ("subscribe", "", {"variable": "odom", "topic": "/o", "stale_after": "soon"}, "must be a number"),
+        ("subscribe", "", {"variable": "odom", "topic": "/o", "stale_after": "-1"}, "a number of seconds"),
         ("remove", "nothing", {}, "connected to no topic"),
         ("save", "", {}, "Name one"),
         ("jump", "", {}, "no button `jump`"),

@@ -437,13 +437,13 @@ def test_another_node_that_commands_is_told_once_and_shown_in_the_panel(
     graph.publishers["/cmd_vel"] = ["/teleop"]
     ros = opened(make)
     ros.publish("move", "/cmd_vel")
-    until(lambda: "/teleop publishes here, too" in value(ros, "move"))
+    until(lambda: "also published by /teleop" in value(ros, "move"))
     until(lambda: len(server.asked("topics")) > 4)
     assert len([text for text in notices(ros) if "`/teleop` publishes on `/cmd_vel`" in text]) == 1
     graph.publishers["/cmd_vel"] = ["/teleop", "/nav"]
     until(lambda: any("`/nav` publishes on `/cmd_vel`" in text for text in notices(ros)))
     graph.publishers["/cmd_vel"] = []
-    until(lambda: "publishes here" not in value(ros, "move"))
+    until(lambda: "also published" not in value(ros, "move"))
 
 
 def test_another_client_of_the_same_server_that_commands_is_told(
@@ -460,10 +460,10 @@ def test_another_client_of_the_same_server_that_commands_is_told(
         sent = len(graph.heard)
         theirs.robot.stop()  # as a guard does; a stop replaces an earlier one that is still queued
         until(lambda sent=sent: any(values["linear"]["x"] == 0 for _, values in graph.heard[sent:]))
-    assert "publishes here" not in value(ours, "move")
+    assert "also published" not in value(ours, "move")
     until(lambda: theirs.robot.move(linear=-0.1) or "another client of" in value(ours, "move"))
     assert any("`another client of ws://" in text for text in notices(ours))
-    until(lambda: "publishes here" not in value(ours, "move"))
+    until(lambda: "also published" not in value(ours, "move"))
 
 
 # -- the network ----------------------------------------------------------------------------------
