@@ -21,7 +21,7 @@ from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.bridges.safety import CommandRecord, Notice, NoticeKind, Origin, Safety
-from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, sentence_of
 
 __all__ = ["Interface"]
 
@@ -358,11 +358,17 @@ class Interface:
 
         A program reaches it as ``robot.stop()``, unless the bridge adds a `stop` of its own.
 
-        Default: send a velocity of zero through every velocity method.
+        Default: send a velocity of zero through every velocity method, also where one of them fails.
         """
+        failures: list[LRPError] = []
         for node in self.nodes.members():
             if isinstance(node, RobotMethod) and node.velocity:
-                node.perform(node.standstill())
+                try:
+                    node.perform(node.standstill())
+                except LRPError as error:
+                    failures.append(error)
+        if failures:
+            raise failures[0]
 
     def stop_all(self) -> bool:
         """Stop the robot: from any thread, in bounded time, armed or not. Its own failures raise nothing.

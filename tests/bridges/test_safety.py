@@ -372,6 +372,28 @@ def test_a_velocity_without_defaults_stops_with_zeros() -> None:
     assert wheels.sent == [(0.0, 0.0, 0.5), (0.0,)]
 
 
+def test_a_robot_that_cannot_be_stopped_leaves_no_other_one_moving() -> None:
+    class Herd(Bridge):
+        name = "test-herd"
+        hardware = False
+
+        def __init__(self) -> None:
+            self.sent: list[float] = []
+
+        def open_interface(self) -> None:
+            self.add_method("first.move", self.unplugged, "drive")
+            self.add_method("second.move", self.sent.append, "drive")
+
+        def unplugged(self, linear: float) -> None:
+            raise OSError("unplugged")
+
+    herd = Herd()
+    herd.open()
+    assert herd.stop_all() is False
+    assert herd.sent == [0.0]
+    assert texts(herd) == ["The robot may not have stopped: `robot.first.move` failed: OSError: unplugged"]
+
+
 def test_a_pause_stops_and_going_on_sends_nothing(cart: Any) -> None:
     cart.on_start()
     cart.begin_tick(0.0, 0.1)
