@@ -290,8 +290,8 @@ class Interface:
     def disarm(self) -> None:
         """Stop the robot and disarm the bridge: commands are recorded and shown, not sent."""
         if self.safety.armed:
+            self.safety.armed = False  # first: a tick that begins while the robot is stopped sends nothing
             self.stop_all()
-            self.safety.armed = False
             self._guard.end()
             self.outside(RobotArmed(False), False)
             self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent.")

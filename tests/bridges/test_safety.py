@@ -53,6 +53,21 @@ def test_disarming_stops_the_robot_first(cart: Any) -> None:
     assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
 
 
+def test_a_tick_that_begins_while_disarming_stops_the_robot_sends_nothing(cart: Any) -> None:
+    def stop() -> None:  # it takes a while, and the program does not wait for it
+        cart.sent.append("stop")
+        cart.begin_tick(0.1, 0.1)
+        cart.robot.move(linear=0.3)
+        cart.end_tick(0.1)
+
+    cart.stop = stop
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    cart.end_tick(0.0)
+    cart.disarm()
+    assert cart.sent == [(0.2, 0.0), "stop"]
+
+
 def test_a_question_is_answered_while_disarmed() -> None:
     class Asking(Bridge):
         name = "test-question"
