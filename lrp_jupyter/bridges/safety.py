@@ -343,10 +343,14 @@ class Safety:
             call()
         else:
             thread = threading.Thread(target=call, name="stop the robot", daemon=True)
-            thread.start()
-            thread.join(timeout)
-            if thread.is_alive():
-                failures.append(f"no answer for {timeout:g} s.")
+            try:
+                thread.start()
+            except RuntimeError:  # Python 3.12 starts no thread any more while it ends
+                call()
+            else:
+                thread.join(timeout)
+                if thread.is_alive():
+                    failures.append(f"no answer for {timeout:g} s.")
         if failures:
             self.notice("fault", f"The robot may not have stopped: {failures[0]}")
         else:

@@ -365,6 +365,18 @@ def test_a_stop_that_hangs_does_not_hang_the_caller() -> None:
     Hanging.go.set()
 
 
+def test_a_robot_is_stopped_where_no_thread_can_be_started_any_more(
+    cart: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_thread: threading.Thread) -> None:
+        raise RuntimeError("can't create new thread at interpreter shutdown")
+
+    cart.robot.move(linear=0.2)
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    assert cart.stop_all() is True
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
+
+
 def test_a_velocity_without_defaults_stops_with_zeros() -> None:
     class Wheels(Bridge):
         name = "test-wheels"
