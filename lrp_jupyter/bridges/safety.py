@@ -153,6 +153,7 @@ class Safety:
         self.has_commanded = False
         """Whether anything was sent since the robot was known to stand."""
         self._refused = ""  # why commands of this tick were refused
+        self._drives = 0  # how many commands that may move it were registered
         self.notice_count = 0
         self.command_count = 0
         self._last_tick: float | None = None
@@ -303,6 +304,7 @@ class Safety:
 
     def drive(self, name: str, moves: bool) -> None:
         """Register a command that is to be sent: whether the robot may move by it."""
+        self._drives += moves
         if moves is not (name in self.driven):
             self.driven = self.driven | {name} if moves else self.driven - {name}
 
@@ -329,7 +331,7 @@ class Safety:
             Whether it ended in time and without a fault; if not, a notice is logged.
         """
         self._moving = {}
-        failures: list[str] = []
+        drives, failures = self._drives, list[str]()
 
         def call() -> None:
             try:
@@ -353,7 +355,7 @@ class Safety:
                     failures.append(f"no answer for {timeout:g} s.")
         if failures:
             self.notice("fault", f"The robot may not have stopped: {failures[0]}")
-        else:
+        elif self._drives == drives:  # else another command came meanwhile, in the next tick
             self.driven = frozenset()
         return not failures
 

@@ -483,3 +483,21 @@ def test_a_stop_while_a_command_is_under_way_is_the_last_word() -> None:
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.move(0.2)
     assert bridge.done == ["stop", "move", "stop"]
+
+
+def test_a_command_during_a_stop_still_moves_the_robot_for_the_guard(cart: Any) -> None:
+    def stop() -> None:  # the next tick begins meanwhile
+        cart.begin_tick(0.1, 0.1)
+        cart.robot.move(linear=0.3)
+        cart.end_tick(0.1)
+
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    cart.end_tick(0.0)
+    cart.stop = stop
+    assert cart.stop_all() is True
+    assert cart.in_motion
+    del cart.stop
+    cart.stop_all()
+    assert not cart.in_motion
+    cart.disarm()
