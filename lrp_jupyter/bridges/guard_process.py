@@ -55,6 +55,7 @@ class _Robot:
         if isinstance(made, Bridge):
             made.open()
             self._bridge, self._stop = made, made.stop_all
+            self.close = made.close_interface  # `Bridge.close` would stop a robot that another one may drive
 
     def trouble(self) -> str:
         """Return why the robot cannot be reached now, as far as that is known."""

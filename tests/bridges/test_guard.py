@@ -230,13 +230,17 @@ def test_a_class_a_function_and_a_bridge_stop_the_robot(
     wait_until(lambda: robot.drives)
 
 
-def test_a_robot_that_stands_is_left_to_others(robot: Robot, drive: Callable[..., Driven]) -> None:
-    bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
+@pytest.mark.parametrize("target", [wheels.halt, wheels.WheelsBridge])
+def test_a_robot_that_stands_is_left_to_others(
+    robot: Robot, drive: Callable[..., Driven], target: Any
+) -> None:
+    bridge = drive(Stopper(target, {"port": port_of(robot)}))
     wait_until(lambda: ready(bridge))
     bridge.robot.move(linear=0.3)
     bridge.robot.move(linear=0.0)
     bridge.robot.move(linear=0.3)
     bridge.stop_all()
+    wait_until(lambda: [speed for _, speed in robot.speeds()] == [0.3, 0.0, 0.3, 0.0])
     with socket.create_connection(("127.0.0.1", port_of(robot))) as another:
         another.sendall(b"0.5\n")
         wait_until(lambda: robot.drives)
@@ -247,7 +251,9 @@ def test_a_robot_that_stands_is_left_to_others(robot: Robot, drive: Callable[...
         bridge._guard._end.set()
         process._pipe.close()
         wait_until(lambda: process.is_gone, "it has nothing to do")
-    assert robot.drives
+        another.sendall(b"0.6\n")
+        wait_until(lambda: robot.speeds()[-1][1] == 0.6)
+    assert [speed for _, speed in robot.speeds()][-3:] == [0.0, 0.5, 0.6]
 
 
 def test_the_stopper_of_another_robot_is_another_guard(robot: Robot, drive: Callable[..., Driven]) -> None:
