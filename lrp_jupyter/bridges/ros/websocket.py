@@ -1,16 +1,18 @@
 """The websocket to a rosbridge server, on a thread of its own.
 
 Two things matter to a robot. A command is sent now or never: what could not leave within half a
-second, or was waiting when the connection broke, is dropped. And a server that hangs is noticed: it
-is pinged four times a second, and is called stale until it answers, so that commands do not pile up
-in the network and arrive when they are outdated. Anything that arrives is a sign of life, since a pong waits
-behind a large message. A link that is slow but steady is given more time, several of its round trips.
+second, or was waiting when the connection broke, is dropped; only a stop waits for the network. And a server
+that hangs is noticed: it is pinged four times a second, and is called stale until it answers, so that
+commands do not pile up in the network and arrive when they are outdated. Anything that arrives is a sign of
+life, since a pong waits behind a large message. A link that is slow but steady is given more time, several of
+its round trips.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import ssl
 import struct
 import threading
@@ -72,7 +74,7 @@ class Socket:
         self.round_trip: float | None = None
         self._url, self._receive, self._changed = url, receive, changed
         self._waiting: dict[str, Future[Mapping[str, Any]]] = {}
-        self._outbox: deque[tuple[float, str, str]] = deque()  # time, topic (or ""), text
+        self._outbox: deque[tuple[float, str, str]] = deque()  # since when, topic (or ""), text
         self._loop: asyncio.AbstractEventLoop | None = None
         self._opened: Future[None] = Future()
         self._posted = asyncio.Event()
@@ -102,14 +104,17 @@ class Socket:
             self._thread.join(2 * _FLUSH + 0.5)
 
     def put(self, text: str, topic: str = "", urgent: bool = False) -> None:
-        """Send, from any thread, without waiting; an urgent message replaces those queued for its topic."""
+        """Send, from any thread, without waiting.
+
+        An urgent message replaces those queued for its topic, and does not expire.
+        """
         if urgent:
             for entry in [entry for entry in tuple(self._outbox) if entry[1] == topic]:
                 try:
                     self._outbox.remove(entry)
                 except ValueError:  # it has just left
                     continue
-        self._outbox.append((time.monotonic(), topic, text))
+        self._outbox.append((math.inf if urgent else time.monotonic(), topic, text))
         self._post()
 
     def expect(self, key: str) -> Future[Mapping[str, Any]]:

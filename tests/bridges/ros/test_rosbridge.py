@@ -466,6 +466,18 @@ def test_another_client_of_the_same_server_that_commands_is_told(
     until(lambda: "also published" not in value(ours, "move"))
 
 
+def test_a_stop_does_not_expire_while_it_waits_for_the_network(
+    make: Make, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ros = opened(make)
+    ros.publish("move", "/cmd_vel")
+    monkeypatch.setattr(websocket, "_FRESH", 0.0)  # whatever has to wait is too late
+    ros.robot.move(linear=0.2)
+    assert ros.stop_all()
+    until(lambda: graph.heard, seconds=10)
+    assert [values["linear"]["x"] for _topic, values in graph.heard] == [0.0]
+
+
 # -- the network ----------------------------------------------------------------------------------
 
 
