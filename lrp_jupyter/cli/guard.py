@@ -159,8 +159,8 @@ class RosSide:
             raise BridgeError(status.sentence)
 
     def close(self) -> None:
-        """End the connection."""
-        self._bridge.close()
+        """End the connection; `Bridge.close` would stop a robot that is commanded."""
+        self._bridge.close_interface()
 
 
 class MqttSide:

@@ -141,8 +141,9 @@ class Wiring:
             It could not be sent.
         """
         link = self.link
-        if link is not None and channel.message is not None and channel.is_velocity:
-            link.send(channel, channel.message().as_dict(), urgent=True)
+        if link is not None and channel.is_velocity:
+            zero = {} if channel.message is None else channel.message().as_dict()  # None: not connected yet
+            link.send(channel, zero, urgent=True)
 
     def wait_for_answers(self, patience: float) -> None:
         """Wait until the robot has answered for every channel, at most `patience` seconds."""

@@ -14,6 +14,8 @@ import pytest
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, rosapi, rosbridge, websocket
 from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, FieldType
+from lrp_jupyter.bridges.ros.link import GUARD_NODE
+from lrp_jupyter.cli.guard import RosSide
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 Make = Callable[..., RosBridge]
@@ -476,6 +478,42 @@ def test_a_stop_does_not_expire_while_it_waits_for_the_network(
     assert ros.stop_all()
     until(lambda: graph.heard, seconds=10)
     assert [values["linear"]["x"] for _topic, values in graph.heard] == [0.0]
+
+
+def test_a_guard_says_that_a_stop_could_not_be_sent(make: Make, graph: Any, until: Until) -> None:
+    ros = make(node=GUARD_NODE, setup={"publishers": {"move": {"topic": "/cmd_vel", "type": "no_such/Type"}}})
+    ros.open()
+    assert not ros.stop_all()
+    assert "`robot.move` was not sent" in notices(ros)[-1]
+    graph.types["/drive"] = "geometry_msgs/Twist"
+    ros.publish("move", "/drive")
+    until(ros.stop_all)
+    until(lambda: graph.heard)
+
+
+def test_a_guard_on_the_side_of_the_robot_tries_until_a_stop_is_sent_and_ends_without_one(
+    make: Make, server: Any, graph: Any, until: Until
+) -> None:
+    side = RosSide("/drive", "", backend="rosbridge", host=f"127.0.0.1:{server.port}")
+    try:
+        with pytest.raises(BridgeError, match=r"`/drive` does not exist yet"):
+            side.stop()
+        graph.types["/drive"] = "geometry_msgs/Twist"
+        until(lambda: can_stop(side))
+        until(lambda: graph.heard)
+        heard = len(graph.heard)
+    finally:
+        side.close()
+    until(lambda: not server.clients)
+    assert graph.heard[heard:] == []
+
+
+def can_stop(side: RosSide) -> bool:
+    try:
+        side.stop()
+    except BridgeError:
+        return False
+    return True
 
 
 # -- the network ----------------------------------------------------------------------------------
