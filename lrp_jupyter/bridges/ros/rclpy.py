@@ -13,14 +13,13 @@ from __future__ import annotations
 import importlib
 import threading
 from collections.abc import Callable, Mapping
-from contextlib import suppress
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.bridges.ros.definitions import PRIMITIVES, Definition, canonical, parse_field
 from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, sentence_of
 
 __all__ = ["RclpyTransport"]
 
@@ -47,6 +46,8 @@ class RclpyTransport(Transport):
         self._node: Any = None
         self._executor: Any = None
         self._thread: threading.Thread | None = None
+        self._failure = ""  # why no more messages are delivered
+        self._subscriptions: list[_Subscription] = []
 
     def connect(self) -> None:
         """Create the node; other nodes are found while it exists.
@@ -67,9 +68,20 @@ class RclpyTransport(Transport):
         except Exception as error:  # rclpy raises RuntimeError, and errors of its middleware
             self.disconnect()
             raise BridgeError(f"The ROS 2 node cannot be made: {error}") from error
-        spin = partial(_spin, self._executor, executors.ExternalShutdownException)
-        self._thread = threading.Thread(target=spin, name="ROS 2", daemon=True)
+        self._failure = ""
+        self._thread = threading.Thread(target=self._spin, args=(self._executor,), name="ROS 2", daemon=True)
         self._thread.start()
+
+    def _spin(self, executor: Any) -> None:
+        """Deliver messages until the node ends, or fails; Ctrl-C in a program that uses rclpy ends all."""
+        try:
+            executor.spin()
+            why = "it was shut down."
+        except Exception as error:  # of rclpy or its middleware, or of this bridge
+            why = sentence_of(error)
+        if executor is self._executor:
+            self._failure = f"The ROS 2 node failed: {why}"
+            self.changed()
 
     def disconnect(self) -> None:
         """Destroy the node."""
@@ -79,7 +91,7 @@ class RclpyTransport(Transport):
         thread, self._thread = self._thread, None
         if thread is not None and thread is not threading.current_thread():
             thread.join(_JOIN)
-        node, self._node = self._node, None
+        node, self._node, self._subscriptions = self._node, None, []
         if node is not None:
             node.destroy_node()
         context, self._context = self._context, None
@@ -91,7 +103,15 @@ class RclpyTransport(Transport):
         return ""
 
     def topics(self) -> Mapping[str, str]:
-        """Return the topics of other nodes that were discovered so far."""
+        """Return the topics of other nodes that were discovered so far.
+
+        Raises
+        ------
+        BridgeError
+            The node no longer delivers messages.
+        """
+        if self._failure:
+            raise BridgeError(self._failure)
         return {
             topic: canonical(types[0])
             for topic, types in self._node.get_topic_names_and_types()
@@ -126,28 +146,46 @@ class RclpyTransport(Transport):
         return [info for info in infos if (info.node_name, info.node_namespace) != own]
 
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
-        """Create a subscription that asks for no more than is offered, or a reliable publisher."""
+        """Create a subscription that asks for what is offered, or a reliable publisher."""
         qos, kind = _import("rclpy.qos"), _class_of(type_)
         if direction == "publisher":
             return self._node.create_publisher(kind, topic, qos.QoSProfile(depth=_QUEUE))
-        offers = [info.qos_profile for info in self._others(topic, "publishers")]
-        reliable = all(offer.reliability == qos.ReliabilityPolicy.RELIABLE for offer in offers)
-        kept = bool(offers) and all(
-            offer.durability == qos.DurabilityPolicy.TRANSIENT_LOCAL for offer in offers
-        )
+        made = _Subscription(topic, kind, receive)
+        self._adapt(made)
+        self._subscriptions.append(made)
+        return made
+
+    def tend(self, in_need: bool) -> float:
+        """Subscribe anew where the publishers of a topic offer something else than before."""
+        for each in self._subscriptions:
+            self._adapt(each)
+        return super().tend(in_need)
+
+    def _adapt(self, one: _Subscription) -> None:
+        """Ask for what all publishers offer and, without any, for the least."""
+        qos = _import("rclpy.qos")
+        offers = [info.qos_profile for info in self._others(one.topic, "publishers")]
+        reliable = {offer.reliability for offer in offers} == {qos.ReliabilityPolicy.RELIABLE}
+        kept = {offer.durability for offer in offers} == {qos.DurabilityPolicy.TRANSIENT_LOCAL}
+        if one.asked == (reliable, kept):
+            return
         profile = qos.QoSProfile(
             depth=1,
             reliability=qos.ReliabilityPolicy.RELIABLE if reliable else qos.ReliabilityPolicy.BEST_EFFORT,
             durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if kept else qos.DurabilityPolicy.VOLATILE,
         )
-        return self._node.create_subscription(kind, topic, receive, profile)
+        before, one.asked = one.entity, (reliable, kept)
+        one.entity = self._node.create_subscription(one.kind, one.topic, one.receive, profile)
+        if before is not None:
+            self._node.destroy_subscription(before)
 
     def leave(self, handle: Any) -> None:
         """End a subscription or a publisher; on a node that is gone it went with it."""
-        if self._node is not None:
-            is_publisher = hasattr(handle, "publish")
-            destroy = self._node.destroy_publisher if is_publisher else self._node.destroy_subscription
-            destroy(handle)
+        if handle in self._subscriptions:
+            self._subscriptions.remove(handle)
+            self._node.destroy_subscription(handle.entity)
+        elif self._node is not None and not isinstance(handle, _Subscription):
+            self._node.destroy_publisher(handle)
 
     def send(self, handle: Any, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish. A header without a stamp gets the time of this node.
@@ -168,10 +206,13 @@ class RclpyTransport(Transport):
             raise BridgeError(f"`{handle.topic_name}` refuses the message: {error}") from error
 
 
-def _spin(executor: Any, end: type[Exception]) -> None:
-    """Deliver messages until the context is shut down."""
-    with suppress(end):
-        executor.spin()
+@dataclass
+class _Subscription:
+    topic: str
+    kind: Any
+    receive: Callable[[Any], None]
+    asked: tuple[bool, bool] | None = None  # to be reliable, and to be given what came before
+    entity: Any = None
 
 
 def _import(module: str) -> Any:

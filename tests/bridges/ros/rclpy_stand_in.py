@@ -122,11 +122,11 @@ class Node:
         self._graph.subscriptions.append(made)
         return made
 
-    def destroy_publisher(self, publisher: Endpoint) -> None:
-        self._graph.publishers.remove(publisher)
+    def destroy_publisher(self, publisher: Endpoint) -> bool:
+        return _destroyed(self._graph.publishers, publisher)
 
-    def destroy_subscription(self, subscription: Endpoint) -> None:
-        self._graph.subscriptions.remove(subscription)
+    def destroy_subscription(self, subscription: Endpoint) -> bool:
+        return _destroyed(self._graph.subscriptions, subscription)
 
     def get_clock(self) -> Any:
         now = SimpleNamespace(to_msg=lambda: message_class(STAMP.type)(sec=77, nanosec=5))
@@ -134,23 +134,38 @@ class Node:
 
     def destroy_node(self) -> None:
         self._graph.alive.remove(self)
+        for ends in (self._graph.publishers, self._graph.subscriptions):
+            ends[:] = [end for end in ends if end.node_name != self.get_name()]
+
+
+def _destroyed(ends: list[Endpoint], end: Endpoint) -> bool:
+    """Remove what a node made; what another one made stays, and that is no error."""
+    if end not in ends:
+        return False
+    ends.remove(end)
+    return True
 
 
 class SingleThreadedExecutor:
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
+        self._spins = True
 
     def add_node(self, node: Node) -> None:
         assert node in self._graph.alive
 
     def spin(self) -> None:
-        while (arrival := self._graph.arrivals.get()) is not None:
-            callback, message = arrival
-            callback(message)
-        raise ExternalShutdownException
+        try:
+            while (arrival := self._graph.arrivals.get()) is not None:
+                callback, message = arrival
+                callback(message)
+            raise ExternalShutdownException
+        finally:
+            self._spins = False
 
     def shutdown(self, timeout_sec: float) -> bool:
-        self._graph.arrivals.put(None)
+        if self._spins:
+            self._graph.arrivals.put(None)
         return timeout_sec > 0
 
 
@@ -235,7 +250,6 @@ def install(patch: pytest.MonkeyPatch) -> Graph:
         "rclpy.context": {"Context": Context},
         "rclpy.executors": {
             "SingleThreadedExecutor": executor,
-            "ExternalShutdownException": ExternalShutdownException,
         },
         "rclpy.qos": {
             "QoSProfile": QoSProfile,

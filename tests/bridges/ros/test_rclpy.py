@@ -63,6 +63,48 @@ def test_a_subscription_asks_for_what_is_offered(
     assert made.qos_profile.durability is kept
 
 
+def test_a_subscription_that_comes_first_asks_for_the_least_and_then_for_what_is_offered(
+    ros: RosBridge, graph: Any, stand_in: Any, until: Callable[..., None]
+) -> None:
+    def asked() -> list[tuple[str, str]]:
+        found = [end.qos_profile for end in graph.subscriptions if end.topic_name == "/map"]
+        return [(each.reliability.name, each.durability.name) for each in found]
+
+    ros.subscribe("map", "/map", "std_msgs/String")  # of a node that starts later, or is not known yet
+    assert asked() == [("BEST_EFFORT", "VOLATILE")]
+    kept = stand_in.DurabilityPolicy.TRANSIENT_LOCAL
+    graph.other_publishes("/map", "std_msgs/String", durability=kept)
+    until(lambda: asked() == [("RELIABLE", "TRANSIENT_LOCAL")])
+    message = stand_in.message_class("std_msgs/String")()
+    message.data = "a maze"
+    graph.deliver("/map", message)
+    until(lambda: ros.describe("map").age is not None)
+    assert ros.robot.map.data == "a maze"
+
+
+def _fail(_message: Any) -> None:
+    raise RuntimeError("the middleware is gone")
+
+
+@pytest.mark.parametrize(
+    ("end", "why"),
+    [((_fail, None), "RuntimeError: the middleware is gone"), (None, "ExternalShutdownException")],
+)
+def test_an_executor_that_ends_is_a_lost_robot_until_there_is_another_one(
+    ros: RosBridge, graph: Any, stand_in: Any, until: Callable[..., None], end: Any, why: str
+) -> None:
+    ros.subscribe("odom", "/odom")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    ros.robot.move(linear=0.2)
+    graph.arrivals.put(end)
+    until(lambda: any(f"The ROS 2 node failed: {why}" in each.text for each in ros.safety.notices))
+    until(lambda: ros.status.state is not ConnectionState.LOST)
+    assert [sent.linear.x for _topic, sent in graph.published][-1] == 0.0
+    graph.deliver("/odom", stand_in.message_class("nav_msgs/Odometry")())
+    until(lambda: ros.status.state is ConnectionState.CONNECTED)
+    ros.robot.move(linear=0.1)
+
+
 def test_a_command_is_published_reliably(ros: RosBridge, graph: Any, stand_in: Any) -> None:
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     ros.robot.move(linear=0.2, angular=-1)
