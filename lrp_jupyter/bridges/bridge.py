@@ -427,6 +427,7 @@ class Bridge(Interface, ABC):
             self.offer_stop()
         except Exception as error:
             sentence = sentence_of(error)
+            self.is_closed = True
             self.set_status(ConnectionState.DISCONNECTED, sentence)
             if isinstance(error, BridgeError):
                 raise

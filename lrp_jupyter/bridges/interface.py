@@ -81,7 +81,7 @@ class Interface:
     _is_open: bool
     _guard: Guard
     is_closed: bool
-    """Whether it was closed; what arrives then belongs to a connection that is gone."""
+    """Whether it was closed, or not opened after all; what arrives then is of a connection that is gone."""
 
     @property
     def is_open(self) -> bool:

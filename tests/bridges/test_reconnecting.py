@@ -224,7 +224,12 @@ def test_without_a_robot_opening_fails_in_a_sentence() -> None:
 def test_a_robot_that_does_not_answer_is_given_up(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     over, calls = threading.Event(), []
     monkeypatch.setattr(Line, "connect_within", 0.1)
-    monkeypatch.setattr(Line, "connect", lambda line: over.wait(10))
+
+    def connect(line: Line) -> None:
+        over.wait(10)
+        line.set_status("connected", "Connected at last.")
+
+    monkeypatch.setattr(Line, "connect", connect)
     monkeypatch.setattr(Line, "disconnect", lambda line: calls.append("disconnect"))
     line = Line(robot.port)
     with bounded(2), pytest.raises(BridgeError, match=r"^`test-line` did not connect within 0\.1 s\.$"):
@@ -235,6 +240,7 @@ def test_a_robot_that_does_not_answer_is_given_up(robot: Robot, monkeypatch: pyt
     assert line._thread is not None
     line._thread.join(10)
     assert calls == ["disconnect"], "what came too late is closed"
+    assert line.status.state is ConnectionState.DISCONNECTED
 
 
 def test_closing_ends_a_wait_for_data(line: Line, monkeypatch: pytest.MonkeyPatch) -> None:
