@@ -13,6 +13,7 @@ import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import ConnectionState
@@ -281,7 +282,8 @@ class TopicLink:
                 self._lose(ended(f"The ROS bridge itself failed: {type(error).__name__}: {error}"))
         self.connected = False
         for channel in (*self._channels, *self._dropped):
-            self._leave(channel)
+            with suppress(Exception):  # of a library: what is left open goes with the connection
+                self._leave(channel)
         self._disconnect()
 
     def _connect(self) -> None:
@@ -442,7 +444,7 @@ class TopicLink:
         return ConnectionState.CONNECTED, f"Connected to {self.transport.place}."
 
     def _report_change(self, state: ConnectionState, sentence: str) -> None:
-        if self._last_status != (state, sentence):
+        if self._last_status != (state, sentence) and not self._closing.is_set():
             self._last_status = (state, sentence)
             self._report(state, sentence)
 

@@ -1,0 +1,102 @@
+"""The link of a ROS robot with a transport that is in the test's hand."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.ros import link
+from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.definitions import KNOWN, Definition
+from lrp_jupyter.bridges.ros.link import TopicLink, Transport
+from lrp_jupyter.bridges.ros.setup import Direction, Wire
+
+
+class Slow(Transport):
+    """A robot whose list of topics comes when the test wants it."""
+
+    place = "slow"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked, self.answer = threading.Event(), threading.Event()
+        self.disconnected = 0
+
+    def connect(self) -> None:
+        """Nothing to connect."""
+
+    def disconnect(self) -> None:
+        self.disconnected += 1
+
+    def trouble(self) -> str:
+        return ""
+
+    def topics(self) -> Mapping[str, str]:
+        self.asked.set()
+        assert self.answer.wait(60)
+        return {}
+
+    def define(self, type_: str) -> Mapping[str, Definition]:
+        return KNOWN
+
+    def taken(self, topic: str) -> bool:
+        return False
+
+    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+        return topic
+
+    def leave(self, handle: object) -> None:
+        raise RuntimeError("The middleware is gone.")
+
+    def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
+        """Nobody listens."""
+
+
+@pytest.fixture
+def slow() -> Slow:
+    return Slow()
+
+
+@pytest.fixture
+def reports() -> list[ConnectionState]:
+    return []
+
+
+@pytest.fixture
+def searching(slow: Slow, reports: list[ConnectionState]) -> Iterator[TopicLink]:
+    """A link that waits for the topics."""
+
+    def report(state: ConnectionState, _sentence: str) -> None:
+        reports.append(state)
+
+    found = TopicLink(lambda: slow, "slow", report, lambda _channel: None, lambda _sentence: None)
+    found.add(Channel(Wire("odom", "subscription", "/odom", "nav_msgs/Odometry")))
+    found.search()
+    assert slow.asked.wait(60)
+    yield found
+    slow.answer.set()
+    found.close()
+
+
+def test_a_link_that_was_closed_reports_nothing_any_more(
+    searching: TopicLink, slow: Slow, reports: list[ConnectionState], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(link, "_JOIN", 0.01)
+    searching.close()  # it does not wait for the robot
+    slow.answer.set()
+    searching._thread.join(60)
+    assert reports == []
+
+
+def test_what_cannot_be_left_keeps_no_connection_open(
+    searching: TopicLink, slow: Slow, reports: list[ConnectionState], until: Callable[..., None]
+) -> None:
+    slow.answer.set()
+    until(lambda: reports == [ConnectionState.WAITING])
+    searching.close()
+    searching._thread.join(60)
+    assert slow.disconnected == 1
