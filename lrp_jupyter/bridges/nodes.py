@@ -167,7 +167,7 @@ class RobotVariable:
         if most is None:
             return ""
         if age is None:
-            if self._waiting_since is None:
+            if self._waiting_since is None or now < self._waiting_since:  # another run has begun
                 self._waiting_since = now
             if now - self._waiting_since > most:
                 self.lateness = f"`robot.{self.path}`: nothing has arrived yet."

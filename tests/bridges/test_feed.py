@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -236,6 +237,13 @@ def test_a_robot_that_was_never_heard_does_not_drive(buggy: Buggy) -> None:
     buggy.feed("light.data", 7)
     tick(buggy, 1.3, drive)
     assert buggy.done[-1] == 0.2
+
+
+def test_another_run_waits_for_the_first_value_no_longer_than_the_first_run(buggy: Buggy) -> None:
+    tick(buggy, 100.0)
+    for at in (0.0, 1.0, 1.1, 1.2):
+        tick(buggy, at, partial(buggy.robot.move, linear=at))
+    assert buggy.done == [0.0, 1.0, "stop"]
 
 
 def test_an_event_with_old_data_does_not_occur_and_is_no_issue() -> None:
