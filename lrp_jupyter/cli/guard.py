@@ -186,6 +186,7 @@ class MqttSide:
         address = parse_address(host or "localhost", None, 1883, ("mqtt",))
         self._topic, self._place = topic, str(address)
         self._command: Any = {}
+        self._unread = ""  # what came last, if it is no JSON
         self.heard = (0.0, False)
         self._client = client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
         client.on_connect = lambda *_: client.subscribe(topic)
@@ -199,16 +200,18 @@ class MqttSide:
 
     def _hear(self, _client: object, _data: object, message: Any) -> None:
         try:
-            self._command = json.loads(message.payload)
+            self._command, self._unread = json.loads(message.payload), ""
         except ValueError:
-            self._command = {}
+            self._command, self._unread = {}, repr(message.payload[:40])
         self.heard = (time.monotonic(), moves(self._command))
 
     def state(self) -> str:
         """Return a sentence about the connection."""
-        if self._client.is_connected():
-            return f"Connected to the MQTT broker at {self._place}."
-        return f"The MQTT broker at {self._place} does not answer."
+        if not self._client.is_connected():
+            return f"The MQTT broker at {self._place} does not answer."
+        if self._unread:
+            return f"{self._unread} on `{self._topic}` is not JSON, so the robot is not guarded."
+        return f"Connected to the MQTT broker at {self._place}."
 
     def stop(self) -> None:
         """Publish the last command with all its numbers zero."""

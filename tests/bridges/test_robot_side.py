@@ -158,6 +158,14 @@ def test_a_robot_that_is_commanded_again_and_again_is_left_alone(robot: Any, gua
     assert guard.count("No command") == 0
 
 
+def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot: Any, guard: Lines) -> None:
+    robot.client.publish(TOPIC, b"0.2 0.1")
+    wait_until(lambda: guard.count("b'0.2 0.1' on `robot/cmd_vel` is not JSON, so the robot is not guarded."))
+    robot.drive(linear=0.2)
+    wait_until(lambda: guard.count("Connected") == 2)
+    wait_until(lambda: robot.last == {"linear": 0})
+
+
 def test_a_broker_that_was_away_gets_the_stop_when_it_is_there_again(
     robot: Any, guard: Lines, broker: Callable[[], Any], running: Any
 ) -> None:
