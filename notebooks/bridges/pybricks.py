@@ -39,6 +39,7 @@ class Pybricks(ReconnectingBridge):
 
     name = "pybricks"
     connect_within = 20.0  # s; the search for the hub takes up to ten
+    stops_when_found = True  # the hub stops by itself; a stop would wait for the thread that found it
 
     def __init__(self, hub: str = ""):
         self.hub = hub

@@ -153,9 +153,16 @@ def test_the_unchanged_follower_goes_there_and_back(monkeypatch: pytest.MonkeyPa
 def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(
     bridge: Bridge, until: Until
 ) -> None:
+    def failures() -> int:
+        notices = bridge.safety.notices
+        return sum(each.count for each in notices if "may not have stopped" in each.text)
+
+    bridge.robot.move(linear=0.2)
     Hub.last.send_signal(signal.SIGKILL)
     until(lambda: bridge.status.state == "lost", "it was not noticed")
     until(lambda: bridge.status.state != "lost", "it was not found again")
+    assert failures() == 1, "the lost one; the one that was found stands by itself"
+    bridge.robot.move(linear=0.1)
 
 
 @pytest.mark.slow
