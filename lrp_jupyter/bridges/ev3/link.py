@@ -16,7 +16,7 @@ from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import ANSWER_TIME, BrickClient
 from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading, MotorReading
 from lrp_jupyter.bridges.ev3.slices import SLICE, Slices
-from lrp_jupyter.errors import BridgeError, NoDataYet, ended
+from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = ["NOWHERE", "BrickLink", "BrickState", "Pose"]
 
@@ -236,8 +236,10 @@ class BrickLink:
             except BridgeError as error:
                 pause = self._handle_trouble(str(error))
             except Exception as error:  # of this bridge: better told than going on with old readings
-                self._handle_trouble(ended(f"The EV3 bridge itself failed: {type(error).__name__}: {error}"))
-                break
+                trouble = f"The EV3 bridge itself failed: {sentence_of(error)}"
+                if (client := self.client) is not None:
+                    client.lost = client.lost or trouble
+                pause = self._handle_trouble(trouble)
             self._closing.wait(pause)
         self._disconnect()
 

@@ -445,6 +445,27 @@ def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_
     assert [motor.turning for motor in brick.motors] == [30, 0, 0, 0]
 
 
+def test_a_fault_of_the_bridge_itself_is_a_lost_brick_that_is_found_again(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], until: Callable[..., None]
+) -> None:
+    bridge.robot.motorA.start_at_speed(70)
+    fresh()
+    faults, advance = [ZeroDivisionError("no track")], bridge.link._advance
+
+    def fail_once(pose: Any, degrees: tuple[int, ...]) -> Any:
+        if faults:
+            raise faults.pop()
+        return advance(pose, degrees)
+
+    bridge.link._advance = fail_once
+    sentence = "The EV3 bridge itself failed: ZeroDivisionError: no track."
+    until(lambda: sentence in [notice.text for notice in bridge.safety.notices])
+    until(lambda: bridge.status.state == "connected")
+    assert "its motors were stopped" in bridge.status.sentence
+    assert brick.motors[0].turning == 0
+    fresh()
+
+
 def test_a_hundred_losses_leave_no_thread_and_no_connection(
     bridge: EV3Bridge, brick: Any, until: Callable[..., None]
 ) -> None:
