@@ -229,8 +229,11 @@ class Guard:
         stopper = bridge.stopper() if bridge.is_open else None
         process = self._process
         changed = stopper != self._stopper
+        if changed and stopper is not None and process is not None:
+            changed = stopper.as_json() != process.order  # a function that is made anew each time is unequal
         if changed:
-            self._stopper, self.trouble = stopper, ""
+            self.trouble = ""
+        self._stopper = stopper
         if process is not None and (changed or process.is_gone):
             with self._changing:
                 self._process = None
@@ -267,6 +270,11 @@ class Guard:
 class _Process:
     """One guard process, with a thread that listens to it until it has ended.
 
+    Attributes
+    ----------
+    order : str
+        The stopper, as it was sent.
+
     Raises
     ------
     BridgeError
@@ -274,7 +282,8 @@ class _Process:
     """
 
     def __init__(self, stopper: Stopper) -> None:
-        first = stopper.as_json().encode() + b"\n"
+        self.order = stopper.as_json()
+        first = self.order.encode() + b"\n"
         self.began = now()
         self.stopped = threading.Event()
         self.is_gone = False

@@ -268,6 +268,26 @@ def test_the_stopper_of_another_robot_is_another_guard(robot: Robot, drive: Call
     suspend(bridge, robot)
 
 
+def test_a_stopper_that_is_made_anew_each_time_is_the_same_one(
+    robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def stopper(bridge: Driven) -> Stopper:
+        asked.append(bridge)
+        return Stopper(lambda port: wheels.halt(port), {"port": bridge.port})
+
+    monkeypatch.setattr(Driven, "stopper", stopper)
+    bridge = drive(None)
+    wait_until(lambda: ready(bridge))
+    first, before = guards(os.getpid()), len(asked)
+    wait_until(lambda: len(asked) > before + 3)
+    assert guards(os.getpid()) == first
+    bridge.robot.move(linear=0.3)
+    wait_until(lambda: robot.drives)
+    suspend(bridge, robot)
+
+
 def test_a_guard_that_crashes_is_told_and_another_one_is_started(
     robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
 ) -> None:
