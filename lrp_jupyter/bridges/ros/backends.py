@@ -188,7 +188,11 @@ def _choose_by_answer(host: str | None, port: int | str | None, domain: int | No
         if not _is_installed(backend):
             missing.append(f"`{_LIBRARIES[backend]}`")
             continue
-        transport = make_transport(backend, host, port, lambda _complaint: None, domain)
+        try:
+            transport = make_transport(backend, host, port, lambda _complaint: None, domain)
+        except BridgeError as error:  # half of its packages may be there
+            failures[backend] = str(error)
+            continue
         failures[backend] = transport.silence()
         if not failures[backend]:
             return Choice(backend, f"`{transport.place}` answers")

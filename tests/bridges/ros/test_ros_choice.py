@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros import RosBridge, backends
 from lrp_jupyter.bridges.ros.backends import AUTO, Choice, choose_backend
 from lrp_jupyter.errors import BridgeError
 
@@ -101,6 +101,22 @@ def test_where_nobody_answers_each_one_says_why() -> None:
         BridgeError, match=r"No ROS robot answers\. rosbridge: No rosbridge server .*roslaunch"
     ):
         RosBridge(host="127.0.0.1", port=1).open()
+
+
+def test_a_back_end_that_cannot_be_used_keeps_no_other_one_from_being_asked(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def half_installed() -> Any:
+        raise BridgeError("The back end `dds` needs two packages.")
+
+    monkeypatch.setattr(backends, "_import_dds", half_installed)
+    monkeypatch.setattr(backends, "_is_installed", lambda backend: backend == "dds")
+    with pytest.raises(BridgeError) as caught:
+        choose_backend(AUTO)
+    assert str(caught.value) == (
+        "No ROS robot answers. dds: The back end `dds` needs two packages. Not asked, because Python cannot"
+        " import them here: `websockets`, `rospy`, `rclpy`."
+    )
 
 
 @pytest.mark.parametrize("backend", ["rclpy"])
