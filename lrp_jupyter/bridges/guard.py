@@ -257,7 +257,7 @@ class Guard:
             self.trouble = ""
             bridge.notice("guard", f"{how}. Another one is started.")
         else:
-            self._report(bridge, f"{how}. Arm the robot again to start another one.")
+            self._report(bridge, f"{how}. Disarm and arm the robot to start another one.")
 
     def _report(self, bridge: Guarded, problem: str) -> None:
         before, self.trouble = self.trouble, problem

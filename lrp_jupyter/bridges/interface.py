@@ -118,7 +118,7 @@ class Interface:
             before the first.
         stale_after : float, optional
             Seconds after which a reading is too old to drive on: then reading it raises
-            :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and nothing moves it until a new
+            :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and no velocity is sent until a new
             one arrives. Needs `age`. Default: never.
 
         Raises
@@ -150,8 +150,8 @@ class Interface:
         The first call adds the variable; without a value it only declares it, in `add_members` or
         `open_interface`, so that it is known before anything arrives. A tick sees what had arrived when it
         began. When no new value comes for `stale_after` seconds, reading it raises
-        :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and nothing moves it until a new one
-        arrives. After `close` the call does nothing.
+        :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and no velocity is sent until a new one
+        arrives (see `add_method`). After `close` the call does nothing.
 
         Parameters
         ----------
@@ -222,7 +222,7 @@ class Interface:
             Whether the robot acts: such a call is not sent while disarmed. False for a mere query.
         velocity : bool, optional
             Whether the command watchdog applies, which stops the robot if the program does not keep
-            commanding. Default: True for ``move``.
+            commanding; and whether it is held back while data are stale. Default: True for ``move``.
         limits : mapping of str to float or (float, float), optional
             ``{"linear": 0.5}``: larger numbers are clamped to -0.5 ... 0.5, and that is shown.
         mover : str

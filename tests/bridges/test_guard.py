@@ -311,7 +311,7 @@ def test_a_guard_that_crashes_at_once_is_told_and_arming_starts_another_one(
     os.kill(process, signal.SIGKILL)
     wait_until(lambda: "ended by itself" in bridge.failsafe)
     assert bridge.failsafe.startswith(UNGUARDED[:-1])
-    assert "Arm the robot again" in texts(bridge)[0]
+    assert "Disarm and arm the robot" in texts(bridge)[0]
     bridge.disarm()
     bridge.arm()
     wait_until(lambda: ready(bridge))
