@@ -27,4 +27,5 @@ def bounded(seconds: float) -> Iterator[None]:
     finally:
         over.set()
         thread.join()
-    assert slices * _SLICE < seconds
+    took = slices * _SLICE
+    assert took < seconds, f"it took {took:.2f} s of at most {seconds:g} s"
