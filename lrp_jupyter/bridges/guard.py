@@ -181,6 +181,7 @@ class Guard:
 
     def moves(self) -> None:
         """Tell the process, before the command that moves the robot is sent."""
+        self._beat = now()  # first: the thread may have to wake up yet, and the robot stood until now
         self._moved, process = True, self._process
         if process is not None:
             process.beat(lambda: True)

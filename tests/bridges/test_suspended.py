@@ -51,6 +51,7 @@ def test_a_program_that_was_suspended_while_its_robot_stood_goes_on(cart: Any, s
     wait_until(lambda: not cart._guard._moved, "a beat says so")
     sleep()
     cart.robot.move(linear=0.3)
+    cart._guard.check()  # as its thread does that wakes up later
     assert cart.sent[-1] == (0.3, 0.0)
     assert texts(cart) == []
 
