@@ -26,6 +26,11 @@ pytestmark = pytest.mark.slow  # each starts processes of its own
 WHEELS = Path(wheels.__file__)
 
 
+@pytest.fixture(autouse=True)
+def _nobody_is_suspended() -> None:
+    """Have time pass: here they are."""
+
+
 @pytest.fixture
 def robot() -> Iterator[Robot]:
     """The robot behind a socket."""
