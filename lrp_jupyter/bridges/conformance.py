@@ -615,7 +615,7 @@ class BridgeConformance:
         bridge.arm()
         sent = [(method, catch(method)) for method in commands(bridge) if method.velocity]
         if variables(bridge):
-            self._ticks(bridge, self.stale_within, until=lambda: bool(_heard(bridge)), act=_drive_all)
+            self._ticks(bridge, self.stale_within, lambda: _has_heard(bridge), _drive_all)
         return _heard(bridge), sent, spy(bridge, "stop")
 
     def _lose(self, bridge: Bridge) -> None:
@@ -688,6 +688,11 @@ def _moved(sent: Sent) -> int:
 
 def _heard(bridge: Bridge) -> list[RobotVariable]:
     return [variable for variable in variables(bridge) if read(variable) is not None]
+
+
+def _has_heard(bridge: Bridge) -> bool:
+    """Return whether data have arrived, and the robot is no longer stopped for want of them."""
+    return bool(_heard(bridge)) and not bridge.safety.blind
 
 
 def check_bridge(
