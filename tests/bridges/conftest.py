@@ -13,13 +13,21 @@ from bridges.dying import DRIVERS, CommandLine, Kernel, Robot, wait_until
 
 from lrp_jupyter.bridges import guard
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.conformance import BridgeConformance
 
 
 @pytest.fixture(autouse=True)
 def _nobody_is_suspended(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have no time pass for the guards of this process: a test that the machine holds up is no such program."""
+    """Have no time pass for the guards of this process: a test that the machine holds up is not suspended."""
     present = guard.now()
     monkeypatch.setattr(guard, "now", lambda: present)
+
+
+@pytest.fixture(autouse=True)
+def _patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the checks of a bridge wait for a robot, or for this process, that the machine holds up."""
+    for limit, seconds in {"open": 60.0, "answer": 10.0, "stale": 10.0, "lost": 20.0}.items():
+        monkeypatch.setattr(BridgeConformance, f"{limit}_within", seconds)
 
 
 class Cart(Bridge):
