@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from bridges.bounded import bounded
+from bridges.dying import wait_until
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.conformance import BridgeConformance
@@ -120,23 +121,15 @@ def robot() -> Iterator[Robot]:
 
 @pytest.fixture
 def until() -> Callable[[Callable[[], object]], None]:
-    """Wait until something holds, for at most ten seconds."""
-
-    def wait(holds: Callable[[], object]) -> None:
-        pause = threading.Event()
-        for _ in range(2000):
-            if holds():
-                return
-            pause.wait(0.005)
-        raise AssertionError("it did not happen")
-
-    return wait
+    """Wait until something holds, for at most a minute."""
+    return wait_until
 
 
 @pytest.fixture
 def line(robot: Robot, until: Any) -> Iterator[Line]:
-    """Open and armed."""
+    """Open and armed; what it was told is not old, however long a test is held up."""
     line = Line(robot.port)
+    line.fed.clock = lambda: 0.0
     line.open()
     line.arm()
     until(lambda: robot.visits == 1)
