@@ -15,6 +15,7 @@ from typing import NoReturn
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.live.session import Session
 
 HERE = Path(__file__).parent
 EXAMPLES = Path(__file__).parents[3] / "notebooks" / "bridges"
@@ -119,6 +120,17 @@ def wait_until(holds: Callable[[], object], what: str, seconds: float = 60.0) ->
     finally:
         timer.cancel()
         timer.join()
+
+
+def reaches(session: Session, state: str) -> bool:
+    """Wait for a state; where the machine holds this process up, its guard stops the robot: it is resumed."""
+    for _ in range(10):
+        frame = session.wait_for(lambda frame: frame.count_of(state) or frame.status == "paused", timeout=180)
+        if frame.status != "paused":
+            return True
+        assert "was suspended for" in frame.reason, frame.reason
+        session.resume()
+    return False
 
 
 @pytest.fixture(scope="session")

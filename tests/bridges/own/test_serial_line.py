@@ -8,10 +8,11 @@ import subprocess
 import time
 import tty
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Processes
+from bridges.own.conftest import EXAMPLES, Processes, reaches
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
@@ -38,6 +39,7 @@ class Line:
         self.plug_in()
 
     def plug_in(self) -> None:
+        self._told = b""
         self.end, self._device = os.openpty()
         tty.setraw(self._device)
         os.set_blocking(self.end, False)
@@ -53,10 +55,9 @@ class Line:
         os.write(self.end, text.encode())
 
     def told(self) -> list[str]:
-        try:
-            return os.read(self.end, 4096).decode().splitlines()
-        except BlockingIOError:
-            return []
+        with suppress(BlockingIOError):
+            self._told += os.read(self.end, 4096)  # maybe half a line
+        return self._told.decode().splitlines()
 
 
 @pytest.fixture
@@ -68,8 +69,9 @@ def line(tmp_path: Path) -> Iterator[Line]:
 
 @pytest.fixture
 def bridge(line: Line) -> Iterator[Bridge]:
-    """Open and armed."""
+    """Open and armed; what it was told is not old, however long a test is held up."""
     bridge = make_bridge(SERIAL, port=str(line.link))
+    bridge.fed.clock = lambda: 0.0
     bridge.open()
     bridge.arm()
     yield bridge
@@ -120,8 +122,8 @@ def test_the_unchanged_follower_goes_there_and_back(processes: Processes, tmp_pa
     with Session(load("follower"), SERIAL, port=str(tmp_path / "robot"), clock=clock) as session:
         session.bridge.arm()
         session.start()
-        assert session.wait_for("bumpback", timeout=180)
-        assert session.wait_for("end", timeout=180)
+        assert reaches(session, "bumpback")
+        assert reaches(session, "end")
         assert not session.issues
 
 
@@ -146,7 +148,7 @@ def test_readings_arrive_though_their_lines_come_in_pieces(line: Line, bridge: B
 def test_what_is_no_reading_is_told_and_the_others_come_on(line: Line, bridge: Bridge, until: Until) -> None:
     line.say("Traceback (most recent call last):\nlight 7\n")
     until(lambda: value_of(bridge, "light.data") == 7, "the next line did not arrive")
-    assert "Traceback (most recent call last):" in bridge.safety.notices[-1].text
+    assert any("Traceback (most recent call last):" in notice.text for notice in bridge.safety.notices)
 
 
 def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge, until: Until) -> None:
@@ -163,7 +165,6 @@ def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge, un
 def test_a_command_is_a_line_of_text(line: Line, bridge: Bridge, until: Until) -> None:
     line.say("light 7\nbumper 0\n")
     until(lambda: value_of(bridge, "bumper.data") == 0, "nothing arrives")
-    line.told()
     bridge.robot.move(linear=0.2, angular=-1)
     until(lambda: "move 0.200 -1.000" in line.told(), "nothing was sent")
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Processes, free_port
+from bridges.own.conftest import EXAMPLES, Processes, free_port, reaches
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
@@ -71,8 +71,8 @@ def test_the_unchanged_follower_goes_there_and_back(processes: Processes, port: 
     with Session(load("follower"), THYMIO, port=port, clock=MonotonicClock(FASTER)) as session:
         session.bridge.arm()
         session.start()
-        assert session.wait_for("bumpback", timeout=180)
-        assert session.wait_for("end", timeout=180)
+        assert reaches(session, "bumpback")
+        assert reaches(session, "end")
         assert not session.issues
 
 
