@@ -341,13 +341,14 @@ class _Run:
 
     def _print_robot(self, frame: Frame) -> None:
         """Print what happened to the connection, each time, and to the safety, once."""
+        notices = self._bridge.safety.notices  # first: what they are about is then in the status
         status = self._bridge.status
         if status.state not in (self._connection, ConnectionState.DISCONNECTED):
             self._connection = status.state
             self._notices.add(status.sentence)  # the notice of a loss is its status
             style = "bold red" if status.state in _BAD else "yellow"
             self.print(Text(f"{frame.time:8.1f} s  robot: {status.sentence}", style))
-        for notice in self._bridge.safety.notices:
+        for notice in notices:
             if notice.text not in self._notices:
                 self._notices.add(notice.text)
                 if notice.kind == "stale" and status.state in (
