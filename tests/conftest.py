@@ -1,4 +1,4 @@
-"""What all tests share: what Hypothesis tries, and a state folder of their own.
+"""What all tests share: what Hypothesis tries, guards without a clock, and a state folder of their own.
 
 By default Hypothesis tries the same examples every time, however loaded the machine is.
 ``HYPOTHESIS_PROFILE=long`` tries other ones at every run, and more of them; an example that fails is
@@ -24,6 +24,15 @@ def _no_workers_left():
     workers = sys.modules.get("lrp_jupyter.grading.workers")
     if workers is not None:
         workers.close_workers()
+
+
+@pytest.fixture(autouse=True)
+def _nobody_is_suspended(monkeypatch):
+    """Have no time pass for the guards of this process: a test that the machine holds up is not suspended."""
+    from lrp_jupyter.bridges import guard
+
+    present = guard.now()
+    monkeypatch.setattr(guard, "now", lambda: present)
 
 
 @pytest.fixture(autouse=True, scope="session")

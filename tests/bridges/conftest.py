@@ -11,16 +11,8 @@ from pathlib import Path
 import pytest
 from bridges.dying import DRIVERS, CommandLine, Kernel, Robot, wait_until
 
-from lrp_jupyter.bridges import guard
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
-
-
-@pytest.fixture(autouse=True)
-def _nobody_is_suspended(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have no time pass for the guards of this process: a test that the machine holds up is not suspended."""
-    present = guard.now()
-    monkeypatch.setattr(guard, "now", lambda: present)
 
 
 @pytest.fixture(autouse=True)
