@@ -297,7 +297,7 @@ def test_a_stopper_that_is_made_anew_each_time_is_the_same_one(
     wait_until(lambda: len(asked) > before + 3)
     assert guards(os.getpid()) == first
     bridge.robot.move(linear=0.3)
-    wait_until(lambda: robot.drives)
+    wait_until(lambda: 0.3 in speeds(robot))
     suspend(bridge, robot)
 
 
