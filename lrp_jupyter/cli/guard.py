@@ -11,6 +11,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, Protocol
 
@@ -30,7 +31,7 @@ BACKENDS = (backends.AUTO, *backends.BACKENDS, MQTT)
 """The ways to a robot."""
 
 _LOOK = 0.05  # s between two looks, and between two stops
-_STOPS = 20  # of a robot that does not answer to the first one: a message may be lost
+_STOPS = 20  # a message may be lost, or the robot may be connected later than this guard
 
 
 def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, after: float) -> int:
@@ -100,18 +101,16 @@ def watch(robot: Side, after: float, say: Callable[[str], object], over: threadi
         if robot.state() != state:
             state = robot.state()
             say(state)
-        moment, is_moving = robot.heard
-        if not is_moving or time.monotonic() - moment < after:
-            continue
-        if moment != stopped:
-            stopped, stops = moment, 0
+        moment, is_moving = robot.heard  # a velocity of zero may be a stop of this guard's own
+        if is_moving and time.monotonic() - moment < after:
+            stops = 0
+        elif is_moving and moment != stopped:
+            stopped, stops = moment, _STOPS
             say(f"No command for {after:g} s, and the last one moves the robot. It is stopped.")
-        if stops < _STOPS:
-            try:
+        if stops:
+            with suppress(BridgeError):  # it is tried until the robot is found again
                 robot.stop()
-            except BridgeError:  # it is tried until the robot is found again
-                continue
-            stops += 1
+                stops -= 1
 
 
 class RosSide:
