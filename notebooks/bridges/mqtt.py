@@ -43,6 +43,7 @@ class Mqtt(Bridge):
     """
 
     name = "mqtt"
+    stops_when_found = True  # in `joined`
 
     def __init__(self, host: str = "localhost", port: int = 1883, topic: str = "robot"):
         self.host, self.port, self.topic = host, port, topic
@@ -73,7 +74,8 @@ class Mqtt(Bridge):
         if reason.is_failure:
             self.answered.set()
             return
-        client.publish(f"{self.topic}/cmd_vel", STILL)
+        if self.safety.has_commanded:  # it may be driving since the broker was lost
+            client.publish(f"{self.topic}/cmd_vel", STILL)
         client.subscribe(f"{self.topic}/+")
         self.set_status("connected", f"Connected to the MQTT broker at {self.host}:{self.port}.")
 

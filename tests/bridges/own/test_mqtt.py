@@ -164,6 +164,20 @@ def sent_by(bridge: Any) -> list[Any]:
 
 
 @pytest.mark.slow
+def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(
+    broker: Broker, listener: Listener, until: Until
+) -> None:
+    bridge = make_bridge(MQTT, port=broker.port)
+    bridge.open()
+    assert not bridge.safety.armed
+    bridge.robot.move(linear=0.2)
+    listener.publish("light", "7")
+    until(lambda: bridge.fed.value("light.data") == listener.last("light") == 7, "the light was not heard")
+    assert "cmd_vel" not in listener.heard
+    bridge.close()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
 def test_the_broker_stops_the_robot_when_this_process_is(
     end: signal.Signals, broker: Broker, processes: Processes, driving: Driving, until: Until
