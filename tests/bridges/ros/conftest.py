@@ -254,6 +254,25 @@ def ros(make: Callable[..., RosBridge]) -> RosBridge:
 
 
 @pytest.fixture(autouse=True)
+def _nothing_is_late(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The machine may be loaded: whatever is late in this process has no consequence here.
+
+    A test of what happens when something is late sets its limit itself.
+    """
+    for name, seconds in (
+        ("websocket._FRESH", 60.0),
+        ("websocket._STALE", 20.0),
+        ("websocket._LOST", 40.0),
+        ("rosapi._FIRST", 20.0),
+        ("bridge._ANSWER", 20.0),
+        ("bridge._ANSWER_ALL", 20.0),
+        ("rospy._ANSWER", 5.0),
+        ("rospy._MEET", 5.0),
+    ):
+        monkeypatch.setattr(f"lrp_jupyter.bridges.ros.{name}", seconds)
+
+
+@pytest.fixture(autouse=True)
 def _nothing_is_left_behind() -> Iterator[None]:
     before = set(threading.enumerate())
     yield
