@@ -117,13 +117,15 @@ def server(serve: Callable[..., Any]) -> Any:
 class Wire:
     """A stretch of network between bridge and server that can be held up, cut, or cut in two.
 
-    It may also be slow: `delay` seconds each way, or `bytes_per_second` from the server.
+    It may also be slow: `delay` seconds each way, or `bytes_per_second` from the server; `waited` is how long
+    the latter took.
     """
 
     def __init__(self, port: int) -> None:
         self.target = port
         self.delay = 0.0
         self.bytes_per_second = 0
+        self.waited = 0.0
         self._held = threading.Event()
         self._bytes_left: int | None = None  # of the server's messages
         self._ends: list[tuple[socket.socket, socket.socket]] = []
@@ -210,6 +212,7 @@ class Wire:
                 target.sendall(data)
                 if from_server and self.bytes_per_second:
                     tick.wait(len(data) / self.bytes_per_second)
+                    self.waited += len(data) / self.bytes_per_second
         except OSError:
             pass
         for end in [end for pair in self._ends if target in pair for end in pair]:
