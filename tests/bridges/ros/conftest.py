@@ -409,7 +409,7 @@ class Ros(Processes):
 
     def call(self, *command: str) -> str:
         done = subprocess.run(
-            command, env=self.environment, cwd=self.folder, capture_output=True, text=True, timeout=20
+            command, env=self.environment, cwd=self.folder, capture_output=True, text=True, timeout=180
         )
         return done.stdout
 
