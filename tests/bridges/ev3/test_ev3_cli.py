@@ -76,7 +76,7 @@ def test_ctrl_c_stops_the_motors(
 def test_a_brick_that_is_unplugged_is_reported_and_the_run_continues(
     brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
 ) -> None:
-    run = bare_lrp("run", rover, *at(brick), "--for", "4")
+    run = bare_lrp("run", rover, *at(brick), "--for", "8")
     until(lambda: brick.motors[1].turning == 40)
     brick.unplug()
     output, complaints = run.communicate(timeout=180)
