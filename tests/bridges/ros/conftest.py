@@ -31,6 +31,7 @@ from lrp_jupyter.bridges.ros import RosBridge, link, rosapi
 from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN
 
 HERE = Path(__file__).parent
+_STOPPER = RosBridge.stopper
 DEBIAN = Path("/usr/lib/python3/dist-packages")
 MODULES = (
     *("rospy", "rosgraph", "rosgraph_msgs", "roslib", "rospkg", "roscpp", "genpy", "genmsg"),
@@ -260,8 +261,10 @@ def ros(make: Callable[..., RosBridge]) -> RosBridge:
 def _nothing_is_late(monkeypatch: pytest.MonkeyPatch) -> None:
     """The machine may be loaded: whatever is late in this process has no consequence here.
 
-    A test of what happens when something is late sets its limit itself.
+    A test of what happens when something is late sets its limit itself. No guard watches this process,
+    either: it rightly stops a robot whose program is held up for a second, and is tested with other programs.
     """
+    monkeypatch.setattr(RosBridge, "stopper", lambda _bridge: None)
     for name, seconds in (
         ("websocket._FRESH", 60.0),
         ("websocket._STALE", 20.0),
@@ -273,6 +276,12 @@ def _nothing_is_late(monkeypatch: pytest.MonkeyPatch) -> None:
         ("rospy._MEET", 5.0),
     ):
         monkeypatch.setattr(f"lrp_jupyter.bridges.ros.{name}", seconds)
+
+
+@pytest.fixture
+def guarded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A guard watches this process after all."""
+    monkeypatch.setattr(RosBridge, "stopper", _STOPPER)
 
 
 @pytest.fixture(autouse=True)

@@ -195,6 +195,7 @@ def test_other_nodes_that_command_are_named(peer: Any, connect: Connect, until: 
     until(lambda: any("`/teleop` publishes on `/echo`, too" in notice.text for notice in ros.safety.notices))
 
 
+@pytest.mark.usefixtures("guarded")
 def test_the_guard_of_a_robot_is_not_reported_as_another_who_commands(
     peer: Any, connect: Connect, until: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
