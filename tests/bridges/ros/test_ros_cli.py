@@ -23,6 +23,12 @@ SETUP = Path(__file__).with_name("follower.json")
 ROS = ("rospy", "rosgraph", "roslib", "genpy")
 FASTER = 2.0  # than real time, the robot; so the program's times and speeds are scaled:
 SCALED = ("--rate", "20", "--set", "maxlook=100", "--set", "back=-0.1", "--set", "turn=0.5")
+PATIENT = """
+from lrp_jupyter.bridges import guard
+from lrp_jupyter.bridges.ros import RosBridge, websocket
+guard._LAPSE = websocket._STALE = websocket._FRESH = 60.0
+RosBridge.stopper = lambda bridge: None
+"""
 DRIVE = "(machine m (state a (running [robot.move(linear=0.1)])) (state b)) (spawn m a)"
 
 Start = Callable[..., "subprocess.Popen[str]"]
@@ -52,7 +58,8 @@ def test_the_follower_goes_there_and_back_without_jupyter_and_without_ros(
     odometry = real.lines(real.start("/usr/bin/rostopic", "echo", "-p", "/odom/pose/pose/position/x"))
     port = on(real.start_rosbridge(), "--option", "backend=rosbridge", "--option", f"setup={SETUP}")
     trace, simulated = tmp_path / "ros.jsonl", tmp_path / "sim.jsonl"
-    run = bare_lrp("run", "follower", *port, "--until", "end", "--trace", trace, *SCALED, missing=ROS)
+    arguments = ("run", "follower", *port, "--until", "end", "--trace", trace, *SCALED)
+    run = bare_lrp(*arguments, missing=ROS, before=PATIENT)
     output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (0, "")
     assert "follower/end active" in output.splitlines()[-1]
@@ -80,6 +87,7 @@ def test_the_same_command_drives_over_rospy(real: Any, bare_lrp: Start, tmp_path
         *("run", "follower", *on(real.master_port, *options), "--for", "20", "--trace", trace),
         environment=real.environment,
         missing=("websockets",),
+        before=PATIENT,
     )
     output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (0, "")
