@@ -443,16 +443,18 @@ def test_closing_stops_the_robot_before_the_connection_goes(
 
 
 def test_the_stop_button_works_while_the_program_hangs(driver: RosBridge, graph: Any, until: Any) -> None:
-    let_go = threading.Event()
+    let_go, hangs = threading.Event(), threading.Event()
     session = Session(
-        "(machine m (state s (running [robot.move(linear=0.2); let_go.wait()])))(spawn m s)",
+        "(machine m (state s (running [robot.move(linear=0.2); hangs.set(); let_go.wait()])))(spawn m s)",
         bridge=driver,
-        namespace={"let_go": let_go},
+        namespace={"let_go": let_go, "hangs": hangs},
     )
     session.start()
     try:
-        until(lambda: commands(graph)[:1] == [0.2])
-        until(lambda: 0.0 in commands(graph))  # of the watchdog, once
+        assert hangs.wait(60)
+        until(
+            lambda: 0.0 in commands(graph)
+        )  # of the watchdog, once; it may come before the program's command
         stopped = len(commands(graph))
         driver.press("stop")
         until(lambda: commands(graph)[stopped:] == [0.0])
