@@ -239,7 +239,15 @@ def make(server: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[...,
 
     def build(**options: Any) -> RosBridge:
         bridges.append(
-            RosBridge(**{"backend": "rosbridge", "host": "127.0.0.1", "port": server.port, **options})
+            RosBridge(
+                **{
+                    "backend": "rosbridge",
+                    "host": "127.0.0.1",
+                    "port": server.port,
+                    "patience": 60.0,
+                    **options,
+                }
+            )
         )
         return bridges[-1]
 
