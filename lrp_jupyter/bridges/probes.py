@@ -15,6 +15,7 @@ from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
+_SLICE = 0.01  # s
 _SLOW = 0.05  # m/s, where the limits of a command do not say what is slow
 
 __all__ = [
@@ -50,7 +51,10 @@ def require(holds: bool, otherwise: str) -> None:
 
 
 def within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
-    """Call on another thread, so that what hangs is reported; raise what it raised."""
+    """Call on another thread, so that what hangs is reported; raise what it raised.
+
+    The time is counted in slices, so that it stands still while the machine runs something else.
+    """
     results: list[Any] = []
     errors: list[BaseException] = []
 
@@ -62,7 +66,8 @@ def within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
 
     thread = threading.Thread(target=call, name=f"check {what}", daemon=True)
     thread.start()
-    thread.join(seconds)
+    for _ in range(round(seconds / _SLICE)):
+        thread.join(_SLICE)
     require(not thread.is_alive(), f"{what} took more than {seconds:g} s.")
     if errors:
         error = errors[0]

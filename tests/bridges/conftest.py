@@ -77,6 +77,7 @@ JUPYTER = (
 _BARE = """
 import sys
 sys.modules.update(dict.fromkeys({missing}))  # to import one of these is an error
+{before}
 from lrp_jupyter.cli import main
 main()
 """
@@ -84,14 +85,25 @@ main()
 
 @pytest.fixture
 def bare_lrp() -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """Start the command line as on a machine without Jupyter, or whatever else is `missing`."""
+    """Start the command line as on a machine without Jupyter, or whatever else is `missing`.
+
+    `before` is code that runs before it: where a test is not about time, it lets nothing be late.
+    """
     started: list[subprocess.Popen[str]] = []
 
     def start(
-        *arguments: object, missing: tuple[str, ...] = (), environment: dict[str, str] | None = None
+        *arguments: object,
+        missing: tuple[str, ...] = (),
+        environment: dict[str, str] | None = None,
+        before: str = "",
     ) -> subprocess.Popen[str]:
         process = subprocess.Popen(
-            [sys.executable, "-c", _BARE.format(missing=(*JUPYTER, *missing)), *map(str, arguments)],
+            [
+                sys.executable,
+                "-c",
+                _BARE.format(missing=(*JUPYTER, *missing), before=before),
+                *map(str, arguments),
+            ],
             env={**(environment or os.environ), "PYTHONWARNINGS": ""},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

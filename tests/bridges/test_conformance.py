@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import os
+import signal
+import subprocess
+import sys
 import threading
 from typing import Any
 
@@ -680,3 +684,42 @@ def test_a_bridge_that_cannot_even_be_made_is_reported() -> None:
 def test_the_checks_want_to_know_which_bridge() -> None:
     with pytest.raises(NotImplementedError, match="make_bridge"):
         BridgeConformance().make_bridge()
+
+
+def test_a_robot_whose_data_are_late_when_it_is_to_be_moved_is_given_time() -> None:
+    class Late(Good):
+        def open_interface(self) -> Panel | None:
+            ages = itertools.chain([9.0, 9.0], itertools.repeat(0.0))
+            self.add_variable("scan", lambda: 7, "a reading", age=lambda: next(ages), stale_after=0.5)
+            return super().open_interface()
+
+    checks = BridgeConformance()
+    checks.moves = True
+    late = Late()
+    checks.make_bridge = lambda: late  # type: ignore[method-assign]
+    checks.wait = lambda _: None  # type: ignore[method-assign]
+    checks.test_a_command_reaches_the_robot()
+    assert [done for done in late.done if done != Twist()], "it was moved"
+
+
+_HELD_UP = """
+import os, signal, time
+from lrp_jupyter.bridges.probes import within
+
+def answer():
+    time.sleep(0.1)
+    os.kill(os.getpid(), signal.SIGSTOP)
+    time.sleep(0.1)
+    return "in time"
+
+assert within(0.5, "It", answer) == "in time"
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="A process cannot be suspended.")
+def test_a_limit_of_time_does_not_count_while_the_machine_does_something_else() -> None:
+    process = subprocess.Popen([sys.executable, "-c", _HELD_UP])
+    assert os.WIFSTOPPED(os.waitpid(process.pid, os.WUNTRACED)[1])
+    threading.Event().wait(0.6)  # longer than its limit
+    process.send_signal(signal.SIGCONT)
+    assert process.wait(60) == 0

@@ -314,11 +314,12 @@ class TopicLink:
             except RefusedError as error:
                 self._leave(channel)
                 channel.problem = str(error)
-            if not channel.is_asked_for:
-                channel.answered.set()
         self.connected = True
         self._look_around(channels)
         self._report_change(*self._summary(channels))
+        for channel in channels:  # last: who waited for the answer finds the status that belongs to it
+            if not channel.is_asked_for:
+                channel.answered.set()
         if not self._first.done():
             self._first.set_result(None)
         in_need = any(channel.waiting or channel.problem or channel.expects for channel in channels)

@@ -248,13 +248,13 @@ class Brick:
 
     def close(self) -> None:
         self._closing = True
-        self._thread.join(5)
+        self._thread.join(60)
         assert not self._thread.is_alive()
 
     def _do(self, work: Callable[[], None]) -> None:
         done = threading.Event()
         self._work += [work, done.set]
-        assert done.wait(5)
+        assert done.wait(60)
 
     # its thread
 
@@ -379,7 +379,8 @@ class Brick:
             return
         self._buffer, self._unlocked = b"", True
         time.sleep(self.unlocking_takes)
-        self._connection.sendall(b"Accept:EV340\r\n\r\n")
+        with suppress(OSError):
+            self._connection.sendall(b"Accept:EV340\r\n\r\n")
 
     def _obey(self, received: bytes) -> None:
         counter, kind, memory = struct.unpack_from("<HBH", received, 2)

@@ -10,10 +10,11 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
+from bridges.bounded import PatientClock
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.bridges.ev3.client import BrickClient
@@ -60,6 +61,20 @@ def _nothing_is_left_behind() -> Iterator[None]:
     for thread in left:
         thread.join(60)
     assert not [thread for thread in left if thread.is_alive()]
+
+
+@pytest.fixture(autouse=True)
+def patient_clock(_nothing_is_left_behind: None, monkeypatch: pytest.MonkeyPatch) -> Iterator[PatientClock]:
+    """The time in which a brick must answer, and a reading grows old: not while this process is held up.
+
+    The thread of the emulated brick is held up with it, and cannot answer.
+    """
+    clock = PatientClock()
+    for name in ("bridge", "client", "finding", "lines", "link", "usb"):
+        time_here = SimpleNamespace(monotonic=clock, sleep=time.sleep)
+        monkeypatch.setattr(f"lrp_jupyter.bridges.ev3.{name}.time", time_here)
+    yield clock
+    clock.close()
 
 
 @pytest.fixture

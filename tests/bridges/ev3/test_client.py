@@ -159,7 +159,7 @@ def test_a_question_that_waits_is_woken_by_the_loss_of_the_connection(
 
     threading.Timer(0.05, give_up).start()
     with within_a_second("somebody gave up"):
-        client.request(*NAME)
+        client.request(*NAME, timeout=60)
 
 
 def test_a_command_does_not_wait_for_a_question_under_way(client: BrickClient, brick: Any) -> None:
@@ -182,23 +182,33 @@ def test_many_threads_share_a_connection(client: BrickClient, brick: Any) -> Non
     def work(port: int) -> None:
         for _ in range(20):
             client.command(turning(port, port))
-            if client.request(*NAME).rstrip(b"\0") != b"SLOWPOKE":
+            if client.request(*NAME, timeout=60).rstrip(b"\0") != b"SLOWPOKE":
                 wrong.append(port)
 
     threads = [threading.Thread(target=work, args=(1 << i,)) for i in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(10)
+        thread.join()
     assert wrong == []
     assert [motor.turning for motor in brick.motors] == [1, 2, 4, 8]
 
 
-def test_a_brick_whose_network_loses_the_first_packet_is_waited_for(brick: Any) -> None:
+def test_a_brick_whose_network_loses_the_first_packet_is_waited_for(
+    brick: Any, until: Callable[..., None]
+) -> None:
     brick.unlocking_takes = 1.0  # as long as TCP waits before it sends that again
-    client = BrickClient(open_tcp(("127.0.0.1", brick.port)))
-    assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
-    client.close()
+
+    def answers() -> bool:
+        try:
+            client = BrickClient(open_tcp(("127.0.0.1", brick.port)))
+        except NoBrickError:  # on a loaded machine it may take longer, once
+            return False
+        name = client.request(*NAME).rstrip(b"\0")
+        client.close()
+        return name == b"SLOWPOKE"
+
+    until(answers)
 
 
 @pytest.mark.parametrize("answer", [None, b"", b"HTTP/1.1 400 Bad Request\r\n\r\n", b"Accept:EV3", b"A" * 16])

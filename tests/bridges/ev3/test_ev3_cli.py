@@ -23,6 +23,13 @@ ROVER = """
 (spawn rover drive)
 """
 
+PATIENT = """
+from lrp_jupyter.bridges import guard
+from lrp_jupyter.bridges.ev3.client import BrickClient
+guard._LAPSE = 60.0
+BrickClient.request.__defaults__ = (60.0,)  # for the answer of a brick that is held up with the tests
+"""
+
 Start = Callable[..., "subprocess.Popen[str]"]
 
 
@@ -47,7 +54,8 @@ def at(free_udp_port: int) -> Callable[[Any], tuple[object, ...]]:
 def test_a_program_drives_a_brick_until_it_bumps(
     brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
 ) -> None:
-    run = bare_lrp("run", rover, *at(brick), "--set", "speed=30", "--until", "halt", "--trace", "-")
+    arguments = ("run", rover, *at(brick), "--set", "speed=30", "--until", "halt", "--trace", "-")
+    run = bare_lrp(*arguments, before=PATIENT)
     until(lambda: brick.motors[1].turning == 30)
     brick.sensors[0].values[0] = 1.0
     output, complaints = run.communicate(timeout=180)
@@ -64,7 +72,7 @@ def test_a_program_drives_a_brick_until_it_bumps(
 def test_ctrl_c_stops_the_motors(
     brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
 ) -> None:
-    run = bare_lrp("run", rover, *at(brick), missing=("websockets",))
+    run = bare_lrp("run", rover, *at(brick), missing=("websockets",), before=PATIENT)
     until(lambda: brick.motors[1].turning == 40)
     run.send_signal(signal.SIGINT)
     output, complaints = run.communicate(timeout=180)
@@ -76,7 +84,7 @@ def test_ctrl_c_stops_the_motors(
 def test_a_brick_that_is_unplugged_is_reported_and_the_run_continues(
     brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
 ) -> None:
-    run = bare_lrp("run", rover, *at(brick), "--for", "4")
+    run = bare_lrp("run", rover, *at(brick), "--for", "8")
     until(lambda: brick.motors[1].turning == 40)
     brick.unplug()
     output, complaints = run.communicate(timeout=180)

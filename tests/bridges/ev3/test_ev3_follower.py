@@ -13,6 +13,7 @@ from importlib.resources import files
 from typing import Any
 
 import pytest
+from bridges.bounded import PatientClock
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.live.clock import MonotonicClock
@@ -24,10 +25,6 @@ FASTER = 3.0  # the time of the brick, of the robot around it, and of the progra
 WHEEL, TRACK = 0.056, 0.12  # m
 _EVERY = 4  # physics steps between two looks at the motors
 _LATE = 0.05  # s
-
-
-def fast() -> float:
-    return time.monotonic() * FASTER
 
 
 class Course:
@@ -66,14 +63,22 @@ class Course:
 
 
 @pytest.fixture
-def course(make_brick: Callable[..., Any]) -> Iterator[Course]:
+def fast(patient_clock: PatientClock) -> Callable[[], float]:
+    """The time of the brick's motors."""
+    return lambda: patient_clock() * FASTER
+
+
+@pytest.fixture
+def course(make_brick: Callable[..., Any], fast: Callable[[], float]) -> Iterator[Course]:
     course = Course(make_brick(clock=fast), "line")
     yield course
     course.close()
 
 
 @pytest.mark.slow
-def test_the_follower_goes_there_and_back(course: Course, free_udp_port: int) -> None:
+def test_the_follower_goes_there_and_back(
+    course: Course, free_udp_port: int, fast: Callable[[], float]
+) -> None:
     bridge = EV3Bridge("127.0.0.1", port=course.brick.port, beacon_port=free_udp_port)
     bridge.clock = fast  # type: ignore[method-assign]
     bridge.open()

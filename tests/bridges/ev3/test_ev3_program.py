@@ -68,7 +68,7 @@ def test_the_loss_of_the_brick_is_an_issue_within_a_second_and_the_loop_keeps_it
     until(lambda: session.issues)
     (issue,) = session.issues
     assert "The brick does not answer" in issue.message
-    assert "The brick does not answer" in session.frame.bridge
+    until(lambda: "The brick does not answer" in session.frame.bridge)  # a moment later
     ticks = session.frame.tick
     until(lambda: session.frame.tick >= ticks + 25)
     assert len(session.issues) == 1

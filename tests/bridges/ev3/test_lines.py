@@ -39,9 +39,9 @@ def name_of(client: BrickClient) -> bytes:
 
 
 @pytest.fixture
-def bluetooth(monkeypatch: pytest.MonkeyPatch, make_brick: Callable[..., Any]) -> Any:
+def bluetooth(monkeypatch: pytest.MonkeyPatch, make_brick: Callable[..., Any], clock: Any) -> Any:
     """A brick that is called by its Bluetooth address; a TCP connection stands for the serial port."""
-    brick = make_brick(locked=False)
+    brick = make_brick(locked=False, clock=clock)
 
     class Called(socket.socket):
         def connect_ex(self, address: Any) -> int:
@@ -83,9 +83,10 @@ def test_a_brick_that_does_not_answer_by_bluetooth_is_lost(
 
 
 def test_a_brick_that_left_the_reach_of_bluetooth_is_found_again_and_its_motors_are_stopped(
-    bluetooth: Any, until: Callable[..., None]
+    bluetooth: Any, until: Callable[..., None], clock: Any
 ) -> None:
     bridge = EV3Bridge(ADDRESS)
+    bridge.clock = clock
     bridge.open()
     try:
         bridge.arm()
@@ -190,10 +191,10 @@ def listed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., Non
 
 @pytest.fixture
 def plugged(
-    monkeypatch: pytest.MonkeyPatch, make_brick: Callable[..., Any], listed: Callable[..., None]
+    monkeypatch: pytest.MonkeyPatch, make_brick: Callable[..., Any], listed: Callable[..., None], clock: Any
 ) -> Any:
     """A brick that is plugged in, beside a mouse."""
-    brick = make_brick()
+    brick = make_brick(clock=clock)
     listed(0, vendor="0000046D", product="0000C077", serial="")
     listed(3)
     brick.opened = []
@@ -252,9 +253,10 @@ def test_an_answer_that_was_meant_for_another_program_is_dropped(
 
 
 def test_a_cable_that_is_pulled_and_plugged_in_again_stops_the_motors(
-    plugged: Any, until: Callable[..., None]
+    plugged: Any, until: Callable[..., None], clock: Any
 ) -> None:
     bridge = EV3Bridge("usb")
+    bridge.clock = clock
     bridge.open()
     try:
         bridge.arm()

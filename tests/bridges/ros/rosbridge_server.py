@@ -123,13 +123,18 @@ class MemoryGraph:
 
 
 class Latecomers:
-    """Sends the first messages of a publisher to subscribers that connect a moment later, as the real one."""
+    """Sends the first messages of a publisher to subscribers that connect a moment later, as the real one.
+
+    That gives them one second, which is not enough on a loaded machine.
+    """
+
+    PATIENCE = 5.0  # s
 
     def __init__(self, publisher: Any) -> None:
         self.publisher = publisher
 
     def peer_subscribe(self, _topic: str, _to_all: Any, to_peer: Callable[[Any], None]) -> None:
-        if time.monotonic() - self.publisher.began < 1:
+        if time.monotonic() - self.publisher.began < self.PATIENCE:
             for message in tuple(self.publisher.first):
                 to_peer(message)
 
@@ -217,7 +222,7 @@ class RospyGraph:
         if "header" in values and "stamp" not in values["header"]:
             message.header.stamp = self.rospy.Time.from_sec(time.time())
         handle.began = handle.began or time.monotonic()
-        if time.monotonic() - handle.began < 1:
+        if time.monotonic() - handle.began < Latecomers.PATIENCE:
             handle.first.append(message)
         handle.publish(message)
 

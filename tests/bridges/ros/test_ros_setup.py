@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -230,10 +231,26 @@ def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: An
     graph.types |= {"/far": "std_msgs/Float32", "/horn": "std_msgs/Bool"}
     until(lambda: any(topic == "/far" for topic, _ in graph.listeners) and "/horn" in graph.advertised)
     graph.send("/far", data=0.5)
-    until(lambda: ros.describe("far").age is not None)
+    until(lambda: ros.status.state is ConnectionState.CONNECTED)
     assert ros.robot.far.data == 0.5
     ros.robot.horn(data=True)
     until(lambda: ("/horn", {"data": True}) in graph.heard)
+
+
+def test_who_waited_for_a_connection_finds_the_status_that_belongs_to_it(
+    ros: RosBridge, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    link = ros.wiring.link
+    assert link is not None
+    report = link._report_change
+
+    def late(state: ConnectionState, sentence: str) -> None:
+        threading.Event().wait(0.2)
+        report(state, sentence)
+
+    monkeypatch.setattr(link, "_report_change", late)
+    ros.publish("horn", "/horn")
+    assert "`/horn` does not exist yet" in ros.status.sentence
 
 
 def test_the_same_subscription_again_is_not_a_second_one(ros: RosBridge, graph: Any, until: Any) -> None:
@@ -425,7 +442,7 @@ def test_another_address_is_connected_in_the_background(
         until(lambda: other_graph.listeners and other_graph.advertised)
         until(lambda: not graph.listeners)
         other_graph.send("/odom", pose={"pose": {"position": {"x": 4.0}}})
-        until(lambda: ros.describe("odom").age is not None)
+        until(lambda: ros.status.state is ConnectionState.CONNECTED)
         assert ros.robot.odom.x == 4.0
         ros.robot.move(linear=0.1)
         until(lambda: other_graph.heard)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import ssl
 import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from lrp_jupyter.bridges.bridge import ConnectionState
-from lrp_jupyter.bridges.ros import RosBridge, rosapi, rosbridge, websocket
+from lrp_jupyter.bridges.ros import RosBridge, link, panel, rosapi, rosbridge, websocket
 from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, FieldType
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.cli.guard import RosSide
@@ -138,6 +140,7 @@ def test_silence_about_a_type_refuses_that_type_and_nothing_else(
 ) -> None:
     server.hangs.add("message_details")
     ros = opened(make)
+    until(lambda: ros.topics)
     ros.publish("move", "/cmd_vel")
     with pytest.raises(BridgeError, match="no message type `my_msgs/Thing`"):
         ros.publish("thing", "/thing", "my_msgs/Thing")
@@ -160,7 +163,7 @@ def test_a_rosapi_that_starts_later_is_found(
     server.rosapi = True
     until(lambda: "/odom" in ros.topics)
     until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
-    assert notices(ros)[-1].endswith("answers now: topics are listed.")
+    until(lambda: notices(ros)[-1].endswith("answers now: topics are listed."))
 
 
 def test_after_a_reconnect_rosapi_is_asked_again(
@@ -190,8 +193,7 @@ def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
     assert any("does not answer" in text for text in notices(ros))
     ros.robot.move(linear=0.2)
     until(lambda: graph.heard)
-    until(lambda: graph.send("/odom", **ODOM) or age(ros, "odom"))
-    until(lambda: ros.status.state is ConnectionState.CONNECTED)
+    until(lambda: graph.send("/odom", **ODOM) or ros.status.state is ConnectionState.CONNECTED)
     server.hangs.clear()
     until(lambda: "/odom" in ros.topics)
 
@@ -201,7 +203,7 @@ def test_on_ros_1_no_connection_is_made_anew_for_a_question_that_is_not_answered
     make: Make, server: Any, graph: Any, until: Until
 ) -> None:
     ros = opened(make)
-    until(lambda: ros.topics)
+    until(lambda: ros.topics and len(server.clients) == 2)  # one may have been given up before
     before = set(server.clients)
     server.hangs.add("topics")
     until(lambda: any("does not answer" in text for text in notices(ros)))
@@ -215,6 +217,7 @@ def test_a_rosapi_that_has_ended_is_not_a_lost_robot(
     make: Make, server: Any, graph: Any, until: Until
 ) -> None:
     ros = opened(make)
+    until(lambda: ros.topics)
     ros.publish("move", "/cmd_vel")
     server.rosapi = False
     until(lambda: any("has no rosapi" in text for text in notices(ros)))
@@ -259,12 +262,10 @@ def test_a_sensor_that_is_only_quiet_is_not_subscribed_to_again_and_again(
     ros2.types["/bumper"] = "std_msgs/Bool"
     ros = opened(make)
     ros.subscribe("bumper", "/bumper")
-    until(lambda: "/base" in value(ros, "bumper"))
-    assert "restart rosbridge" in value(ros, "bumper")
+    until(lambda: re.search("/base.*restart rosbridge", value(ros, "bumper")))
     until(lambda: len(server.asked("topics")) > 5)
     assert len(server.subscriptions("/bumper")) == 2
-    ros2.send("/bumper", data=True)
-    until(lambda: age(ros, "bumper"))
+    until(lambda: ros2.send("/bumper", data=True) or age(ros, "bumper"))
     until(lambda: value(ros, "bumper") == "True")
 
 
@@ -327,11 +328,16 @@ def test_a_server_that_fails_to_pack_is_asked_for_text(
     make: Make, server: Any, graph: Any, until: Until
 ) -> None:
     server.fails_to_pack = True
-    graph.publishers["/scan"] = ["/lidar"]
     ros = opened(make)
     ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
+    until(
+        lambda: (
+            graph.send("/scan", **SCAN)
+            or any("Exception calling subscribe callback" in line for line in server.log)
+        )
+    )
+    graph.publishers["/scan"] = ["/lidar"]  # so from now on something should arrive
     until(lambda: graph.send("/scan", **SCAN) or age(ros, "scan"))
-    assert any("Exception calling subscribe callback" in line for line in server.log)
     assert [each["compression"] for each in server.subscriptions("/scan")] == ["cbor", "none"]
 
 
@@ -384,7 +390,7 @@ def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(
         graph.send("/scan", **{**SCAN, "header": {"frame_id": "base", "stamp": stamp}})
 
     until(lambda: scanned(0) or age(ros, "scan"))
-    until(lambda: scanned(8) or (ros.describe("scan").age or 0) > 7)
+    until(lambda: scanned(30) or (ros.describe("scan").age or 0) > 7)  # the first one may have been late, too
     ros.begin_tick(0.0, 0.1)
     with pytest.raises(NoDataYet, match="old"):
         _ = ros.robot.scan
@@ -392,9 +398,16 @@ def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(
     ros.robot.move(linear=0.2)
     ros.end_tick(0.0)
     assert 0.2 not in [values["linear"]["x"] for _, values in graph.heard]
-    until(lambda: scanned(0) or (ros.describe("scan").age or 9) < 0.5)
-    ros.begin_tick(0.1, 0.1)
-    assert ros.robot.scan.ranges == (0.5, 1.25, 2.0)
+
+    def is_seen() -> bool:
+        scanned(0)
+        ros.begin_tick(0.1, 0.1)
+        try:
+            return bool(ros.robot.scan.ranges == (0.5, 1.25, 2.0))
+        except NoDataYet:
+            return False
+
+    until(is_seen)
 
 
 # -- commands -------------------------------------------------------------------------------------
@@ -439,7 +452,8 @@ def test_another_node_that_commands_is_told_once_and_shown_in_the_panel(
     graph.publishers["/cmd_vel"] = ["/teleop"]
     ros = opened(make)
     ros.publish("move", "/cmd_vel")
-    until(lambda: "also published by /teleop" in value(ros, "move"))
+    until(lambda: any("`/teleop` publishes on `/cmd_vel`" in text for text in notices(ros)))
+    assert "also published by /teleop" in value(ros, "move")
     until(lambda: len(server.asked("topics")) > 4)
     assert len([text for text in notices(ros) if "`/teleop` publishes on `/cmd_vel`" in text]) == 1
     graph.publishers["/cmd_vel"] = ["/teleop", "/nav"]
@@ -464,7 +478,7 @@ def test_another_client_of_the_same_server_that_commands_is_told(
         until(lambda sent=sent: any(values["linear"]["x"] == 0 for _, values in graph.heard[sent:]))
     assert "also published" not in value(ours, "move")
     until(lambda: theirs.robot.move(linear=-0.1) or "another client of" in value(ours, "move"))
-    assert any("`another client of ws://" in text for text in notices(ours))
+    until(lambda: any("`another client of ws://" in text for text in notices(ours)))
     until(lambda: "also published" not in value(ours, "move"))
 
 
@@ -530,6 +544,8 @@ def test_a_link_that_is_slow_but_steady_is_used_and_told(
 ) -> None:
     monkeypatch.setattr(websocket, "_STALE", 0.3)
     monkeypatch.setattr(websocket, "_LOST", 0.6)
+    monkeypatch.setattr(websocket, "_STALE_TRIPS", 50)  # a loaded machine is not as steady
+    monkeypatch.setattr(websocket, "_LOST_TRIPS", 100)
     monkeypatch.setattr(rosbridge.RosbridgeTransport, "period", 0.05)
     ros = make(port=slow.port)
     states: list[ConnectionState] = []
@@ -538,7 +554,7 @@ def test_a_link_that_is_slow_but_steady_is_used_and_told(
     ros.open()
     ros.arm()
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
-    until(lambda: any("is slow: a round trip takes 0." in text for text in notices(ros)))
+    until(lambda: any("is slow: a round trip takes " in text for text in notices(ros)))
     shown = {field.key: field.value for field in ros.panel().fields}["round_trip"]
     assert shown.endswith("ms (slow)")
     until(lambda: ros.round_trip is not None and graph.advertised)
@@ -548,8 +564,10 @@ def test_a_link_that_is_slow_but_steady_is_used_and_told(
 
 
 def test_the_round_trip_of_a_good_link_is_shown_and_not_called_slow(
-    make: Make, server: Any, until: Until
+    make: Make, server: Any, until: Until, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    for module in (link, panel):
+        monkeypatch.setattr(module, "SLOW", 20.0)  # as a loaded machine may be
     ros = opened(make)
     until(lambda: ros.round_trip is not None)
     shown = {field.key: field.value for field in ros.panel().fields}["round_trip"]
@@ -560,7 +578,11 @@ def test_the_round_trip_of_a_good_link_is_shown_and_not_called_slow(
 def test_a_large_message_on_its_way_is_a_sign_of_life(
     make: Make, wire: Any, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The pong waits behind it, for longer than a server that says nothing would have."""
+    """The pong waits behind it, for longer than a server that says nothing would have.
+
+    Here time passes only while bytes are on their way.
+    """
+    monkeypatch.setattr(websocket, "time", SimpleNamespace(monotonic=lambda: wire.waited))
     monkeypatch.setattr(websocket, "_STALE", 0.3)
     monkeypatch.setattr(websocket, "_LOST", 0.6)
     graph.types["/text"] = "std_msgs/String"

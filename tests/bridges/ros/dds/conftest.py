@@ -65,6 +65,13 @@ def _is_free(domain: int) -> bool:
     return True
 
 
+@pytest.fixture(autouse=True)
+def _time_to_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The machine may be loaded, and a peer tells of itself every 3 s."""
+    if not MISSING:
+        monkeypatch.setattr("lrp_jupyter.bridges.ros.dds._FIND", 20.0)
+
+
 @pytest.fixture
 def make(domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., RosBridge]]:
     """Make bridges to the domain, which try again soon; they are closed in the end."""
@@ -98,11 +105,11 @@ def connect(make: Callable[..., RosBridge]) -> Callable[..., RosBridge]:
 
 @pytest.fixture
 def robot(domain: int, processes: Any) -> Callable[..., Any]:
-    """Start the simulator behind topics, in another process."""
+    """Start the simulator behind topics, in another process; it may be silent for as long as its lease."""
     script = str(HERE / "dds_robot_node.py")
 
-    def start(speed: float = 1.0, world: str = "line") -> Any:
-        return processes.start(sys.executable, script, str(speed), world, ready=True)
+    def start(speed: float = 1.0, world: str = "line", lease: float = 10) -> Any:
+        return processes.start(sys.executable, script, str(speed), world, str(lease), ready=True)
 
     return start
 
@@ -169,10 +176,10 @@ class Peer:
 
 @pytest.fixture
 def peer(domain: int, stranger: Path, processes: Any, until: Callable[..., None]) -> Callable[..., Peer]:
-    """Start a peer; others believe that it is gone after two seconds of silence."""
+    """Start a peer; others believe that it is gone when it is silent for as many seconds as its lease."""
 
-    def start(*lines: str, typed: bool = True) -> Peer:
-        command = (str(stranger), str(domain), "2", "typed" if typed else "plain")
+    def start(*lines: str, typed: bool = True, lease: int = 10) -> Peer:
+        command = (str(stranger), str(domain), str(lease), "typed" if typed else "plain")
         peer = Peer(processes, until, *command)
         peer.do("writer ros_discovery_info reliable transient_local", *lines)
         return peer

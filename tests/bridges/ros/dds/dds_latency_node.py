@@ -13,7 +13,7 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-from dds_robot_node import LOOPBACK, QOS, Twist, UInt8
+from dds_robot_node import QOS, Twist, UInt8, loopback
 
 sys.path.append(str(Path(__file__).parents[1]))
 
@@ -22,7 +22,7 @@ from latency_node import Stopwatch
 
 def main(count: int) -> None:
     number = int(os.environ["ROS_DOMAIN_ID"])
-    domain = Domain(number, LOOPBACK)
+    domain = Domain(number, loopback())
     participant = DomainParticipant(number)
     light = DataWriter(participant, Topic(participant, "rt/light", UInt8), QOS)
     commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), QOS)

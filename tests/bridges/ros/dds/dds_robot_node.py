@@ -1,7 +1,8 @@
-"""A ROS 2 robot for the tests: the simulator behind topics, `python dds_robot_node.py SPEED WORLD`.
+"""A ROS 2 robot for the tests: the simulator behind topics, `python dds_robot_node.py SPEED WORLD LEASE`.
 
 Like `robot_node.py`, on Cyclone DDS and in the domain of the environment, with nothing of the bridge: its
-types are written down here as IDL, field by field. It prints when it was told another speed.
+types are written down here as IDL, field by field. It prints when it was told another speed. Others believe
+that it is gone when it was silent for LEASE seconds.
 """
 
 import math
@@ -30,11 +31,16 @@ QOS = Qos(
     Policy.Durability.Volatile,
     Policy.History.KeepLast(10),
 )
-LOOPBACK = (
+_LOOPBACK = (
     '<General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces></General><Discovery>'
     '<ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers>'
-    "<LeaseDuration>2s</LeaseDuration></Discovery>"
+    "<LeaseDuration>{lease}s</LeaseDuration></Discovery>"
 )
+
+
+def loopback(lease: float = 10) -> str:
+    """The configuration of a domain that stays on this machine."""
+    return _LOOPBACK.format(lease=lease)
 
 
 @dataclass
@@ -108,10 +114,10 @@ class Odometry(IdlStruct, typename="nav_msgs.msg.dds_.Odometry_"):
     twist: TwistWithCovariance = default(default_factory=TwistWithCovariance)
 
 
-def main(speed: float, world: str) -> None:
+def main(speed: float, world: str, lease: float) -> None:
     simulation = Simulation(world)
     number = int(os.environ["ROS_DOMAIN_ID"])
-    domain = Domain(number, LOOPBACK)
+    domain = Domain(number, loopback(lease))
     participant = DomainParticipant(number)
     commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), QOS)
     writers = {
@@ -150,4 +156,4 @@ def main(speed: float, world: str) -> None:
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]), sys.argv[2])
+    main(float(sys.argv[1]), sys.argv[2], float(sys.argv[3]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 from collections.abc import Callable
@@ -16,7 +17,10 @@ from lrp_jupyter.bridges.ros import RosBridge
 
 pytestmark = pytest.mark.ros
 
-SETUP = Path(__file__).parents[1] / "follower.json"
+SETUP: dict[str, Any] = json.loads((Path(__file__).parents[1] / "follower.json").read_text())
+for _wire in SETUP["subscriptions"].values():
+    _wire["stale_after"] = 0.5
+_LEASE = 2.0  # s, less than the checks allow until a robot is lost
 
 
 class TestDds(BridgeConformance):
@@ -25,7 +29,7 @@ class TestDds(BridgeConformance):
     @pytest.fixture(autouse=True)
     def _connected(self, robot: Callable[..., Any], processes: Any) -> None:
         self.start, self.end = robot, processes.end
-        self.robot = robot()
+        self.robot = robot(lease=_LEASE)
         self.told = processes.lines(self.robot)  # it prints when it is told another speed
 
     def make_bridge(self) -> Bridge:
@@ -44,4 +48,4 @@ class TestDds(BridgeConformance):
         if self.robot.poll() is None:
             os.killpg(self.robot.pid, signal.SIGCONT)
         else:
-            self.robot = self.start()
+            self.robot = self.start(lease=_LEASE)

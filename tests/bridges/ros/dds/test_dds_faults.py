@@ -217,9 +217,8 @@ def test_a_command_that_nobody_hears_is_named_and_not_kept(other: DdsNode, make:
     got: list[float] = []
     other.subscribe("/cmd_vel", "geometry_msgs/Twist", lambda message: got.append(message.linear.x))
     until(lambda: ros.status.state is ConnectionState.CONNECTED)
-    ros.robot.move(linear=0.1)
-    until(lambda: got)
-    assert got == [0.1]
+    until(lambda: ros.robot.move(linear=0.1) or got)  # it is known a moment before it is connected
+    assert set(got) == {0.1}
 
 
 def test_a_robot_that_says_goodbye_is_lost_at_once(other: DdsNode, make: Make, until: Any) -> None:

@@ -18,6 +18,12 @@ pytestmark = pytest.mark.ros
 
 SETUP = Path(__file__).parents[1] / "follower.json"
 FOLLOWER = files("lrp_jupyter.programs").joinpath("follower.lrp").read_text(encoding="utf-8")
+PATIENT = """
+from lrp_jupyter.bridges import guard
+from lrp_jupyter.bridges.ros import RosBridge
+guard._LAPSE = 60.0
+RosBridge.stopper = lambda bridge: None
+"""
 FASTER = 4.0  # both the robot's time and the program's
 
 
@@ -53,6 +59,7 @@ def test_it_does_so_on_the_command_line_where_there_is_neither_jupyter_nor_ros(
     run = bare_lrp(
         *("run", "follower", "--bridge", "ros", *options, *scaled, "--until", "end", "--trace", trace),
         missing=("rospy", "rclpy", "websockets"),
+        before=PATIENT,
     )
     output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (0, "")
