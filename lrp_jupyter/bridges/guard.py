@@ -143,6 +143,7 @@ class Guard:
         self._end = threading.Event()
         self._thread: threading.Thread | None = None
         self._changing = threading.Lock()
+        self._lapsing = threading.Lock()
 
     def start(self) -> None:
         """Guard the robot from now on; idempotent. The process has been started when this returns."""
@@ -172,12 +173,24 @@ class Guard:
             thread.join(_JOIN)
 
     def check(self) -> None:
-        """Have the bridge stop where this process was suspended; before a command is sent."""
-        silence = now() - self._beat
-        bridge = self._bridge()
-        if silence > _LAPSE and self._moved and bridge is not None:
-            self._moved = False
-            bridge.lapse(lambda: self._lapsed(silence))
+        """Have the bridge stop where this process was suspended; before a command is sent.
+
+        Or where the other one took it for suspended. Of two threads that notice it, the second one waits
+        until the first one has stopped the robot, and told it.
+        """
+        if self._overslept() is not None:
+            with self._lapsing:
+                silence, bridge = self._overslept(), self._bridge()
+                if silence is not None and bridge is not None:
+                    self._moved = False
+                    bridge.lapse(lambda: self._lapsed(silence))
+
+    def _overslept(self) -> float | None:
+        """Return for how many seconds this process was suspended while the robot moved, if it was."""
+        silence, process = now() - self._beat, self._process
+        if silence > _LAPSE and self._moved:
+            return silence
+        return SILENCE if process is not None and process.stopped.is_set() else None
 
     def moves(self) -> None:
         """Tell the process, before the command that moves the robot is sent."""
@@ -199,9 +212,6 @@ class Guard:
         if bridge is None:
             return False
         self.check()
-        process = self._process
-        if process is not None and process.stopped.is_set():  # though this side was in time
-            bridge.lapse(lambda: self._lapsed(SILENCE))
         self._beat, self._moved = now(), bridge.in_motion
         try:
             self._attend(bridge, over)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -54,6 +56,38 @@ def test_a_program_that_was_suspended_while_its_robot_stood_goes_on(cart: Any, s
     cart._guard.check()  # as its thread does that wakes up later
     assert cart.sent[-1] == (0.3, 0.0)
     assert texts(cart) == []
+
+
+def test_a_suspension_is_told_once_although_two_threads_notice_it(
+    cart: Any, sleep: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours, stop, stops, stopped = cart._guard, cart.stop, threading.Event(), threading.Event()
+    cart.robot.move(linear=0.2)
+    ours._end.set()
+    ours._thread.join()
+
+    def slow_stop() -> None:
+        stops.set()
+        assert stopped.wait(60)
+        stop()
+
+    process = SimpleNamespace(stopped=threading.Event(), is_gone=False, problem=str, end=str)
+    process.beat = lambda _moves: None
+    monkeypatch.setattr(cart, "stop", slow_stop)
+    monkeypatch.setattr(ours, "_process", process)
+    sleep()
+    by_command = threading.Thread(target=ours.check)
+    by_command.start()
+    assert stops.wait(60)
+    process.stopped.set()  # it reports now that it stopped the robot
+    by_beat = threading.Thread(target=ours._turn, args=(threading.Event(),))
+    by_beat.start()
+    by_beat.join(0.2)  # it waits, or does it all once more
+    stopped.set()
+    by_command.join()
+    by_beat.join()
+    [told] = texts(cart)
+    assert told.startswith("This program was suspended for 3.2 s, and the guard stopped the robot.")
 
 
 def test_a_watchdog_that_stopped_the_robot_first_changes_nothing(cart: Any, sleep: Any) -> None:
