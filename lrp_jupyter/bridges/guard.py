@@ -46,8 +46,10 @@ _REPORT = 0.3  # s to wait for the report of what happened meanwhile
 
 def now() -> float:
     """Return seconds of a clock that goes on while the computer sleeps, where it has one."""
-    clock = getattr(time, "CLOCK_BOOTTIME", getattr(time, "CLOCK_MONOTONIC", None))
-    return time.monotonic() if clock is None else time.clock_gettime(clock)
+    for clock in ("CLOCK_BOOTTIME", "CLOCK_MONOTONIC"):
+        with contextlib.suppress(AttributeError, OSError):  # a system may name a clock and not have it
+            return time.clock_gettime(getattr(time, clock))
+    return time.monotonic()
 
 
 @dataclass(frozen=True, slots=True)

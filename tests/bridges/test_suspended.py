@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import threading
+import time
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +13,7 @@ from bridges.dying import wait_until
 
 from lrp_jupyter.bridges import guard
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.guard import now
 from lrp_jupyter.live.session import Session
 
 LATER = 3.2  # s
@@ -109,6 +112,19 @@ def test_a_person_who_drives_by_hand_goes_on_by_arming(cart: Any, sleep: Any) ->
     cart.arm()
     cart.robot.move(linear=0.3)
     assert cart.sent[-1] == (0.3, 0.0)
+
+
+def test_a_system_that_names_a_clock_which_it_does_not_have_has_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A browser is one."""
+
+    def refuse(_clock: int) -> float:
+        raise OSError(errno.EINVAL, "Invalid argument")
+
+    before = time.monotonic()
+    monkeypatch.setattr(time, "clock_gettime", refuse)
+    assert before <= now() <= time.monotonic()
 
 
 def test_a_simulated_robot_has_neither_a_guard_nor_a_sentence() -> None:
