@@ -1,8 +1,10 @@
 // @vitest-environment happy-dom
 import { describe, expect, it, vi } from "vitest";
 import type { PanelField, PanelTable, PanelView } from "../src/protocol";
+import { type Lab, Store } from "../src/session/store";
 import { h } from "../src/ui/dom";
 import { inputs, values } from "../src/world/fields";
+import { bridgePanel } from "../src/world/panel";
 import { tableOf } from "../src/world/table";
 
 function field(key: string, more: Partial<PanelField> = {}): PanelField {
@@ -74,6 +76,19 @@ describe("the fields of a panel", () => {
   });
 });
 
+describe("what a panel only shows", () => {
+  it("has its code marked, as the sentence above it", async () => {
+    const store = new Store();
+    const by = field("backend", { kind: "value", value: "rosbridge, because `ws://turtle:9090` answers" });
+    store.state.panel = panel(by);
+    const shown = bridgePanel({ store, root: document.body } as unknown as Lab);
+    await new Promise((over) => requestAnimationFrame(over));
+    const output = shown.querySelector('[data-show="backend"]')!;
+    expect(output.querySelector("code")?.textContent).toBe("ws://turtle:9090");
+    expect(output.textContent).toBe("rosbridge, because ws://turtle:9090 answers");
+  });
+});
+
 describe("a table of a panel", () => {
   const table: PanelTable = {
     key: "motors",
@@ -109,6 +124,18 @@ describe("a table of a panel", () => {
     expect(element.querySelector("[data-row=b]")).toBe(row);
     expect(row?.textContent).toContain("touch");
     expect(element.querySelector("[data-row=a]")).toBeNull();
+  });
+
+  it("marks the code in its sentences", () => {
+    const { element, refresh } = tableOf(table, ({ label }) => h("button", {}, label));
+    const row = ["c", "Set `light` to port 2, where one is.", "1"];
+    refresh({ ...table, keys: ["c"], rows: [row] });
+    const cell = element.querySelector<HTMLElement>('[data-column="type"]')!;
+    expect(cell.querySelector("code")?.textContent).toBe("light");
+    expect(cell.title).toBe("Set light to port 2, where one is.");
+    const code = cell.firstElementChild;
+    refresh({ ...table, keys: ["c"], rows: [row] });
+    expect(cell.firstElementChild).toBe(code);
   });
 
   it("shows that it is empty", () => {

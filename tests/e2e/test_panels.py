@@ -348,7 +348,7 @@ def test_motors_are_turned_by_hand_and_all_stopped_at_once(open_brick, brick):
 
 def test_another_port_is_chosen_in_the_panel_and_the_robots_readings_are_shown(open_brick, brick):
     lab = open_brick()
-    lab.reads(cell("light.data", "value"), "and not a colour sensor. Set `light` to 2, where one is.")
+    lab.reads(cell("light.data", "value"), "and not a colour sensor. Set light to 2, where one is.")
     lab.reads(cell("bumper.data", "value"), "False")
     field(lab, "light").select_option("2")
     field(lab, "wheel").fill("112")

@@ -3,7 +3,7 @@
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { openCard, type Point } from "../ui/card";
-import { h, prose } from "../ui/dom";
+import { h, setProse } from "../ui/dom";
 
 /** Ask, beside a point of the window; the robot is armed when the answer is yes. */
 export function askToArm(lab: Lab, at: Point): void {
@@ -48,8 +48,7 @@ export function failsafeText(): { element: HTMLElement; show(sentence: string): 
     element,
     show(sentence) {
       element.hidden = !sentence;
-      if (element.dataset.sentence !== sentence) element.replaceChildren(...prose(sentence));
-      element.dataset.sentence = sentence;
+      setProse(element, sentence);
     },
   };
 }

@@ -128,6 +128,14 @@ export function unmarked(sentence: string): string {
   return sentence.replaceAll("`", "");
 }
 
+/** A sentence with its code marked. */
 export function prose(sentence: string): (HTMLElement | string)[] {
   return sentence.split(/`([^`]*)`/).map((part, index) => (index % 2 ? h("code", {}, part) : part));
+}
+
+/** Show a sentence with its code marked, unless it is shown already. */
+export function setProse(element: HTMLElement, sentence: string): void {
+  if (element.dataset.sentence === sentence) return;
+  element.dataset.sentence = sentence;
+  element.replaceChildren(...prose(sentence));
 }

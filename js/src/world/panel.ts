@@ -5,7 +5,7 @@ import type { PanelButton, PanelQuestion, PanelView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { below } from "../ui/card";
-import { focusLab, h, prose, setAttribute, setText } from "../ui/dom";
+import { focusLab, h, prose, setAttribute, setProse, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 import { type Inputs, inputs, values } from "./fields";
 import { type Table, tableOf } from "./table";
@@ -128,8 +128,7 @@ function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
     refresh() {
       const { bridge } = lab.store.state;
       setAttribute(dot, "data-status", bridge.status);
-      if (sentence.dataset.sentence !== bridge.sentence) sentence.replaceChildren(...prose(bridge.sentence));
-      sentence.dataset.sentence = bridge.sentence;
+      setProse(sentence, bridge.sentence);
       disarmed.hidden = !bridge.hardware || bridge.armed;
       failsafe.show(bridge.failsafe);
     },
@@ -147,9 +146,9 @@ function factList() {
         element.append(h("span", { class: "lrp-fact" }, h("span", { class: "lrp-faint" }), h("output")));
       while (element.children.length > shown.length) element.lastElementChild!.remove();
       shown.forEach(({ key, label, value, unit }, index) => {
-        const [name, text] = element.children[index]!.children;
+        const [name, text] = element.children[index]!.children as Iterable<HTMLElement>;
         setText(name!, label);
-        setText(text!, unit ? `${value} ${unit}` : value);
+        setProse(text!, unit ? `${value} ${unit}` : value);
         setAttribute(text!, "data-show", key);
       });
     },

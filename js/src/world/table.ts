@@ -1,7 +1,7 @@
 /** A table of a panel. Where there is little room each row is a card: the stylesheet turns cells into lines. */
 
 import type { PanelButton, PanelTable } from "../protocol";
-import { h, reconcile, setAttribute, setText } from "../ui/dom";
+import { h, reconcile, setAttribute, setProse, unmarked } from "../ui/dom";
 
 export interface Table {
   element: HTMLElement;
@@ -34,9 +34,9 @@ export function tableOf(
     );
   const update = (element: Element, { cells }: Row) => {
     cells.forEach((text, index) => {
-      const cell = element.children[index]!;
-      setText(cell, text);
-      setAttribute(cell, "title", text.length > 24 && text);
+      const cell = element.children[index] as HTMLElement;
+      setProse(cell, text);
+      setAttribute(cell, "title", text.length > 24 && unmarked(text));
       // in a card a number needs the name of its column; words speak for themselves
       setAttribute(cell, "data-label", NUMBER.test(text) && columns[index]);
     });

@@ -6,7 +6,7 @@ import type { FromKernel } from "../protocol";
 import type { Lab } from "../session/store";
 import type { Looking } from "../timeline/looking";
 import { button, panel } from "../ui/button";
-import { h, prose, setAttribute, setText } from "../ui/dom";
+import { h, setAttribute, setProse, setText } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { WorldEdits } from "./edits";
@@ -292,10 +292,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   store.watch(["whatIf", "time"], () => {
     const { whatIf, time } = store.state;
     const isAhead = whatIf && (whatIf.collision_at ?? time) >= time;
-    const sentence = isAhead ? whatIf.collision : "";
-    if (sentence === collision.dataset.sentence) return;
-    collision.dataset.sentence = sentence;
-    collision.replaceChildren(...prose(sentence));
+    setProse(collision, isAhead ? whatIf.collision : "");
   });
   store.watch(["looking"], () => {
     const { looking } = store.state;

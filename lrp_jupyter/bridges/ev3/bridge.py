@@ -133,7 +133,7 @@ class EV3Bridge(Bridge):
     def failsafe(self) -> str:
         """Who stops the motors when this computer or this process dies, in a sentence."""
         ends = f"{SLICE:g} s after the last renewal, and at the end of a `run_for`"
-        return f"The brick: it stops its motors {ends}."
+        return f"The brick itself stops its motors: {ends}."
 
     def open_interface(self) -> Panel:
         """Connect where an address is known, else search for a brick in the background and ask.

@@ -196,7 +196,7 @@ def test_what_turned_before_a_loss_is_not_renewed_after_it(
 
 
 def test_the_brick_is_named_as_what_stops_the_motors_of_a_dead_process(bridge: EV3Bridge) -> None:
-    assert bridge.failsafe.startswith("The brick: it stops its motors 0.6 s after the last renewal")
+    assert bridge.failsafe.startswith("The brick itself stops its motors: 0.6 s after the last renewal")
 
 
 # -- sensing ------------------------------------------------------------------------------------------
