@@ -33,11 +33,20 @@ describe("the fields of a panel", () => {
   });
 
   it("are cleared after their button, except those that the bridge fills in", () => {
-    const { input, clear, refresh } = drawn(panel(field("topic"), field("file", { value: "a.json" })));
+    const empty = panel(
+      field("topic"),
+      field("file", { value: "a.json" }),
+      field("late", { kind: "number" }),
+      field("on", { kind: "switch" }),
+    );
+    const { input, clear, refresh } = drawn(empty);
     input("topic").value = "/odom";
+    input("late").value = "0.5";
+    input("on").checked = true;
     clear();
-    refresh(panel(field("topic"), field("file", { value: "a.json" })));
-    expect([input("topic").value, input("file").value]).toEqual(["", "a.json"]);
+    refresh(empty);
+    expect(["topic", "file", "late"].map((key) => input(key).value)).toEqual(["", "a.json", ""]);
+    expect(input("on").checked).toBe(true);
   });
 
   it("press their button when one of the choices is selected", () => {

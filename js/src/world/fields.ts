@@ -54,7 +54,7 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
     },
     clear() {
       for (const [key, input] of controls)
-        if (input instanceof HTMLInputElement && input.type === "text" && !received.get(key))
+        if (input instanceof HTMLInputElement && input.type !== "checkbox" && !received.get(key))
           input.value = "";
     },
   };

@@ -298,7 +298,7 @@ class EV3Bridge(Bridge):
             try:
                 value = getter()
             except (BridgeError, NoDataYet) as error:
-                value = str(error)
+                value, unit = str(error), ""
             rows.append((name, f"{value:.3g}" if isinstance(value, float) else str(value), unit))
         names = tuple(name for name, _value, _unit in rows)
         return Table("robot", "Robot", ("reading", "value", "unit"), names, tuple(rows))

@@ -349,6 +349,13 @@ def test_the_panel_shows_how_the_robot_is_built_and_what_it_reads(bridge: EV3Bri
     )
 
 
+def test_a_reading_that_fails_is_shown_by_its_reason_without_a_unit(bridge: EV3Bridge) -> None:
+    bridge.press("build", values={"distance": "none"})
+    name, reason, unit = bridge.panel().tables[2].rows[2]
+    assert (name, unit) == ("distance.data", "")
+    assert "No port is named for it" in reason
+
+
 def test_another_vehicle_is_used_from_the_panel_on(
     bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
 ) -> None:
