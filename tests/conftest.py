@@ -27,7 +27,7 @@ def _no_workers_left():
 
 
 @pytest.fixture(autouse=True)
-def _nobody_is_suspended(monkeypatch):
+def _no_suspension(monkeypatch):
     """Have no time pass for the guards of this process: a test that the machine holds up is not suspended."""
     from lrp_jupyter.bridges import guard
 

@@ -243,7 +243,7 @@ class Guard:
         process = self._process
         changed = stopper != self._stopper
         if changed and stopper is not None and process is not None:
-            changed = stopper.as_json() != process.order  # a function that is made anew each time is unequal
+            changed = stopper.as_json() != process.order  # a function made for each call equals no other
         if changed:
             self.trouble = ""
         self._stopper = stopper

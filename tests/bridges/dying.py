@@ -234,14 +234,14 @@ class StandsStill:
             moment = self._stands_after(driver, signal.SIGSTOP, robot)
             record_property("stands after", robot.stood_after(moment))
             stood = len(robot.speeds())
-            wait_until(lambda: time.monotonic() - moment > 1.5)  # a brick stops sooner than anybody notices
+            wait_until(lambda: time.monotonic() - moment > 1.5)  # a brick stops sooner than that
             kill(driver, signal.SIGCONT)
             try:
                 wait_until(lambda: "This program was suspended for" in driver.reason())
             except AssertionError:
-                raise AssertionError(f"nobody is told, but {driver.reason()!r}: {driver.notices()}") from None
+                raise AssertionError(f"no one is told, but {driver.reason()!r}: {driver.notices()}") from None
             assert not any(speed for _, speed in robot.speeds()[stood:]), "it drove on by itself"
-            assert "publishes on" not in driver.notices(), f"nobody else commands: {driver.notices()}"
+            assert "publishes on" not in driver.notices(), f"no other node commands: {driver.notices()}"
             with in_time():  # a guard whose report is late is not named
                 who = ", and the guard stopped the robot." if self.guarded else ": the robot was stopped."
                 assert who in driver.reason()
@@ -283,9 +283,9 @@ def patiently(scenario: Callable[[Driver, float], None], robot: Robot, driver: D
             except LateError as late:
                 if connected == _CONNECTED[-1]:
                     raise
-                sys.stderr.write(f"It is tried again: {late}\n")
+                sys.stderr.write(f"Trying again: {late}\n")
             kill(driver, signal.SIGKILL)
-            wait_until(lambda: robot.stands, "nobody stopped it")
+            wait_until(lambda: robot.stands, "it was not stopped")
             driver = type(driver)(robot, folder)
             started.callback(driver.end)
 

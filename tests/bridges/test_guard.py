@@ -27,7 +27,7 @@ WHEELS = Path(wheels.__file__)
 
 
 @pytest.fixture(autouse=True)
-def _nobody_is_suspended() -> None:
+def _no_suspension() -> None:
     """Have time pass: here they are."""
 
 
@@ -281,7 +281,7 @@ def test_the_stopper_of_another_robot_is_another_guard(robot: Robot, drive: Call
     suspend(bridge, robot)
 
 
-def test_a_stopper_that_is_made_anew_each_time_is_the_same_one(
+def test_a_stopper_that_is_made_again_each_time_is_the_same_one(
     robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = []
@@ -408,7 +408,7 @@ def _descriptors() -> int:
     return len(os.listdir("/proc/self/fd" if os.path.exists("/proc/self/fd") else "/dev/fd"))
 
 
-def test_nobody_guards_a_robot_without_a_stopper_and_arming_says_so(
+def test_no_process_guards_a_robot_without_a_stopper_and_arming_says_so(
     robot: Robot, drive: Callable[..., Driven]
 ) -> None:
     bridge = drive(None)
@@ -417,7 +417,7 @@ def test_nobody_guards_a_robot_without_a_stopper_and_arming_says_so(
     assert guards(os.getpid()) == []
 
 
-def test_nobody_guards_a_robot_in_a_browser(
+def test_no_process_guards_a_robot_in_a_browser(
     robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "platform", "emscripten")

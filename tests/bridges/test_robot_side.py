@@ -143,7 +143,7 @@ def guard(port: int, running: Any, robot: Any) -> Iterator[Lines]:
 
 
 def patiently(scenario: Callable[[], None]) -> None:
-    """Run a scenario, up to five times: a busy machine holds somebody up now and then, a fault each time."""
+    """Run a scenario, up to five times: a busy machine delays a process now and then, a fault each time."""
     for _ in range(4):
         try:
             scenario()

@@ -156,7 +156,7 @@ class RclpyTransport(Transport):
         return made
 
     def tend(self, in_need: bool) -> float:
-        """Subscribe anew where the publishers of a topic offer something else than before."""
+        """Subscribe again where the publishers of a topic now offer something else."""
         for each in self._subscriptions:
             self._adapt(each)
         return super().tend(in_need)
@@ -206,7 +206,7 @@ class RclpyTransport(Transport):
             raise BridgeError(f"`{handle.topic_name}` refuses the message: {error}") from error
 
 
-@dataclass
+@dataclass(eq=False)
 class _Subscription:
     topic: str
     kind: Any

@@ -452,9 +452,8 @@ def test_the_stop_button_works_while_the_program_hangs(driver: RosBridge, graph:
     session.start()
     try:
         assert hangs.wait(60)
-        until(
-            lambda: 0.0 in commands(graph)
-        )  # of the watchdog, once; it may come before the program's command
+        # of the watchdog, once; it may come before the program's command
+        until(lambda: 0.0 in commands(graph))
         stopped = len(commands(graph))
         driver.press("stop")
         until(lambda: commands(graph)[stopped:] == [0.0])

@@ -53,7 +53,7 @@ class Slow(Transport):
         raise RuntimeError("The middleware is gone.")
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
-        """Nobody listens."""
+        """Nothing arrives anywhere."""
 
 
 @pytest.fixture

@@ -490,7 +490,7 @@ def test_a_stop_does_not_expire_while_it_waits_for_the_network(
     monkeypatch.setattr(websocket, "_FRESH", 0.0)  # whatever has to wait is too late
     ros.robot.move(linear=0.2)
     assert ros.stop_all()
-    until(lambda: graph.heard, seconds=10)
+    until(lambda: graph.heard)
     assert [values["linear"]["x"] for _topic, values in graph.heard] == [0.0]
 
 
