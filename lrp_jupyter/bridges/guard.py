@@ -4,7 +4,8 @@ While hardware is armed, a thread sends beats through a pipe, ten in a second. T
 (:mod:`~lrp_jupyter.bridges.guard_process`) stops the robot by the bridge's `Stopper` when the pipe closes or
 no beat comes for a second: after ``kill -9``, a crash, a call of C that keeps the interpreter lock, or while
 this process is suspended. When it wakes up, it finds that its last beat is old *before* it sends a command,
-stops the robot itself, and sends nothing until a person goes on.
+stops the robot itself, and sends nothing until a person goes on. Only a command that was on its way when the
+process was suspended may still arrive; the stop comes right after it.
 
 The process acts only where something may move: it is told so before the first command that moves the robot,
 and that it stands after a stop. So it does not disturb another driver of the same robot.
@@ -213,8 +214,9 @@ class Guard:
         bridge = self._bridge()
         if bridge is None:
             return False
+        began = now()  # a suspension after the check is found by the next one
         self.check()
-        self._beat, self._moved = now(), bridge.in_motion
+        self._beat, self._moved = began, bridge.in_motion
         try:
             self._attend(bridge, over)
         except Exception as error:  # also the bridge's own, in `stopper`

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+import psutil
 from bridges.bounded import bounded
 
 _CONNECTED = (2.5, 5.0, 10.0)  # s until a guard has connected to the robot: more if it came too late
@@ -188,16 +189,20 @@ DRIVERS: Mapping[str, Callable[[Robot, Path], CommandLine | Kernel]] = {
 
 
 def guards(pid: int) -> list[int]:
-    """Return the guard processes of a process, or of one that is gone (pid 1 has taken them over)."""
-    listed = subprocess.run(["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True)
-    rows = [line.split(None, 2) for line in listed.stdout.splitlines()]
-    return [int(row[0]) for row in rows if int(row[1]) == pid and "guard_process" in row[2]]
+    """Return the guard processes of a process."""
+    found = psutil.process_iter(["ppid", "cmdline"])  # `ps` cuts off what its terminal has no room for
+    children = [process for process in found if process.info["ppid"] == pid]
+    return [
+        each.pid for each in children if "lrp_jupyter.bridges.guard_process" in (each.info["cmdline"] or ())
+    ]
 
 
 def lives(pid: int) -> bool:
     """Whether there is such a process; one that nobody has waited for does not live."""
-    listed = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True)
-    return listed.stdout.strip()[:1] not in ("", "Z")
+    try:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
 
 
 class StandsStill:
@@ -240,7 +245,11 @@ class StandsStill:
                 wait_until(lambda: "This program was suspended for" in driver.reason())
             except AssertionError:
                 raise AssertionError(f"no one is told, but {driver.reason()!r}: {driver.notices()}") from None
-            assert not any(speed for _, speed in robot.speeds()[stood:]), "it drove on by itself"
+            with in_time():  # only what was on its way may still arrive, with the stop right after it
+                wait_until(lambda: robot.stands, "it drives on by itself", 0.5)
+            after = robot.speeds()[stood:]
+            assert len([speed for _, speed in after if speed]) <= 1, "it drove on by itself"
+            record_property("drove on for", after[-1][0] - after[0][0] if after else 0.0)
             assert "publishes on" not in driver.notices(), f"no other node commands: {driver.notices()}"
             with in_time():  # a guard whose report is late is not named
                 who = ", and the guard stopped the robot." if self.guarded else ": the robot was stopped."

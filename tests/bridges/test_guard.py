@@ -269,6 +269,41 @@ def test_a_robot_that_stands_is_left_to_others(
     assert speeds(robot)[-3:] == [0.0, 0.5, 0.6]
 
 
+def test_a_suspension_right_after_a_check_is_found_by_the_next_one(
+    robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bridge = drive(None)
+    send_no_beat(bridge)
+    bridge.robot.move(linear=0.3)
+    wait_until(lambda: robot.drives)
+    check, awake = bridge._guard.check, guard.now
+    slept = 0.0
+
+    def suspended_then() -> None:
+        nonlocal slept
+        check()
+        slept = 5.0
+
+    monkeypatch.setattr(guard, "now", lambda: awake() + slept)
+    with monkeypatch.context() as patched:
+        patched.setattr(bridge._guard, "check", suspended_then)
+        bridge._guard._turn(threading.Event())
+    bridge.robot.move(linear=0.4)
+    wait_until(lambda: robot.stands)
+    assert speeds(robot) == [0.3, 0.0]
+    (told,) = texts(bridge)
+    assert told.startswith("This program was suspended for 5.")
+
+
+@pytest.mark.parametrize("columns", ["20", "1000"])
+def test_a_guard_is_found_however_wide_the_terminal_is(
+    robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch, columns: str
+) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    drive(Stopper(wheels.halt, {"port": port_of(robot)}))
+    assert len(guards(os.getpid())) == 1
+
+
 def test_the_stopper_of_another_robot_is_another_guard(robot: Robot, drive: Callable[..., Driven]) -> None:
     bridge = drive(Stopper(wheels.halt, {"port": 9}))
     wait_until(lambda: ready(bridge))
