@@ -109,7 +109,7 @@ class Watch:
             raise_interrupt=False,
         ):
             try:
-                text = read_text(self._path)
+                text = self._settled_text()
             except FileError as error:
                 self._failed += 1
                 if self._failed == 2:
@@ -120,6 +120,15 @@ class Watch:
             if text != self._text:
                 self._text = text
                 self._saved(text)
+
+    def _settled_text(self) -> str:
+        """Read the file; again and again while it is being written, for half a text may be a program, too."""
+        text = read_text(self._path)
+        while text != self._text and not self._stop.wait(_DEBOUNCE / 1000):
+            before, text = text, read_text(self._path)
+            if text == before:
+                break
+        return text
 
     def close(self) -> None:
         """Stop watching."""

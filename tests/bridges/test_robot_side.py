@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from bridges.bounded import bounded
+from bridges.bounded import bounded, persistently
 from bridges.dying import wait_until
 
 from lrp_jupyter.errors import BridgeError
@@ -142,17 +142,6 @@ def guard(port: int, running: Any, robot: Any) -> Iterator[Lines]:
         guard.end()
 
 
-def patiently(scenario: Callable[[], None]) -> None:
-    """Run a scenario, up to five times: a busy machine delays a process now and then, a fault each time."""
-    for _ in range(4):
-        try:
-            scenario()
-            return
-        except AssertionError as error:
-            sys.stderr.write(f"It is tried again: {error}\n")
-    scenario()
-
-
 def test_a_robot_whose_commands_cease_is_stopped_and_the_guard_goes_on(robot: Any, guard: Lines) -> None:
     still = {"linear": 0.0, "angular": 0.0, "gear": "low", "lamps": [0, False]}
 
@@ -164,7 +153,7 @@ def test_a_robot_whose_commands_cease_is_stopped_and_the_guard_goes_on(robot: An
         wait_until(lambda: guard.count("No command for 0.5 s") == times + 1)
 
     for _ in range(2):
-        patiently(ceases)
+        persistently(ceases)
     assert guard.end() == 130
 
 
@@ -184,7 +173,7 @@ def test_a_robot_that_is_commanded_again_and_again_is_left_alone(robot: Any, gua
         assert last == {"linear": 0, "lamp": 0}, "a robot that stands needs no guard"
         assert guard.count("No command") == times
 
-    patiently(commanded)
+    persistently(commanded)
 
 
 def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot: Any, guard: Lines) -> None:
@@ -217,7 +206,7 @@ def test_a_broker_that_was_away_gets_the_stop_when_it_is_there_again(
         wait_until(lambda: robot.last == {"linear": 0})
         assert moves, "the guard was sooner than the end of the broker"
 
-    patiently(goes_away)
+    persistently(goes_away)
 
 
 def test_without_a_broker_it_says_so(port: int) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.bounded import bounded
+from bridges.bounded import bounded, persistently
 from bridges.dying import Robot, StandsStill, wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -58,17 +58,24 @@ def stops(beside: list[str]) -> int:
 def test_a_robot_whose_commands_cease_is_stopped_on_its_own_side(
     real: Any, robot: Robot, beside: list[str], record_property: Any
 ) -> None:
-    for _ in range(2):
+    def ceases() -> None:
         command = ("/cmd_vel", "geometry_msgs/Twist", "[0.2, 0, 0]", "[0, 0, 0.5]")
         program = real.start("/usr/bin/rostopic", "pub", "-r", "10", *command)
-        robot.has_driven_for(1.0)  # so it lets a robot drive that is commanded
-        stopped = stops(beside)
-        with bounded(1.5):
-            moment = time.monotonic()
-            os.killpg(program.pid, signal.SIGKILL)
-            wait_until(lambda: robot.stands)
+        try:
+            robot.has_driven_for(1.0)  # so it lets a robot drive that is commanded
+            stopped = stops(beside)
+            with bounded(1.5):
+                moment = time.monotonic()
+                os.killpg(program.pid, signal.SIGKILL)
+                wait_until(lambda: robot.stands)
+        finally:
+            if program.poll() is None:
+                os.killpg(program.pid, signal.SIGKILL)
         record_property("stands after", robot.stood_after(moment))
-        wait_until(lambda stopped=stopped: stops(beside) > stopped)  # type: ignore[misc]
+        wait_until(lambda: stops(beside) > stopped)
+
+    for _ in range(2):
+        persistently(ceases)
 
 
 def test_another_driver_of_a_robot_that_stands_is_left_alone(

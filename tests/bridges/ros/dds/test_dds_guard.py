@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from bridges.bounded import bounded
-from bridges.dying import Driver, Robot, StandsStill, guards, wait_until
+from bridges.dying import Driver, Robot, StandsStill, guards, in_time, patiently, wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
@@ -43,19 +43,30 @@ class TestARobotBehindDds(StandsStill):
 
 @pytest.mark.parametrize("driver", ["lrp run"], indirect=True)
 def test_a_robot_is_stopped_on_its_own_side_when_the_computer_of_the_program_sleeps(
-    robot: Robot, driver: Driver, processes: Any, record_property: Callable[..., None]
+    robot: Robot, driver: Driver, processes: Any, tmp_path: Path, record_property: Callable[..., None]
 ) -> None:
     command = (sys.executable, "-m", "lrp_jupyter", "guard", "--backend", "dds", "--topic", "/cmd_vel")
     printed = processes.lines(processes.start(*command))
     wait_until(lambda: any("Connected" in line for line in printed))
-    robot.has_driven_for(1.0)
-    asleep = guards(driver.pid)
-    with bounded(1.5):
-        moment = time.monotonic()
-        for each in (*asleep, driver.pid):
-            os.kill(each, signal.SIGSTOP)
-        wait_until(lambda: robot.stands)
-    record_property("stands after", robot.stood_after(moment))
-    wait_until(lambda: any("No command for 0.5 s" in line for line in printed))
-    for each in asleep:
-        os.kill(each, signal.SIGKILL)
+
+    def scenario(driver: Driver, connected: float) -> None:
+        with in_time():
+            robot.has_driven_for(connected)
+        asleep, before = guards(driver.pid), stops()
+        assert len(asleep) == 1
+        try:
+            with in_time(), bounded(1.5):
+                moment = time.monotonic()
+                for each in (*asleep, driver.pid):
+                    os.kill(each, signal.SIGSTOP)
+                wait_until(lambda: robot.stands)
+            wait_until(lambda: stops() > before)
+        finally:
+            for each in asleep:
+                os.kill(each, signal.SIGKILL)
+        record_property("stands after", robot.stood_after(moment))
+
+    def stops() -> int:
+        return sum("No command for 0.5 s" in line for line in printed)
+
+    patiently(scenario, robot, driver, tmp_path)
