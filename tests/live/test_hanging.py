@@ -7,6 +7,7 @@ import threading
 from time import perf_counter
 
 import pytest
+from bridges.bounded import persistently
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.frame import Hung
@@ -258,15 +259,19 @@ def test_a_block_that_is_only_slow_is_not_interrupted(session):
 
 
 def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(hanging):
-    gate = threading.Event()
     program = RUNNING.format("while not gate.is_set(): pass")
-    session = hanging(program, namespace={"gate": gate}, hung_after=PATIENCE)
-    session.wait_for(lambda frame: frame.hung.seconds > 1.5 * PATIENCE, LONG)
-    answer = session.submit(ReplaceProgram(parse(GOOD)))
-    gate.wait(PATIENCE / 4)  # many checks of the monitor
-    gate.set()
-    answer.result(LONG)
-    assert runs_on(session).issues == ()
+
+    def returns_soon():
+        gate = threading.Event()
+        session = hanging(program, namespace={"gate": gate}, hung_after=PATIENCE)
+        session.wait_for(lambda frame: frame.hung.seconds > 1.5 * PATIENCE, LONG)
+        answer = session.submit(ReplaceProgram(parse(GOOD)))
+        gate.wait(PATIENCE / 4)  # many checks of the monitor
+        gate.set()
+        answer.result(LONG)
+        assert runs_on(session).issues == ()
+
+    persistently(returns_soon)
 
 
 def test_the_ticks_after_a_block_that_hung_do_not_count_as_hung(hanging):
