@@ -136,4 +136,7 @@ def halt(host, port):
     """Stop the robot from another process, when the one that had it is gone."""
     thymio = Thymio(host, port)
     thymio.open()
-    thymio.close()  # stops it first
+    stopped = thymio.stop_all()
+    thymio.close()
+    if not stopped:  # it is tried again
+        raise BridgeError("The device manager did not take the stop.")

@@ -102,6 +102,23 @@ def test_the_guard_stops_the_robot_when_this_process_is_killed(
 
 
 @pytest.mark.slow
+def test_a_stop_that_the_robot_did_not_get_is_not_counted(
+    processes: Processes, port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unplugged(self: Any, linear: float = 0.0, angular: float = 0.0) -> None:
+        raise BrokenPipeError
+
+    processes.robot("thymio", port, 1.0)
+    bridge = make_bridge(THYMIO, port=port)
+    monkeypatch.setattr(type(bridge), "move", unplugged)
+    stopper = bridge.stopper()
+    assert stopper is not None
+    assert callable(stopper.target)
+    with pytest.raises(BridgeError, match="did not take the stop"):
+        stopper.target(**stopper.arguments)
+
+
+@pytest.mark.slow
 def test_a_robot_that_another_program_uses_is_told(processes: Processes, port: int) -> None:
     processes.robot("thymio", port, 1.0)
     first, second = (make_bridge(THYMIO, port=port) for _ in range(2))
