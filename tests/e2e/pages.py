@@ -24,6 +24,15 @@ def forget(page):
         page.evaluate("localStorage.clear()")
 
 
+def comes_true(page, script, argument):
+    """Wait until an asynchronous function in the page returns True."""
+    for _ in range(1200):  # `wait_for_function` takes a promise for a result
+        if page.evaluate(script, argument):
+            return
+        page.wait_for_timeout(100)
+    raise AssertionError(f"It did not come true: {argument}, {script}")
+
+
 class NotebookPage:
     """A notebook that is open in a browser."""
 

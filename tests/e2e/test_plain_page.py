@@ -5,7 +5,7 @@ from base64 import urlsafe_b64encode
 
 import pytest
 
-from e2e.pages import LabPage
+from e2e.pages import LabPage, comes_true
 from e2e.test_site import SiteNotebook, run
 
 COUNT = """\
@@ -50,11 +50,7 @@ class PlainPage(LabPage):
 
     def stores(self, words):
         """Wait until the browser has stored a text that contains these words."""
-        for _ in range(300):  # `wait_for_function` takes a promise for a result
-            if self.page.evaluate(STORED, words):
-                return
-            self.page.wait_for_timeout(100)
-        raise AssertionError(f"The browser has not stored {words!r}.")
+        comes_true(self.page, STORED, words)
 
     def says(self, words):
         """Wait until the line below the title says this."""

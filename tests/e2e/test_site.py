@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from e2e.pages import APP, NotebookPage
+from e2e.pages import APP, NotebookPage, comes_true
 from lrp_jupyter.cli.lab import shipped_notebooks
 from lrp_jupyter.site.build import build_site
 
@@ -90,6 +90,16 @@ WRITE = """async ([path, sources]) => {
 }"""
 
 
+STORES = """async ([path, part]) => {
+  try {
+    const options = { type: "file", format: "text", content: true };
+    return (await jupyterapp.serviceManager.contents.get(path, options)).content.includes(part);
+  } catch {
+    return false; // there is no such file yet
+  }
+}"""
+
+
 def run(notebook):
     """Run the first two code cells, of which the second has a lab."""
     first, second = notebook.page.evaluate(
@@ -129,6 +139,8 @@ def test_a_typed_text_is_kept_and_offered_after_the_page_was_loaded_again(lab):
     lab = lab(COUNT)
     lab.type_after("[n = n + 1]))", "\n  (state rest)")
     lab.state("m/rest")
+    file = f".lrp/{lab.notebook.name.removesuffix('.ipynb')}.lrp"
+    comes_true(lab.page, STORES, [file, "(state rest)"])
     lab.notebook.save()
     lab.page.reload()
     lab = run(lab.notebook.ready())
