@@ -249,7 +249,10 @@ class StandsStill:
                 wait_until(lambda: robot.stands, "it drives on by itself", 0.5)
             after = robot.speeds()[stood:]
             assert len([speed for _, speed in after if speed]) <= 1, "it drove on by itself"
-            record_property("drove on for", after[-1][0] - after[0][0] if after else 0.0)
+            drove = after[-1][0] - after[0][0] if after else 0.0
+            record_property("drove on for", drove)
+            with in_time():
+                assert drove < 0.2, f"it drove on for {drove:.2f} s"
             assert "publishes on" not in driver.notices(), f"no other node commands: {driver.notices()}"
             with in_time():  # a guard whose report is late is not named
                 who = ", and the guard stopped the robot." if self.guarded else ": the robot was stopped."

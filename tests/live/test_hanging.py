@@ -7,7 +7,6 @@ import threading
 from time import perf_counter
 
 import pytest
-from bridges.bounded import persistently
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.frame import Hung
@@ -260,18 +259,19 @@ def test_a_block_that_is_only_slow_is_not_interrupted(session):
 
 def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(hanging):
     program = RUNNING.format("while not gate.is_set(): pass")
-
-    def returns_soon():
+    for _ in range(5):
         gate = threading.Event()
         session = hanging(program, namespace={"gate": gate}, hung_after=PATIENCE)
         session.wait_for(lambda frame: frame.hung.seconds > 1.5 * PATIENCE, LONG)
+        began = perf_counter()
         answer = session.submit(ReplaceProgram(parse(GOOD)))
         gate.wait(PATIENCE / 4)  # many checks of the monitor
         gate.set()
+        took = perf_counter() - began
         answer.result(LONG)
-        assert runs_on(session).issues == ()
-
-    persistently(returns_soon)
+        if took < PATIENCE / 2:  # else the machine held this test up, and the block did not return soon
+            break
+    assert runs_on(session).issues == ()
 
 
 def test_the_ticks_after_a_block_that_hung_do_not_count_as_hung(hanging):
