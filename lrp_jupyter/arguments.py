@@ -9,9 +9,6 @@ from typing import Any
 
 from lrp_jupyter.errors import did_you_mean
 
-__all__ = ["A_PROGRAM", "check_callable", "check_choice", "check_number", "check_type"]
-
-
 A_PROGRAM = "a Program, which `parse(text)` makes of a text"
 """What a program is, for :func:`check_type`."""
 

@@ -17,18 +17,6 @@ from typing import Any
 
 from lrp_jupyter.errors import FileError, LRPError, ended, sentence_of
 
-__all__ = [
-    "append_line",
-    "decoded",
-    "read_file",
-    "read_text",
-    "run_python",
-    "shown",
-    "unreadable",
-    "unwritable",
-    "write_file",
-]
-
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
 

@@ -19,8 +19,6 @@ from typing import IO, cast
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import shown, unreadable, unwritable
 
-__all__ = ["at_line", "open_log", "read_log"]
-
 _LARGEST = 500_000_000  # bytes of the content that is read
 _PART = 1_000_000  # bytes that are decompressed at a time
 _GZIP = b"\x1f\x8b"

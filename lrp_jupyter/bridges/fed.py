@@ -11,8 +11,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-__all__ = ["FedValues"]
-
 
 class _Fed(NamedTuple):
     value: object

@@ -29,8 +29,6 @@ from typing import Any, Protocol
 from lrp_jupyter.bridges.safety import Notice, NoticeKind
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
-__all__ = ["SILENCE", "UNGUARDED", "Guard", "Guarded", "Stopper", "now"]
-
 SILENCE = 1.0
 """Seconds without a beat after which the process stops the robot."""
 UNGUARDED = (

@@ -24,8 +24,6 @@ from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.guard import SILENCE, now
 from lrp_jupyter.errors import BridgeError, sentence_of
 
-__all__ = ["main"]
-
 _EVERY = 0.1  # s between two stops
 _STOPPING = 1.0  # s of stops that succeed: a single one may be lost
 _TRYING = 5.0  # s of stops that fail

@@ -23,8 +23,6 @@ from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.bridges.safety import CommandRecord, Notice, NoticeKind, Origin, Safety
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, sentence_of
 
-__all__ = ["Interface"]
-
 _STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
 
 

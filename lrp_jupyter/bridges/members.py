@@ -11,8 +11,6 @@ from typing import Any, Literal
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["Member", "MemberError", "age_text", "describe_value"]
-
 _DEEPEST = 6  # levels of nested fields that are described; a value may contain itself
 _PLAIN = (bool, int, float, str, bytes, type(None))
 

@@ -23,8 +23,6 @@ from typing import Any, ClassVar, Self
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["NUMBER", "Message", "Plain", "Twist", "Vector3", "moves", "real_number"]
-
 
 def real_number(value: object, what: str) -> float:
     """Return `value` as a float.

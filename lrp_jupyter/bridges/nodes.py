@@ -18,8 +18,6 @@ from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.safety import Safety
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue, StaleData, did_you_mean
 
-__all__ = ["Limits", "MemberOwner", "Nodes", "RobotMethod", "RobotVariable"]
-
 Limits = Mapping[str, float | tuple[float, float]]
 
 

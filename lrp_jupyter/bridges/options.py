@@ -21,8 +21,6 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from lrp_jupyter.bridges.interface import Interface
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["BridgeOption", "convert_options", "no_option", "options_of", "refuse_options"]
-
 _TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
 _PLAIN: Mapping[object, str] = {
     int: "a whole number",

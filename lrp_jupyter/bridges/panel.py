@@ -17,8 +17,6 @@ from typing import Any, Literal
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["STOP", "Button", "Field", "Panel", "Question", "Table", "number_in"]
-
 
 @dataclass(frozen=True, slots=True)
 class Field:

@@ -18,23 +18,6 @@ from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 _SLICE = 0.01  # s
 _SLOW = 0.05  # m/s, where the limits of a command do not say what is slow
 
-__all__ = [
-    "ConformanceError",
-    "NotChecked",
-    "catch",
-    "commands",
-    "drive",
-    "drive_a_little",
-    "give",
-    "listen",
-    "methods",
-    "read",
-    "require",
-    "spy",
-    "variables",
-    "within",
-]
-
 
 class ConformanceError(AssertionError):
     """A bridge violates a rule that holds for every bridge."""

@@ -52,8 +52,6 @@ from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
-__all__ = ["ReconnectingBridge"]
-
 _CALM = 0.3  # s that `receive` has to return before its connection is closed under it
 _JOIN = 0.7  # s that it has then
 _IDLE = 0.001  # s of rest after a `receive` that fed nothing: it may not have waited

@@ -16,8 +16,6 @@ from lrp_jupyter.bridges.message import Message, Plain, Twist, real_number
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import NoDataYet
 
-__all__ = ["RecordedBridge", "recorded_members"]
-
 
 class RecordedBridge(Bridge, offered=False):
     """A robot made of recorded readings.

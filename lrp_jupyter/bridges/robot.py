@@ -14,8 +14,6 @@ from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.nodes import MemberOwner, RobotMethod, RobotVariable
 from lrp_jupyter.errors import NotAValue, did_you_mean
 
-__all__ = ["Robot", "attach", "part_name"]
-
 
 class Robot(NotAValue):
     """The robot of a program, or a part of it (``robot.light``).

@@ -18,8 +18,6 @@ from typing import Any, Literal, NamedTuple
 from lrp_jupyter.bridges.outside import CommandsHeld
 from lrp_jupyter.errors import sentence_of
 
-__all__ = ["BY_HAND", "COMMANDS", "CommandRecord", "Motion", "Notice", "Origin", "Safety", "patience"]
-
 NoticeKind = Literal[
     "armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "stale", "guard", "fault"
 ]

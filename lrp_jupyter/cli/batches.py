@@ -24,8 +24,6 @@ from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.sweep import Sweep, Value, sweep_axes
 
-__all__ = ["grade_files", "parse_axes", "sweep_file"]
-
 _MOST = 1000  # values of a variable
 
 

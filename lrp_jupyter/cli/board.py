@@ -17,8 +17,6 @@ from lrp_jupyter.cli.map import framed
 from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.program import Path
 
-__all__ = ["Board", "BoardState", "board_text"]
-
 _STATUS = {"running": ("▶", "bold green"), "paused": ("⏸", "bold yellow"), "hung": ("✋", "bold red")}
 _ISSUES = 4  # shown at the same time, at most
 _LEFT = 32  # characters of the left column

@@ -13,8 +13,6 @@ from typer.core import TyperGroup
 from lrp_jupyter.cli import complete
 from lrp_jupyter.errors import LRPError
 
-__all__ = ["app"]
-
 
 class _Commands(TyperGroup):
     """A command group that prints an error of the user's as one sentence and exits with code 2."""

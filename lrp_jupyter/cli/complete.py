@@ -14,21 +14,6 @@ from lrp_jupyter.codes import CODES
 if TYPE_CHECKING:
     from lrp_jupyter.language.program import Program
 
-__all__ = [
-    "backends",
-    "bridges",
-    "bundled",
-    "challenges",
-    "codes",
-    "machines",
-    "noises",
-    "sources",
-    "speeds",
-    "states",
-    "variables",
-    "worlds",
-]
-
 
 def bundled(incomplete: str) -> list[str]:
     """Complete the name of a bundled program."""

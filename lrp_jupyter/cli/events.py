@@ -17,8 +17,6 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.trace import Trace
 
-__all__ = ["EventCollector", "EventPrinter"]
-
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s
 

@@ -11,8 +11,6 @@ from rich.text import Text
 from lrp_jupyter.codes import style_of
 from lrp_jupyter.language.program import Finding, line_starts
 
-__all__ = ["COLOURS", "excerpt", "finding_text", "plain_console", "summary"]
-
 COLOURS = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
 _TAB = 4
 _WIDEST = 120  # characters of a line that are shown

@@ -24,8 +24,6 @@ from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.bridges.ros.setup import parse_address
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["BACKENDS", "MqttSide", "RosSide", "Side", "guard_robot", "watch"]
-
 MQTT = "mqtt"
 BACKENDS = (backends.AUTO, *backends.BACKENDS, MQTT)
 """The ways to a robot."""

@@ -14,16 +14,6 @@ import typer
 
 from lrp_jupyter.errors import LRPError
 
-__all__ = [
-    "copy_notebooks",
-    "fold_side_bar",
-    "open_lab",
-    "send_at_once",
-    "shipped_notebooks",
-    "sign_notebooks",
-    "use_settings",
-]
-
 FIRST = "00-hello-live-robot.ipynb"
 
 _WORKSPACE = "lrp"

@@ -14,17 +14,6 @@ from lrp_jupyter.cli.excerpt import plain_console
 from lrp_jupyter.codes import CODES, explain
 from lrp_jupyter.errors import BridgeError, LRPError
 
-__all__ = [
-    "explain_code",
-    "list_bridges",
-    "list_challenges",
-    "list_options",
-    "list_programs",
-    "list_worlds",
-    "show_table",
-    "table_of",
-]
-
 
 def table_of(*columns: str) -> Table:
     """Return an empty table whose last column takes what room there is."""

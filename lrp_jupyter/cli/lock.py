@@ -13,8 +13,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["watched_lock"]
-
 _INTERVAL = 0.5  # wall seconds between two extensions of the timer
 
 

@@ -10,8 +10,6 @@ from rich.text import Text
 if TYPE_CHECKING:
     from lrp_jupyter.sim.simulation import Simulation
 
-__all__ = ["Map", "columns_for", "framed"]
-
 _STYLES = {"#": "bright_black", "▒": "yellow", "·": "blue", ".": "magenta", "*": "bold red"} | dict.fromkeys(
     "→↗↑↖←↙↓↘", "bold green"
 )

@@ -24,8 +24,6 @@ from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live.checking import members_of, members_of_world
 
-__all__ = ["Format", "check_files", "draw_graph", "format_files"]
-
 Format = Literal["svg", "dot", "mermaid", "json"]
 _SUFFIXES: dict[str, Format] = {
     ".svg": "svg",

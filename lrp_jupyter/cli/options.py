@@ -20,8 +20,6 @@ from lrp_jupyter.language.initials import find_variable
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
 from lrp_jupyter.live.timing import FASTEST, SLOWEST
 
-__all__ = ["Assignment", "RunOptions", "pairs_of", "parse_options", "with_initials"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:

@@ -17,8 +17,6 @@ from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.live.commands import Pause, Resume
 from lrp_jupyter.live.session import Session
 
-__all__ = ["LIMIT", "Clocked", "Pace", "Racing"]
-
 LIMIT = 10.0
 """Wall seconds that a block may take in a run of limited length."""
 

@@ -20,8 +20,6 @@ from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.recording import Recording, read_recording
 from lrp_jupyter.live.reproduction import Reproduction, reproduce
 
-__all__ = ["prepared", "replay_file", "why_file"]
-
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s
 

@@ -46,8 +46,6 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.unknown import unknown
 from lrp_jupyter.logs import open_log
 
-__all__ = ["open_robot", "run_file", "where"]
-
 _REFRESH = 1 / 12  # s between two refreshes of the display
 _LAST = 3  # number of recent transitions on the board
 _BAD = (ConnectionState.LOST, ConnectionState.STALE)

@@ -15,8 +15,6 @@ from lrp_jupyter import programs
 from lrp_jupyter.errors import FileError, did_you_mean
 from lrp_jupyter.files import decoded, read_text
 
-__all__ = ["Source", "Watch", "read_source"]
-
 
 class Source(NamedTuple):
     """A program's text and its origin.

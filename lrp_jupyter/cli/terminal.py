@@ -18,8 +18,6 @@ try:
 except ImportError:  # pragma: no cover  (Windows: the run is ended by Ctrl-C)
     termios = None  # type: ignore[assignment]
 
-__all__ = ["Keys", "recorded_signals"]
-
 
 class Keys:
     """A context manager that reads the keyboard key by key; Ctrl-C keeps its meaning."""

@@ -19,8 +19,6 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 
-__all__ = ["Attempt", "Job", "attempt", "failed"]
-
 Ended = Literal["", "text", "time", "memory", "crash", "fault"]
 
 

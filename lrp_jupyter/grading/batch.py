@@ -12,8 +12,6 @@ from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.workers import run_jobs
 
-__all__ = ["HowRun", "Progress", "grade_all"]
-
 Progress = Callable[[int, int], object]
 """Called with the number of runs that need not be made any more, and the number of all runs."""
 

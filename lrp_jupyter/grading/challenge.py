@@ -17,8 +17,6 @@ from lrp_jupyter.grading.record import RunRecord, at_start
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.worlds import load as load_world
 
-__all__ = ["Challenge", "Hint", "folder"]
-
 Hint = Callable[[RunRecord], str | None]
 """A function that inspects a failed run and returns a hint if it finds its mistake, else None."""
 

@@ -15,8 +15,6 @@ from typing import Any
 
 from lrp_jupyter.errors import LRPError, sentence_of
 
-__all__ = ["Cluster", "local_cluster"]
-
 _LOCAL = "127.0.0.1:0"  # any port, for this machine only
 _CONNECTING = 20.0  # s until a scheduler must have answered
 _WITHOUT_WORKERS = 60.0  # s

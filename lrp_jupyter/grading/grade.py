@@ -21,8 +21,6 @@ from lrp_jupyter.sim.world import World
 
 _FIGURE = re.compile(r"-?\d+(?:\.\d+)?")
 
-__all__ = ["Grade", "grade", "jobs_of", "namespace_of", "text_of"]
-
 
 @dataclass(frozen=True)
 class Grade:

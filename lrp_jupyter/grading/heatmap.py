@@ -12,8 +12,6 @@ from html import escape
 from lrp_jupyter.grading.grade import Grade
 from lrp_jupyter.graph.labels import text_width
 
-__all__ = ["by_run", "by_values"]
-
 _SCALE = ((0, 34, 78), (53, 69, 108), (102, 105, 112), (148, 142, 119), (200, 184, 102), (254, 232, 56))
 _FONT = 12
 _STYLE = f"""

@@ -11,8 +11,6 @@ from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.language.checks.uses import robot_uses
 from lrp_jupyter.language.program import Block, Finding, Program
 
-__all__ = ["hints_of"]
-
 _NAME = re.compile(r"`[^`]+`")
 
 

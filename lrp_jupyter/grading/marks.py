@@ -17,8 +17,6 @@ from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.submissions import Submission
 
-__all__ = ["FORMS", "Mark", "Marks", "csv_text", "grade_class"]
-
 
 class Mark(NamedTuple):
     """A submission and its grade."""

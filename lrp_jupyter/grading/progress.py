@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["shown_progress"]
-
 
 @contextmanager
 def shown_progress(what: str, lines: bool = False) -> Iterator[Callable[[int, int], object]]:

@@ -17,8 +17,6 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.sim.world import BoxSolid, Solid, World
 
-__all__ = ["RunRecord", "Sample", "angle_between", "at_start"]
-
 _STILL = 0.002  # m; a robot at rest may drift this far in one period
 _T = TypeVar("_T")
 

@@ -13,8 +13,6 @@ from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.sim.world import World
 
-__all__ = ["Referee"]
-
 
 class Referee:
     """Judges one run, tick by tick.

@@ -17,8 +17,6 @@ from lrp_jupyter.errors import FileError, LRPError
 from lrp_jupyter.files import read_text, shown
 from lrp_jupyter.grading.challenges import Challenge
 
-__all__ = ["Submission", "find_submissions", "read_submission"]
-
 _SUFFIXES = (".lrp", ".ipynb")
 _MOODLE = re.compile(r"_\d+_assignsubmission_.*")
 _CELL = re.compile(r"\s*%%lrp\b(.*)")

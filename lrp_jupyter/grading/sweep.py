@@ -27,8 +27,6 @@ from lrp_jupyter.grading.marks import csv_text
 from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.language.initials import with_initial
 
-__all__ = ["Sweep", "SweepPoint", "Value", "sweep", "sweep_axes"]
-
 Value = bool | int | float | str
 
 

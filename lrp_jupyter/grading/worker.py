@@ -20,8 +20,6 @@ from typing import IO, Any
 
 from lrp_jupyter.grading.attempt import attempt, failed
 
-__all__ = ["main", "receive", "send"]
-
 _SIZE = struct.Struct(">Q")
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 

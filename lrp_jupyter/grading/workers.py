@@ -31,8 +31,6 @@ from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.checkpoints import names_of
 
-__all__ = ["close_workers", "halt_runs", "isolated", "processors", "run_jobs"]
-
 
 def processors() -> int:
     """Return how many processors this process may use."""

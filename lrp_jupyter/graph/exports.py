@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from lrp_jupyter.graph.state_graph import PROGRAM, distinct_states, state_graph
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 
-__all__ = ["dot", "mermaid", "tree"]
-
 _STYLE = {
     "on": 'color="#1F78B4"',
     "exit": 'color="#1F78B4", style="bold"',

@@ -7,8 +7,6 @@ from itertools import product
 from math import floor
 from typing import NamedTuple
 
-__all__ = ["CELL", "Cells", "Point", "Rect", "Size"]
-
 Point = tuple[float, float]
 Size = tuple[float, float]
 

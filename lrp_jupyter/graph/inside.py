@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from lrp_jupyter.graph.geometry import Point, Rect
 from lrp_jupyter.graph.shapes import Inside, Layout
 
-__all__ = ["NAME", "Nested", "beside_each_other"]
-
 NAME = 26.0
 """Height of the state's name, above the machines, in px."""
 BORDER = 8.0

@@ -16,8 +16,6 @@ from itertools import accumulate, pairwise, takewhile
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
 
-__all__ = ["beside", "place_labels", "shorten", "text_width"]
-
 GAP = 5.0
 """Room between a line and its label, in px."""
 

@@ -18,8 +18,6 @@ from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
 from lrp_jupyter.graph.shapes import Layout, Position
 from lrp_jupyter.graph.state_graph import ANY
 
-__all__ = ["RESERVED", "free_place", "keep_positions"]
-
 RESERVED = 30.0
 """Time for which the position of a removed state stays free, in seconds."""
 USUAL: Size = (80.0, 36.0)

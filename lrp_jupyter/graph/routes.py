@@ -11,8 +11,6 @@ from dataclasses import dataclass, field
 
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect
 
-__all__ = ["Pair", "Route", "arc", "bends", "chords", "detour", "loop", "number", "obstacles", "straight"]
-
 Pair = tuple[str, str]
 Chord = tuple[Point, Point]
 

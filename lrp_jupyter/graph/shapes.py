@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NotRequired, TypedDict
 
-__all__ = ["Inside", "Label", "Layout", "Port", "Position", "Start", "StateShape", "TransitionShape"]
-
 
 class Position(TypedDict):
     """The centre of a node, in px; ``gone``: the time at which its state was removed, in seconds.

@@ -26,21 +26,6 @@ if TYPE_CHECKING:
 
     StateGraph = nx.MultiDiGraph[Path]
 
-__all__ = [
-    "ANY",
-    "PROGRAM",
-    "DefinedPaths",
-    "distinct_states",
-    "events_in_scope",
-    "find_machine",
-    "outer_states",
-    "start_states",
-    "state_graph",
-    "unreachable",
-    "unspawned",
-    "why_dangling",
-]
-
 ANY = "*"
 """Name of the fictional state that wildcards leave; not a valid name of a real state."""
 PROGRAM: Path = ()

@@ -7,8 +7,6 @@ from typing import Literal
 
 from lrp_jupyter.language.program import Element, Path
 
-__all__ = ["Breakpoint", "BreakpointKind"]
-
 BreakpointKind = Literal["entered", "left", "fired", "event", "condition"]
 _WORDS = {  # when it pauses, and why it has paused
     "entered": ("`{}` is entered", "`{}` was entered"),

@@ -9,8 +9,6 @@ from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, path_text
 
-__all__ = ["ByPath", "full_path"]
-
 V = TypeVar("V", covariant=True)
 
 

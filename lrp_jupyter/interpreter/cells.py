@@ -14,8 +14,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.interpreter.events import UNSET
 
-__all__ = ["Slot", "Writes", "content", "put", "writes_of"]
-
 
 class Slot:
     """An existing variable: its cell, and its value when it was last compared.

@@ -27,8 +27,6 @@ from lrp_jupyter.interpreter.cells import content, put
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.journal import weightless
 
-__all__ = ["Packed", "pack", "unpack"]
-
 _SHARED = (ModuleType, type, CodeType, BuiltinFunctionType, type(UNSET))
 _PLAIN = frozenset(
     {int, float, bool, str, bytes, bytearray, complex, type(None), list, tuple, dict, set, frozenset}

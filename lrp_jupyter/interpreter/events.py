@@ -7,8 +7,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.program import Path
 
-__all__ = ["EVENT_KINDS", "UNSET", "Firing", "Observer", "TraceEvent"]
-
 EVENT_KINDS = (
     "started",
     "entered",

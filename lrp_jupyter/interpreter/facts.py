@@ -11,8 +11,6 @@ from typing import NamedTuple
 from lrp_jupyter.interpreter.journal import weightless
 from lrp_jupyter.language.program import Element, Path
 
-__all__ = ["Commanded", "Discarded", "Entered", "Fact", "Faulted", "Fired", "Spawned"]
-
 
 @weightless
 class Fired(NamedTuple):

@@ -15,9 +15,6 @@ from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.interpreter.linker import Site, show_in_tracebacks
 from lrp_jupyter.language.program import Program
 
-__all__ = ["Fault", "Interrupted", "kind_and_message", "line_of", "place_of", "traceback_of"]
-
-
 _LONGEST, _LONGEST_TRACE = 1_000, 20_000
 """Maximum number of characters of a message and of a traceback."""
 

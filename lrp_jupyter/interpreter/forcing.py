@@ -17,8 +17,6 @@ from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Row
 from lrp_jupyter.language.program import Path, path_text
 
-__all__ = ["How", "find_state", "force"]
-
 How = Literal["transition", "teleport"]
 
 

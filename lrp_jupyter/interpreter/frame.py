@@ -21,8 +21,6 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, Spawn, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Frame", "Hit", "Hung", "Status", "definition_of", "is_active", "matches", "missing_state"]
-
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
 

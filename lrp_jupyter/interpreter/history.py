@@ -26,9 +26,6 @@ from lrp_jupyter.interpreter.tree import Activation
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 
-__all__ = ["History", "PastMachine", "PastState", "TickFacts"]
-
-
 _Record = tuple[Any, list[Any]]
 """A function that undoes a change, and its values; or None, and the time at which a tick ended."""
 _tick = attrgetter("tick")

@@ -12,8 +12,6 @@ from typing import Literal, overload
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element
 
-__all__ = ["ISSUE_CODES", "Issue", "IssueKind", "IssueLog"]
-
 IssueKind = Literal[
     "exception",
     "not boolean",

@@ -25,18 +25,6 @@ from typing import Any, TypeVar
 
 from lrp_jupyter.interpreter.cells import content, put
 
-__all__ = [
-    "Journal",
-    "Log",
-    "SavedState",
-    "note",
-    "undo_attribute",
-    "undo_write",
-    "undoes",
-    "values_of",
-    "weightless",
-]
-
 Kind = TypeVar("Kind")
 
 

@@ -28,21 +28,6 @@ from lrp_jupyter.language.program import (
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
 from lrp_jupyter.language.scanner import LINE_END
 
-__all__ = [
-    "BlockPlan",
-    "Broken",
-    "EdgePlan",
-    "EventPlan",
-    "MachinePlan",
-    "Plan",
-    "Site",
-    "SpawnPlan",
-    "StatePlan",
-    "VariablePlan",
-    "link",
-    "show_in_tracebacks",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Broken:

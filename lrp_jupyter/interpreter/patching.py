@@ -24,8 +24,6 @@ from lrp_jupyter.language.diff import ChangeSet
 from lrp_jupyter.language.identity import Successors, is_inside
 from lrp_jupyter.language.program import Element, Path, Program, Spawn
 
-__all__ = ["Decision", "Patch", "adopt", "carry_issues", "decide"]
-
 Policy = Literal["restart", "keep"]
 
 

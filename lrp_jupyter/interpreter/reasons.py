@@ -15,8 +15,6 @@ from lrp_jupyter.interpreter.history import History, PastMachine, PastState, Tic
 from lrp_jupyter.language.program import Element, Machine, Path, Program, Transition
 from lrp_jupyter.language.triggers import Delay
 
-__all__ = ["CODES", "Cause", "ReasonCode", "cause_in", "cause_of", "machine_of", "transition_of"]
-
 ReasonCode = Literal[
     "fired",
     "source-inactive",

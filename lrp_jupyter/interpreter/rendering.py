@@ -17,8 +17,6 @@ from typing import Any
 
 from lrp_jupyter.errors import name_of
 
-__all__ = ["LONGEST", "is_scalar", "of_type", "render", "scalar_of", "short"]
-
 LONGEST = 400
 """Maximum number of characters of a rendered value."""
 _DEEPEST, _ITEMS = 3, 12

@@ -46,8 +46,6 @@ from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
 
-__all__ = ["Run", "undo_change", "undo_fired"]
-
 _new = tuple.__new__  # a third of the time that a NamedTuple's own constructor takes
 
 

@@ -19,8 +19,6 @@ from lrp_jupyter.interpreter.tree import Activation, Count, Environment
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
 
-__all__ = ["Snapshot", "begin", "take"]
-
 
 class _Machine(NamedTuple):
     """A running machine: where it is defined, which state is active, and the numbers of its variables."""

@@ -39,22 +39,6 @@ from lrp_jupyter.language.program import Element, Name, Path, State
 from lrp_jupyter.language.provided import degrees
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
 
-__all__ = [
-    "Action",
-    "Activation",
-    "Count",
-    "Edge",
-    "Environment",
-    "Host",
-    "Row",
-    "bind_block",
-    "bind_code",
-    "bind_row",
-    "broken",
-    "is_boolean",
-    "not_boolean",
-]
-
 Call = Callable[[], object]
 
 

@@ -17,16 +17,6 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.python import parse_python
 
-__all__ = [
-    "EXPRESSION",
-    "BlockTest",
-    "VariableMapping",
-    "assign",
-    "check_expression",
-    "evaluate",
-    "find_variable",
-]
-
 EXPRESSION = "<expression>"
 """The file name, in tracebacks, of an expression that is assigned."""
 

@@ -16,8 +16,6 @@ from lrp_jupyter.language.expressions import Evaluation, evaluate, expression_of
 from lrp_jupyter.language.provided import builtin
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Shown", "items", "watch"]
-
 
 class Shown(str):
     """The text of a value that may change later."""

@@ -13,8 +13,6 @@ from lrp_jupyter.language.spellings import AMOUNT, SIGN
 from lrp_jupyter.language.tokens import FORM_LINE, LEGAL, keyword_of
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["Bracketing", "unclosed"]
-
 _ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _LONGEST_STRING = 200

@@ -27,8 +27,6 @@ from lrp_jupyter.language.spellings import AMOUNT, ARROWS, MODULES, SIGN, UNITS
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, keyword_of
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["Corrected", "correct", "is_form"]
-
 _NAMED = frozenset({"event", "machine", "state", "var"})
 _AFTER_NAME = frozenset({"ASSIGN", "BLOCK"})
 _FIRST_WORD = re.compile(r"\s*([^\W\d]\w*)")

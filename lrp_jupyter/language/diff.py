@@ -33,8 +33,6 @@ from lrp_jupyter.language.program import (
     path_text,
 )
 
-__all__ = ["ChangeSet", "diff"]
-
 _Change = (
     tuple[Literal["added", "removed", "changed", "moved"], Element]
     | tuple[Literal["became"], tuple[Element, Element]]

@@ -15,8 +15,6 @@ from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import Token, keyword_of, tokenize
 
-__all__ = ["LONGEST", "OpenForm", "Piece", "TextDraft", "is_python"]
-
 LONGEST = 40
 """Number of parts that are looked at: more than any form has that can be corrected."""
 

@@ -27,22 +27,6 @@ from lrp_jupyter.language.sheet import Sheet, WrittenForm
 from lrp_jupyter.language.tokens import LEGAL, tokenize
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = [
-    "DrawnProgram",
-    "WrittenTransition",
-    "change_transition",
-    "delete_machine",
-    "delete_state",
-    "delete_transition",
-    "new_form",
-    "new_state",
-    "new_transition",
-    "numbered",
-    "retarget",
-    "reverse",
-    "start_in",
-]
-
 FIRST_MACHINE = "main"
 """The name of the machine that is made for the first state of an empty program."""
 

@@ -18,8 +18,6 @@ from typing import Any
 from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.provided import degrees
 
-__all__ = ["Evaluation", "UnknownValueError", "evaluate", "expression_of", "names_in"]
-
 Lookup = Callable[[str], Any]
 
 _BINARY: dict[type, Callable[[Any, Any], Any]] = {

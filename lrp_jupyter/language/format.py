@@ -16,8 +16,6 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.scanner import LINE_END
 from lrp_jupyter.language.tokens import keyword_of, tokenize
 
-__all__ = ["formatted", "formatting"]
-
 _WIDTH = 90
 _WHITE = re.compile(r"[\s\ufeff]*")  # as in `tokens`: a text may begin with a byte order mark
 _GLUED = frozenset({("STAR", "MINUS"), ("MINUS", "LBRACE")})

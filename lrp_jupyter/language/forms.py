@@ -13,8 +13,6 @@ from lark.lexer import Lexer
 from lrp_jupyter.language.tokens import LEGAL
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["USAGE", "Mistake", "Shape", "article", "expected_text", "shape_of", "short"]
-
 USAGE = {
     "var": "(var name := [value])",
     "machine": "(machine name …)",

@@ -15,8 +15,6 @@ from typing import TypeVar
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Successors", "after_rename", "after_undo", "is_inside"]
-
 _Kept = TypeVar("_Kept")
 
 

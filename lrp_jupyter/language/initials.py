@@ -6,8 +6,6 @@ from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Machine, Path, Program, Variable, path_text
 
-__all__ = ["find_variable", "with_initial"]
-
 
 def find_variable(program: Program, wanted: Path) -> tuple[Path, Variable]:
     """Return the variable of a path, or of a name that only one variable has, and its path.

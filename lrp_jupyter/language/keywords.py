@@ -9,8 +9,6 @@ from lrp_jupyter.language.spellings import FOLLOWERS, OTHERS, closest
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, keyword_of
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["Keywords"]
-
 
 class Keywords(TextDraft):
     """The part of the corrections that is about keywords."""

@@ -9,8 +9,6 @@ from lrp_jupyter.language.scanner import logical_lines, strings
 from lrp_jupyter.language.source import Block
 from lrp_jupyter.language.suites import parse_suite
 
-__all__ = ["STEP", "aligned", "reindented"]
-
 STEP = 2
 """The columns by which what is inside a form is indented further than the form."""
 

@@ -11,8 +11,6 @@ from lrp_jupyter.language.repair import Bracket, Repair, repair
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of
 
-__all__ = ["DEEPEST", "Matching", "match"]
-
 DEEPEST = 100
 """Maximum depth of nested forms."""
 

@@ -19,8 +19,6 @@ from lrp_jupyter.language.python import parse_python
 from lrp_jupyter.language.scanner import fields, line_end, string_end
 from lrp_jupyter.language.suites import children
 
-__all__ = ["Offsets", "PythonScope", "Use", "Uses", "as_path", "normal", "uses", "words"]
-
 _Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 _Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
 _WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")

@@ -21,8 +21,6 @@ from lrp_jupyter.language.program import Path, State, path_text
 from lrp_jupyter.language.resolution import Arrow, Scope
 from lrp_jupyter.language.sheet import WrittenForm
 
-__all__ = ["nest", "unnest"]
-
 
 class _Move:
     """One move of a state from a machine to another."""

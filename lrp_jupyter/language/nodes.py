@@ -21,8 +21,6 @@ from lrp_jupyter.language.program import (
 )
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["Actions", "Node", "Part", "node", "program"]
-
 
 class Actions(NamedTuple):
     """The items of an action form; a state concatenates forms with the same keyword."""

@@ -30,8 +30,6 @@ from lrp_jupyter.language.spellings import closest
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS, Epsilon
 
-__all__ = ["MOST_PYTHON", "parse", "scan"]
-
 MOST_PYTHON = 250_000
 """Characters of all blocks of a text: to compile so many takes seconds, and ten times as many a minute."""
 

@@ -10,8 +10,6 @@ from lrp_jupyter.language.forms import USAGE
 from lrp_jupyter.language.spellings import ARROW_WORDS, ASSIGN_WORDS
 from lrp_jupyter.language.tokens import keyword_of
 
-__all__ = ["Parts"]
-
 
 class Parts(TextDraft):
     """The part of the corrections that is about the parts of a form."""

@@ -23,8 +23,6 @@ from lrp_jupyter.language.program import (
 )
 from lrp_jupyter.language.scanner import block_end
 
-__all__ = ["to_source"]
-
 _WIDTH = 90
 _STEP = " " * STEP
 

@@ -3,8 +3,6 @@
 import builtins
 import math
 
-__all__ = ["PROVIDED", "builtin", "degrees"]
-
 PROVIDED = frozenset({"robot", "print", "degrees"})
 
 

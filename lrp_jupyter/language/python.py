@@ -12,8 +12,6 @@ import gc
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["asked_again", "parse_python"]
-
 _TIMES = 50
 
 

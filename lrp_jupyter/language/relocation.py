@@ -14,8 +14,6 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.nodes import Part
 from lrp_jupyter.language.program import Span, State, Transition
 
-__all__ = ["Members", "Stray", "members", "relocated"]
-
 
 class Members(NamedTuple):
     """A machine of a wrong text: its range, its states, and its transitions."""

@@ -22,8 +22,6 @@ from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Element, Name, Path, Program, Span
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 
-__all__ = ["Symbol", "check_name", "references", "rename", "rename_edits", "symbols"]
-
 _KINDS = ("state", "machine", "event", "variable", "transition")
 
 

@@ -15,8 +15,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.tokens import LEGAL
 
-__all__ = ["Bracket", "Repair", "repair"]
-
 _BRACKET = 2.0  # one bracket removed or inserted
 _MISPLACED = 3.0
 _OUTDENTED = 0.4  # a form that begins no further right than the enclosing one

@@ -31,18 +31,6 @@ from lrp_jupyter.language.program import (
 )
 from lrp_jupyter.language.triggers import Purpose
 
-__all__ = [
-    "Arrow",
-    "Definition",
-    "PlacedBlock",
-    "Repeat",
-    "Resolution",
-    "Scope",
-    "Spawning",
-    "Unresolved",
-    "resolve",
-]
-
 Definition = Variable | Event | State | Machine
 _Defined = TypeVar("_Defined", Variable, Event, State, Machine)
 

@@ -14,8 +14,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.python import parse_python
 
-__all__ = ["Parameters", "RobotMember", "RobotMembers", "parameters_of"]
-
 
 class Parameters(NamedTuple):
     """What a method accepts.

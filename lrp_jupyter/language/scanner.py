@@ -12,17 +12,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-__all__ = [
-    "LINE_END",
-    "block_end",
-    "brackets",
-    "fields",
-    "line_end",
-    "logical_lines",
-    "string_end",
-    "strings",
-]
-
 _BLOCK = re.compile(r"[\[\]#'\"]")
 _QUOTE = re.compile(r"[#'\"]")
 _CODE = re.compile(r"[\[\](){}#'\"]")

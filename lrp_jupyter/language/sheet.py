@@ -19,8 +19,6 @@ from lrp_jupyter.language.scanner import LINE_END, strings
 from lrp_jupyter.language.tokens import LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["Sheet", "WrittenForm"]
-
 _RANKS = {"var": 0, "event": 1, "onentry": 2, "running": 3, "onexit": 4, "onpause": 5, "onresume": 6} | {
     "state": 7,
     "machine": 8,

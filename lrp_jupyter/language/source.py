@@ -10,8 +10,6 @@ from typing import NamedTuple
 from lrp_jupyter.errors import Edit, Fix
 from lrp_jupyter.language.suites import parse_block
 
-__all__ = ["NOWHERE", "Block", "Diagnosis", "Name", "Span"]
-
 
 class Span(NamedTuple):
     """A range of characters of the text: ``text[start:end]``."""

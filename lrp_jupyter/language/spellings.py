@@ -6,20 +6,6 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = [
-    "AMOUNT",
-    "ANY_WORDS",
-    "ARROWS",
-    "ARROW_WORDS",
-    "ASSIGN_WORDS",
-    "FOLLOWERS",
-    "MODULES",
-    "OTHERS",
-    "SIGN",
-    "UNITS",
-    "closest",
-]
-
 OTHERS: dict[str, tuple[str, ...]] = {
     word: tuple(meant.split())
     for meant, words in {

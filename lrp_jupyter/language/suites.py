@@ -12,8 +12,6 @@ from typing import NamedTuple
 from lrp_jupyter.language.python import parse_python
 from lrp_jupyter.language.scanner import LINE_END, logical_lines
 
-__all__ = ["DEEPEST", "Suite", "children", "no_warnings", "parse_block", "parse_suite"]
-
 DEEPEST = 100
 """Maximum depth of a block's syntax tree."""
 

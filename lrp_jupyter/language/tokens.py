@@ -9,8 +9,6 @@ from functools import lru_cache
 from lrp_jupyter.language.scanner import block_end, brackets, line_end
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["FORM_LINE", "KEYWORDS", "LEGAL", "Token", "keyword_of", "tokenize"]
-
 LEGAL: dict[str, frozenset[str]] = {
     "program": frozenset({"var", "machine", "event", "spawn", "onpause", "onresume"}),
     "machine": frozenset({"var", "event", "state", *FORMS}),

@@ -15,18 +15,6 @@ from typing import Any, ClassVar, Literal, NamedTuple
 
 from lrp_jupyter.language.source import Block, Name
 
-__all__ = [
-    "FORMS",
-    "Condition",
-    "Delay",
-    "Epsilon",
-    "Occurrence",
-    "Purpose",
-    "TransitionKind",
-    "Trigger",
-    "TriggerForm",
-]
-
 TransitionKind = Literal["on", "ontime", "eps", "exit"]
 Purpose = Literal["action", "initialiser", "condition", "delay"]
 """What the value of a block is used for; that of an action is not used."""

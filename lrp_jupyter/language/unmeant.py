@@ -31,8 +31,6 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Element, Finding, Program, Span, State
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Cursor", "Judgement", "Unmeant", "judge", "without_change"]
-
 Check = Callable[[Program], tuple[Finding, ...]]
 
 _WORD = re.compile(r"[0-9][\w.]*|\w+")

@@ -21,9 +21,6 @@ from lrp_jupyter.language.program import Block, Element, Path, Program, path_tex
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.unknown import unknown
 
-__all__ = ["Breakpoints", "breakpoint_of", "element_of", "noun_of"]
-
-
 _KEYWORDS = {"state": "entered", "transition": "fires", "event": "event", "machine": "machine"}
 """The argument of `Session.pause_when` that takes an element, by its kind."""
 

@@ -15,8 +15,6 @@ from lrp_jupyter.language import checks
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.robot import RobotMember, RobotMembers, parameters_of
 
-__all__ = ["check", "members_of", "members_of_world"]
-
 
 def check(
     text_or_program: str | Program, names: Collection[str] = (), bridge: Bridge | str | None = None

@@ -17,8 +17,6 @@ from typing import Any, NamedTuple
 from lrp_jupyter.interpreter.linker import Plan
 from lrp_jupyter.interpreter.snapshot import Snapshot
 
-__all__ = ["COPIED", "PLAIN", "Checkpoints", "SessionCheckpoint", "names_of"]
-
 _SPACING = 200  # ticks, at least, between two checkpoints
 _SHARE = 60  # of the time: a checkpoint may take a sixtieth of it
 _MOST = 60  # kept

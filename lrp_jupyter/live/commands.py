@@ -21,28 +21,6 @@ from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.record import Record
 
-__all__ = [
-    "AddBreakpoint",
-    "Assign",
-    "Call",
-    "ChangeBreakpoint",
-    "Force",
-    "Pause",
-    "RemoveBreakpoint",
-    "Rename",
-    "Renew",
-    "RepeatEdit",
-    "ReplaceProgram",
-    "Reset",
-    "Resume",
-    "Rewind",
-    "SetPolicy",
-    "SetRate",
-    "SetSpeed",
-    "SetVariable",
-    "Step",
-]
-
 _ARGUMENTS = (LRPError, ValueError, TypeError)
 
 

@@ -12,8 +12,6 @@ from lrp_jupyter.errors import ended
 from lrp_jupyter.live.plain import unplain
 from lrp_jupyter.live.why.wording import call_text
 
-__all__ = ["Comparison", "FirstDifference"]
-
 Line = Mapping[str, Any]
 
 _TELLING = ("issue", "fired", "forced", "restarted")

@@ -35,8 +35,6 @@ from lrp_jupyter.live.monitor import AGAIN, PATIENCE, Monitor, block_of
 from lrp_jupyter.live.self_monitor import SelfMonitor
 from lrp_jupyter.live.waking import TaskEvent
 
-__all__ = ["Driver", "LoopTask", "LoopThread"]
-
 _HOLD = 0.0005  # wall seconds for which a loop that never waits may keep others from running …
 _YIELD = 0.00005  # … and those for which it then sleeps
 _REST = 0.1  # wall seconds that a driver waits after a fault

@@ -12,8 +12,6 @@ from contextlib import suppress
 from traceback import format_exception
 from typing import ParamSpec
 
-__all__ = ["Foreign", "on_main_thread", "surviving"]
-
 Arguments = ParamSpec("Arguments")
 
 

@@ -31,8 +31,6 @@ from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.replay import Entry, Ticked, merged
 
-__all__ = ["ForkStart", "check_repeated", "fork_start", "private_namespace"]
-
 
 class ForkStart(NamedTuple):
     """What a copy of a session is made of.

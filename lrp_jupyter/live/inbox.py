@@ -15,8 +15,6 @@ from typing import Any, ClassVar
 
 from lrp_jupyter.errors import LRPError
 
-__all__ = ["Command", "Inbox"]
-
 
 class Command(ABC):
     """A request to a loop: a frozen value, applied as a whole between two ticks."""

@@ -21,8 +21,6 @@ from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["input_line", "input_of", "literal"]
-
 Line = dict[str, Any]
 
 

@@ -15,8 +15,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
 
-__all__ = ["Input", "Inputs", "Paused", "Resumed", "Rewound", "RunEnded"]
-
 
 @dataclass(frozen=True, slots=True)
 class Paused:

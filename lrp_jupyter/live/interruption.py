@@ -27,8 +27,6 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.faults import Interrupted
 
-__all__ = ["RunningBlock", "ending_calls", "interrupt", "interrupt_call", "running_block"]
-
 
 class RunningBlock(NamedTuple):
     """A block, or foreign code, that a thread is running.

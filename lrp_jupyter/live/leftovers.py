@@ -13,8 +13,6 @@ from collections.abc import Set as AbstractSet
 from lrp_jupyter.language.program import Element, path_text
 from lrp_jupyter.live.checkpoints import COPIED, PLAIN, SessionCheckpoint
 
-__all__ = ["differ", "leftover"]
-
 _RANDOM = "random"
 
 

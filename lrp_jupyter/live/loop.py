@@ -56,8 +56,6 @@ from lrp_jupyter.live.record import Record
 from lrp_jupyter.live.timing import ROUNDING, STEP, Timing
 from lrp_jupyter.live.values import ValueTexts, numbers_of
 
-__all__ = ["Loop"]
-
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
 _KEYBOARD = "The run was interrupted from the keyboard."

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any, NamedTuple
 
-__all__ = ["Moment", "Moments"]
-
 
 class Moment(NamedTuple):
     """The beginning of a tick.

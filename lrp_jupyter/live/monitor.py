@@ -20,8 +20,6 @@ from lrp_jupyter.live.commands import Pause
 from lrp_jupyter.live.interruption import RunningBlock, interrupt, interrupt_call, running_block
 from lrp_jupyter.live.loop import Loop
 
-__all__ = ["AGAIN", "PATIENCE", "Monitor", "block_of"]
-
 PATIENCE = 1.0
 """Wall seconds that a call waits for its command, and at most a command for a block that does not return."""
 AGAIN = 0.25

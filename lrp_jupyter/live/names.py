@@ -14,8 +14,6 @@ from typing import Any
 from lrp_jupyter.live.checkpoints import COPIED, PLAIN
 from lrp_jupyter.live.inbox import Command
 
-__all__ = ["ABSENT", "ChangeNames", "WatchedNames"]
-
 ABSENT = object()
 """Stands for the value of a name that has none."""
 

@@ -8,8 +8,6 @@ from collections.abc import Callable
 from threading import Lock
 from typing import Any
 
-__all__ = ["Output"]
-
 
 class Output:
     """Buffer of the last lines printed; thread-safe.

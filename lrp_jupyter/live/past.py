@@ -21,8 +21,6 @@ from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.values import numbers_of
 
-__all__ = ["animation_of", "frame_at", "tick_of"]
-
 
 def frame_at(loop: Loop, tick: int) -> Frame:
     """Return the frame of a tick that is remembered.

@@ -9,8 +9,6 @@ from typing import Any
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.interpreter.rendering import render
 
-__all__ = ["Fields", "plain", "unplain"]
-
 
 def plain(value: object) -> Any:
     """Return a reading, or an argument of a command, as JSON.

@@ -23,8 +23,6 @@ from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 
-__all__ = ["Plot", "Threshold", "plottable", "plotting", "plotting_named"]
-
 _ROBOT = "robot."
 _MOST = 6  # thresholds of a plot
 

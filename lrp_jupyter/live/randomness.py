@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from types import ModuleType
 from typing import Any
 
-__all__ = ["random_module"]
-
 
 def random_module(namespace: Mapping[str, Any]) -> ModuleType:
     """Return what `import random` gives to the blocks of a namespace."""

@@ -35,8 +35,6 @@ from lrp_jupyter.live.names import ChangeNames, WatchedNames
 from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.timing import Timing
 
-__all__ = ["Record"]
-
 
 class Record:
     """What is kept of a run; see the head of this module.

@@ -8,8 +8,6 @@ from typing import Any
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.language.expressions import UnknownValueError
 
-__all__ = ["RecordedRobot"]
-
 
 class RecordedRobot(NotAValue):
     """A robot that has only the readings of one tick.

@@ -20,8 +20,6 @@ from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.recording import VERSION, RunStart
 from lrp_jupyter.live.trace import Trace, as_dict
 
-__all__ = ["Recorder", "start_of"]
-
 Line = dict[str, Any]
 
 

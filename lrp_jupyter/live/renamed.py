@@ -7,8 +7,6 @@ from collections.abc import Iterable
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Path
 
-__all__ = ["Names"]
-
 
 class Names:
     """The names that elements had at one tick.

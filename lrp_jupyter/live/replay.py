@@ -23,8 +23,6 @@ from lrp_jupyter.live.inputs import Input, Paused, Resumed, Rewound, RunEnded
 from lrp_jupyter.live.leftovers import leftover
 from lrp_jupyter.live.loop import Loop
 
-__all__ = ["Entry", "Ticked", "merged", "play", "repeat", "tested_again", "without_edits"]
-
 
 class Ticked(NamedTuple):
     """A tick of a recorded run.

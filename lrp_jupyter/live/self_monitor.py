@@ -22,8 +22,6 @@ from lrp_jupyter.live.interruption import Interruption
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.monitor import block_of
 
-__all__ = ["SelfMonitor"]
-
 _TOOL = 4  # of `sys.monitoring`: neither that of a debugger, of coverage, of a profiler nor of an optimizer
 _LIBRARIES = tuple({sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")})
 _watching: list[SelfMonitor] = []

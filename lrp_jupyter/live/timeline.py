@@ -26,8 +26,6 @@ from lrp_jupyter.live.why.wording import call_text, time_text
 from lrp_jupyter.sim.edits import WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 
-__all__ = ["Happening", "HappeningKind", "Timeline", "TimelineCursor", "happenings", "present", "timeline_of"]
-
 HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause", "command", "hand"]
 
 

@@ -11,8 +11,6 @@ from typing import overload
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.program import Path, path_text
 
-__all__ = ["Trial", "Trials"]
-
 _WIDTH, _HEIGHT = 120, 80  # px of the picture of a path
 
 

@@ -10,8 +10,6 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["unknown"]
-
 _KINDS = ("transition", "state", "event", "variable", "machine")
 _MOST = 8  # names that are listed
 

@@ -17,8 +17,6 @@ from lrp_jupyter.errors import name_of
 from lrp_jupyter.interpreter.rendering import is_scalar, of_type, render
 from lrp_jupyter.language.program import Path, path_text
 
-__all__ = ["ValueTexts", "numbers_of"]
-
 _SPACING = 20.0
 """Time between two renderings of a value, in multiples of what those of one frame take."""
 

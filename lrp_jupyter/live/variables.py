@@ -9,8 +9,6 @@ from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, path_text
 
-__all__ = ["LiveVariables"]
-
 
 class LiveVariables(MutableMapping[Path, Any]):
     """The variables of a session: read from its newest frame, and assigned between two ticks.

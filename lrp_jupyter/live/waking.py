@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import asyncio
 
-__all__ = ["TaskEvent"]
-
 
 class TaskEvent:
     """Created inside the event loop whose task waits for it."""

@@ -9,8 +9,6 @@ from itertools import zip_longest
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.timeline import Happening, happenings, present
 
-__all__ = ["Course", "Divergence", "Observation", "Touch", "Waypoint", "WhatIf", "divergence"]
-
 Waypoint = tuple[float, float, float, float]
 """A time in seconds, x and y in metres, and a heading in radians."""
 

@@ -21,8 +21,6 @@ from lrp_jupyter.sim.simulation import STEPS_PER_SECOND, Simulation
 from lrp_jupyter.sim.svg import framed, joined, scaled, zone_name
 from lrp_jupyter.sim.world import Point
 
-__all__ = ["EVERY", "TURNED", "WITHIN", "animated"]
-
 EVERY = 5  # steps between two samples
 WITHIN = 0.002  # m
 TURNED = 1.0  # degrees

@@ -22,20 +22,6 @@ from lrp_jupyter.sim.world import (
     Zone,
 )
 
-__all__ = [
-    "Become",
-    "Draw",
-    "Edition",
-    "PutSolid",
-    "PutZone",
-    "RemoveSolid",
-    "RemoveZone",
-    "SetStart",
-    "WorldEdit",
-    "WorldHistory",
-    "is_edit",
-]
-
 MOST_POINTS = 20_000  # of drawn lines; later ones are not drawn
 _MOST_STEPS = 500  # that can be undone
 

@@ -14,8 +14,6 @@ from functools import lru_cache
 
 from lrp_jupyter.sim.world import ArcStroke, CircleStroke, FloorSpec, PathStroke, Point, Stroke
 
-__all__ = ["SPOT", "LiveFloor", "Mark", "Paint", "distance_to"]
-
 SPOT = 0.002  # m: radius of the spot over which a light sensor averages
 _CELL = 0.05  # m
 _REACH = _CELL * math.sqrt(0.5) + SPOT
@@ -35,6 +33,8 @@ class Paint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
+    """A piece of a line on the floor, in m: its beginning, its vector, and the square of its length."""
+
     x: float
     y: float
     dx: float
@@ -42,6 +42,7 @@ class Segment:
     square: float
 
     def distance(self, x: float, y: float) -> float:
+        """Return the distance of a point, in m."""
         x -= self.x
         y -= self.y
         if self.square == 0.0:
@@ -53,9 +54,11 @@ class Segment:
         return math.sqrt(x * x + y * y)
 
     def ends(self) -> tuple[float, float, float, float]:
+        """Return both ends: x, y, x, y."""
         return self.x, self.y, self.x + self.dx, self.y + self.dy
 
     def bounds(self) -> tuple[float, float, float, float]:
+        """Return left, bottom, right and top."""
         right, top = self.x + self.dx, self.y + self.dy
         return min(self.x, right), min(self.y, top), max(self.x, right), max(self.y, top)
 
@@ -69,6 +72,7 @@ class _Arc:
     sweep: float  # … over this angle, 0 to a full turn
 
     def distance(self, x: float, y: float) -> float:
+        """Return the distance of a point, in m."""
         x -= self.x
         y -= self.y
         turned = (math.atan2(y, x) - self.first) % (2 * math.pi)

@@ -16,8 +16,6 @@ from lrp_jupyter.sim.inputs import Input
 from lrp_jupyter.sim.robot import Memory, Motion
 from lrp_jupyter.sim.world import World
 
-__all__ = ["Checkpoint", "InputLog", "WorldMoment", "packed", "unpack"]
-
 CHECKPOINT_INPUTS = 20_000
 MOST_CHECKPOINTS = 10_000
 MOST_INPUTS = 500_000

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from lrp_jupyter.sim.edits import Draw, WorldEdit
 from lrp_jupyter.sim.world import Point, Pose, World
 
-__all__ = ["Drive", "Input", "Lamp", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "ResetWorld", "check_input"]
-
 
 @dataclass(frozen=True, slots=True)
 class Latch:

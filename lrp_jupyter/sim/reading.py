@@ -32,8 +32,6 @@ from lrp_jupyter.sim.world import (
     middle_of,
 )
 
-__all__ = ["did_you_mean", "read_file", "read_solid", "read_text", "read_world", "read_zone"]
-
 T = TypeVar("T")
 _FAR = 1000.0  # metres: larger worlds are surely a mistake of units
 _SMALL = 1e-4

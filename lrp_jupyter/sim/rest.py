@@ -12,8 +12,6 @@ from __future__ import annotations
 from lrp_jupyter.sim.robot import Body, Motion, SimRobot, SimSolid
 from lrp_jupyter.sim.world import can_move
 
-__all__ = ["Rest"]
-
 _CERTAIN = 5  # steps in a row; pymunk forgets ended contacts after 3
 
 

@@ -22,8 +22,6 @@ from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
 from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid, middle_of
 
-__all__ = ["STEP", "Memory", "Motion", "SimRobot", "SimSolid", "clear", "edge", "fresh_space"]
-
 STEP = 0.01  # s: one step of physics
 GRAVITY = 9.81  # m/s²
 GRIP = 0.8  # coefficient of friction of the wheels: pushing harder, they slip

@@ -12,16 +12,6 @@ import pymunk
 from lrp_jupyter.sim.floor import LiveFloor
 from lrp_jupyter.sim.world import DIRECTIONS, Point, Pose, RobotSpec
 
-__all__ = [
-    "Odometer",
-    "Readings",
-    "light_directions",
-    "light_spots",
-    "ray_directions",
-    "read_distances",
-    "read_lights",
-]
-
 _MIDDLE = 0.005  # m: a light sensor nearer to the axis of the robot than this is neither left nor right
 
 

@@ -9,8 +9,6 @@ from lrp_jupyter.sim.robot import SimSolid
 from lrp_jupyter.sim.simulation import Simulation
 from lrp_jupyter.sim.world import BoxSolid, Solid, World
 
-__all__ = ["sketch"]
-
 _ARROWS = "→↗↑↖←↙↓↘"
 _DARK = 160  # greys below this are a line
 _GRAIN = 0.025  # m: distance between samples of the floor, a little less than the width of a line

@@ -14,8 +14,6 @@ from lrp_jupyter.sim.shapes import num
 from lrp_jupyter.sim.simulation import Simulation
 from lrp_jupyter.sim.world import BoxZone, Point, Pose, World, Zone
 
-__all__ = ["framed", "joined", "scaled", "svg", "zone_name"]
-
 _CAPTION = 26  # px
 _SMALL = (
     'font-family="system-ui,sans-serif" font-size="10" stroke="#fff" stroke-width="3" stroke-opacity="0.8" '

@@ -23,8 +23,6 @@ from lrp_jupyter.sim.world import (
     WorldError,
 )
 
-__all__ = ["BUNDLED", "DESCRIPTIONS", "load"]
-
 _QUARTER = math.pi / 2
 _EIGHTH = math.pi / 4
 _AROUND = ((0.0, 2.0), (_QUARTER, 2.0), (-_QUARTER, 2.0))  # rays ahead, to the left, to the right

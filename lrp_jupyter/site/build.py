@@ -14,8 +14,6 @@ from lrp_jupyter.site.page import write_page
 from lrp_jupyter.site.runtime import RUNTIME, Pyodide
 from lrp_jupyter.site.wheel import pack
 
-__all__ = ["build_site"]
-
 
 def build_site(
     folder: Path,

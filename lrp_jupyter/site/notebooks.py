@@ -13,15 +13,6 @@ from tempfile import TemporaryDirectory
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-__all__ = [
-    "STORAGE",
-    "build_notebooks",
-    "check_installed",
-    "copy_for_students",
-    "for_the_browser",
-    "kernel_wheels",
-]
-
 STORAGE = "lrp-notebooks"
 """The storage of the notebooks in a browser; the plain page writes notebooks into it, too."""
 _KERNEL = "@jupyterlite/pyodide-kernel-extension"

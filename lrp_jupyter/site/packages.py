@@ -19,8 +19,6 @@ from typing import Any
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-__all__ = ["collect"]
-
 _PURE = "-none-any.whl"
 _TAGS = ("--platform", "pyemscripten_2026_0_wasm32", "--python-version", "3.14", "--implementation", "cp")
 

@@ -11,8 +11,6 @@ from lrp_jupyter import programs
 from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-__all__ = ["write_page"]
-
 _STATIC = Path(__file__).parents[1] / "static"
 _PACKAGES = ("lark", "pymunk")
 """What the lab itself needs; what notebooks need besides is not loaded here."""

@@ -10,8 +10,6 @@ from urllib.request import urlopen
 
 from lrp_jupyter.errors import LRPError
 
-__all__ = ["LOCK", "RUNTIME", "VERSION", "Pyodide"]
-
 VERSION = "314.0.7"
 """The version of Pyodide; its Python is 3.14."""
 RUNTIME = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip")

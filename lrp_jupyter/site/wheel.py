@@ -8,8 +8,6 @@ from base64 import urlsafe_b64encode
 from importlib.metadata import distribution
 from pathlib import Path
 
-__all__ = ["pack"]
-
 _LEFT_OUT = ("cli/", "notebooks/", "site/", "static/site/")
 """What a browser has no use for: the command line, the notebooks, and what a site is built from."""
 

@@ -12,8 +12,6 @@ from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
 from lrp_jupyter.widgets.places import path_of
 
-__all__ = ["AddBreakpointCommand", "ChangeBreakpointCommand", "RemoveBreakpointCommand"]
-
 Hits = Annotated[int, Between(1, 1_000_000)]
 
 

@@ -17,8 +17,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 
-__all__ = ["Sections", "TextChanges", "difference", "from_units", "to_units"]
-
 Sections = list[int | list[int | str]]
 """A number of units that stay, or a list: the number of units to delete, and the lines in their place."""
 

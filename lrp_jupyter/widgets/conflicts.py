@@ -10,8 +10,6 @@ from dataclasses import dataclass, replace
 
 from lrp_jupyter.widgets.protocol import ConflictView
 
-__all__ = ["Conflict", "Conflicts"]
-
 
 @dataclass(frozen=True)
 class Conflict:

@@ -53,8 +53,6 @@ from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Rename
 
-__all__ = ["PageConnection"]
-
 
 class PageConnection:
     """A session and the views that show it.

@@ -17,8 +17,6 @@ from secrets import token_hex
 
 from lrp_jupyter.widgets.changes import TextChanges, difference, from_units, to_units
 
-__all__ = ["Document", "Update"]
-
 _MOST_UPDATES = 5_000
 _MOST_CHARACTERS = 2_500_000  # inserted by all updates together
 _LINE_END = re.compile(r"\r\n|\r|\n")

@@ -20,8 +20,6 @@ from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
 from lrp_jupyter.widgets.places import edits_view, path_of
 from lrp_jupyter.widgets.protocol import ElementKind
 
-__all__ = ["DrawRequest"]
-
 DrawingAct = Literal[
     "state",
     "transition",

@@ -8,8 +8,6 @@ from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.widgets.places import edits_view
 from lrp_jupyter.widgets.protocol import Difference, FindingView, QuickFix
 
-__all__ = ["difference_view", "finding_id", "finding_view"]
-
 
 def finding_id(finding: Finding) -> str:
     """Return the identity of a finding among those of its text."""

@@ -30,8 +30,6 @@ from lrp_jupyter.sim.worlds import load
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.protocol import AttemptView, CheckView, CriterionView, GoalView, OutlineView
 
-__all__ = ["Goal"]
-
 _MEMORY = 1000.0  # MB that a run of a check may need
 _LIMIT = 30.0  # s that it may be computed
 _STORING = 0.5  # s in which a browser stores the text, before a check that may not return

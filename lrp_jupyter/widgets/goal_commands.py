@@ -11,8 +11,6 @@ from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
 
-__all__ = ["CheckCommand", "HintCommand", "ShowAttemptCommand", "StartOverCommand"]
-
 
 def _goal(opened: OpenProgram) -> Goal:
     if opened.goal is None:

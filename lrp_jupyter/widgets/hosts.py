@@ -13,8 +13,6 @@ from typing import Any
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import shown
 
-__all__ = ["is_hub", "is_static", "is_voila"]
-
 
 def is_voila() -> bool:
     """Return whether Voila started this kernel: for a visitor, or in advance (then it names no server)."""

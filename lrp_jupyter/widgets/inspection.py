@@ -17,8 +17,6 @@ from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
 from lrp_jupyter.widgets.places import id_of, path_of
 from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState
 
-__all__ = ["InspectRequest"]
-
 _MOST = 100  # facets of one object
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 

@@ -27,8 +27,6 @@ from lrp_jupyter.files import shown
 from lrp_jupyter.widgets.hosts import is_hub, is_voila
 from lrp_jupyter.widgets.kept import FOLDER, Kept, state_folder
 
-__all__ = ["WAYS", "kept_texts"]
-
 WAYS = ("notebook", "user", "nothing")
 """The values of ``LRP_KEEP``."""
 

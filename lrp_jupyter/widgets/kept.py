@@ -30,8 +30,6 @@ from pathlib import Path
 from lrp_jupyter.errors import FileError, LRPError
 from lrp_jupyter.files import append_line, read_file, shown, write_file
 
-__all__ = ["FOLDER", "Kept", "Version", "checked_name", "newest", "state_folder"]
-
 FOLDER = ".lrp"
 """The folder of kept texts, beside the notebook."""
 _MOST_VERSIONS = 10

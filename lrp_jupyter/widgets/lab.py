@@ -41,19 +41,6 @@ from lrp_jupyter.widgets.hosts import is_static
 from lrp_jupyter.widgets.kept import Version
 from lrp_jupyter.widgets.plain import packed, unpacked
 
-__all__ = [
-    "Controls",
-    "Editor",
-    "Issues",
-    "Lab",
-    "Part",
-    "SimView",
-    "StateGraph",
-    "Tree",
-    "Variables",
-    "lab_of",
-]
-
 _NAME = re.compile(r"[\w-]+")
 """The name of a program: no text is one word, because a program has parentheses."""
 _STILL_WIDTH = 480  # px

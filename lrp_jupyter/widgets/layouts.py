@@ -14,8 +14,6 @@ from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 
-__all__ = ["Layouts"]
-
 
 class Layouts:
     """Lays out the machines of the running program; only what would be drawn differently is laid out again.

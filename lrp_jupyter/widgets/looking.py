@@ -16,8 +16,6 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import LookingView
 
-__all__ = ["Looking", "MomentShown"]
-
 
 class MomentShown(NamedTuple):
     """A frame that views show, and the moment that it is of; None for the present."""

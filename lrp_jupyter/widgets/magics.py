@@ -26,8 +26,6 @@ from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.lab import Lab, lab_of
 
-__all__ = ["LRPMagics", "completions", "open_body"]
-
 _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ] [--challenge CHALLENGE]
                       run the cell's text as a program and show its lab; running the cell again

@@ -27,21 +27,6 @@ from lrp_jupyter.widgets.protocol import ElementKind, PartName, ViewState
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
-__all__ = [
-    "Between",
-    "ByeMessage",
-    "CreditMessage",
-    "CursorMessage",
-    "HelloMessage",
-    "MessageError",
-    "OpenProgram",
-    "PageCommand",
-    "PageMessage",
-    "PageRequest",
-    "TextMessage",
-    "decode",
-]
-
 
 class MessageError(LRPError):
     """A message of a page does not match its type."""

@@ -14,8 +14,6 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.program import Path, line_starts, path_text
 from lrp_jupyter.widgets.protocol import TextEdit, TextRange
 
-__all__ = ["edits_view", "id_of", "offset_of", "path_of", "range_of"]
-
 
 @lru_cache(maxsize=2)  # many ranges of one text are converted in a row
 def _line_starts(text: str) -> list[int]:

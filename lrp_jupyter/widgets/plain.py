@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-__all__ = ["packed", "unpacked"]
-
 
 def packed(message: Any) -> str:
     """Return a message as a text that any notebook passes on as it is."""

@@ -42,8 +42,6 @@ from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
 from lrp_jupyter.widgets.world_commands import saved_worlds
 from lrp_jupyter.widgets.world_state import WorldCursor
 
-__all__ = ["PendingReply", "Publisher", "Send"]
-
 _HEARTBEAT = 1.0
 _URGENT, _CALM = 0.015, 0.08  # s between two frames, at least: ten ticks a second come through
 _ROUND, _REST = 0.01, 0.1  # s until the next round if something urgent is owed, and if nothing wakes it

@@ -26,8 +26,6 @@ from lrp_jupyter.widgets.kept import Kept, checked_name
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
-__all__ = ["connection_of", "find", "forget", "named", "names", "open_program", "robot_for", "running"]
-
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
 

@@ -40,19 +40,6 @@ from lrp_jupyter.widgets.protocol import (
     WhyView,
 )
 
-__all__ = [
-    "CompleteRequest",
-    "ExplainRequest",
-    "FormatRequest",
-    "HoverRequest",
-    "ReferencesRequest",
-    "SaveRequest",
-    "VersionsRequest",
-    "WhyRequest",
-    "arguments_of",
-    "fields_of",
-]
-
 _MOST = 300  # completions
 _ARGUMENT = re.compile(r"[(,]\s*(\w+)")
 

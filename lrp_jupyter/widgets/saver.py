@@ -18,8 +18,6 @@ from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.kept import Kept, Version, newest
 from lrp_jupyter.widgets.texts import Texts, fingerprint
 
-__all__ = ["Saver"]
-
 _LOOK = 1.0  # s between two comparisons of the file with what was written
 _AGAIN = 5.0  # s until a text that could not be kept is tried again
 _WELL = 10.0  # s that a program has to run after a block of it did not return

@@ -34,8 +34,6 @@ from lrp_jupyter.widgets.protocol import (
     UpdateView,
 )
 
-__all__ = ["Rename", "Texts", "Written", "fingerprint"]
-
 Selection = tuple[int, int]
 """The anchor and the head of a selection, in UTF-16 units."""
 Rename = tuple[str, Path, str]

@@ -16,8 +16,6 @@ from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand, Page
 from lrp_jupyter.widgets.places import id_of
 from lrp_jupyter.widgets.protocol import CourseView, HappeningView, PlotView, TimelineView, WhatIfView
 
-__all__ = ["LookCommand", "RunFromCommand", "TimelineRequest", "WhatIfRequest"]
-
 
 @dataclass(frozen=True)
 class TimelineRequest(PageRequest, type="timeline"):

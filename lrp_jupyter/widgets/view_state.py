@@ -48,8 +48,6 @@ from lrp_jupyter.widgets.protocol import (
 )
 from lrp_jupyter.widgets.saver import Saver
 
-__all__ = ["ViewStates", "difference", "is_urgent", "listed_members"]
-
 PRINTED = 500
 """Lines of output that a view is sent at most."""
 RESTARTS = 20

@@ -18,8 +18,6 @@ from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.plain import packed
 
-__all__ = ["Opened", "open_program"]
-
 SendText = Callable[[str, "list[bytes]"], None]
 
 

@@ -21,8 +21,6 @@ from lrp_jupyter.sim.svg import svg
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand, PageRequest
 
-__all__ = ["WORLD_FILE", "saved_worlds"]
-
 Applied = Future[Any]
 Index = Annotated[int, Between(0, 10_000)]
 Grey = Annotated[int, Between(0, 255)]

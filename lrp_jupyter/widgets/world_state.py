@@ -29,8 +29,6 @@ from lrp_jupyter.sim.world import (
 )
 from lrp_jupyter.widgets.protocol import InkView, SolidView, StrokeView, WorldView, ZoneView
 
-__all__ = ["WorldCursor", "pack_poses", "world_view"]
-
 _DISTANCE = 0.1  # s between two descriptions, at least
 
 

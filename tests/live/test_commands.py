@@ -2,7 +2,6 @@ import pytest
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.program import Program
-from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.commands import Pause, ReplaceProgram, Reset, Resume, SetRate, Step
 from lrp_jupyter.live.inbox import Inbox
 
@@ -53,8 +52,3 @@ def test_every_command_wakes_the_loop():
     inbox.put(Step())
     assert inbox.wake.is_set()
     assert len(inbox) == 1
-
-
-def test_all_commands_are_public():
-    own = {name for name, each in vars(do).items() if getattr(each, "__module__", "") == do.__name__}
-    assert {name for name in own if not name.startswith("_")} == set(do.__all__)

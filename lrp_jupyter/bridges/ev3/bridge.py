@@ -37,8 +37,6 @@ from lrp_jupyter.bridges.message import Message, Twist, real_number
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table, number_in
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
-__all__ = ["EV3Bridge"]
-
 
 class EV3Bridge(Bridge):
     """A Lego EV3 brick as `robot`.

@@ -18,8 +18,6 @@ from lrp_jupyter.bridges.ev3.lines import Line, reason
 from lrp_jupyter.bridges.ev3.protocol import BrickReply, frame, split_replies
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["ANSWER_TIME", "BrickClient", "Code"]
-
 ANSWER_TIME = 0.5
 """Seconds in which a brick must answer, or the connection is lost."""
 

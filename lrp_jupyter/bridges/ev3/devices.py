@@ -16,8 +16,6 @@ from lrp_jupyter.bridges.ev3.protocol import BrickReading, MotorReading, SensorR
 from lrp_jupyter.bridges.message import real_number
 from lrp_jupyter.errors import BridgeError, NoDataYet, did_you_mean
 
-__all__ = ["ABSENT", "MODES", "UNITS", "Brick", "Motor", "Sensor", "mode_name", "type_name"]
-
 TYPES = {
     1: "NXT touch", 2: "NXT light", 3: "NXT sound", 4: "NXT colour", 5: "NXT ultrasonic",
     6: "NXT temperature", 7: "large motor", 8: "medium motor", 16: "touch", 29: "colour",

@@ -19,8 +19,6 @@ from lrp_jupyter.bridges.ev3.lines import WAIT, BusyError, NoBrickError, open_bl
 from lrp_jupyter.bridges.ev3.usb import USB, open_usb, same_serial
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["Beacon", "check_address", "connect", "parse_beacon"]
-
 _PAUSE = 0.5  # seconds between two attempts at the same address
 _BLUETOOTH = re.compile(r"[0-9A-Fa-f]{2}(:?)(?:[0-9A-Fa-f]{2}\1){4}[0-9A-Fa-f]{2}")
 

@@ -17,8 +17,6 @@ from contextlib import suppress
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["WAIT", "BusyError", "Line", "NoBrickError", "SocketLine", "open_bluetooth", "open_tcp", "reason"]
-
 WAIT = 0.05
 """Seconds that a line waits before the time and other events are checked."""
 

@@ -18,8 +18,6 @@ from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading, MotorReadi
 from lrp_jupyter.bridges.ev3.slices import SLICE, Slices
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
-__all__ = ["NOWHERE", "BrickLink", "BrickState", "Pose"]
-
 Pose = tuple[float, float, float]
 """x and y (metres) and the heading (radians), from where it began."""
 

@@ -18,8 +18,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.bridges.ev3 import protocol
 
-__all__ = ["SLICE", "Slices"]
-
 SLICE = 0.6
 """Seconds that a motor turns without a renewal."""
 

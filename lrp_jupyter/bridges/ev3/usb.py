@@ -15,8 +15,6 @@ from pathlib import Path
 from lrp_jupyter.bridges.ev3.lines import WAIT, Line, reason
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["USB", "UsbLine", "open_usb"]
-
 USB = "usb"
 """The address of a brick at a USB port."""
 

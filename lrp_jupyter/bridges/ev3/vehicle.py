@@ -15,8 +15,6 @@ from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading
 from lrp_jupyter.bridges.message import real_number
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
-__all__ = ["PORTS", "SENSES", "WHEELS", "Vehicle"]
-
 WHEELS = ("A", "B", "C", "D", "-A", "-B", "-C", "-D")
 PORTS = ("1", "2", "3", "4", "none")
 SENSES: Mapping[str, tuple[str, tuple[int, ...]]] = {

@@ -20,16 +20,6 @@ from lrp_jupyter.bridges.ros.rospy import RospyTransport
 from lrp_jupyter.bridges.ros.setup import parse_address
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = [
-    "AUTO",
-    "BACKENDS",
-    "Choice",
-    "check_backend",
-    "check_ros2",
-    "choose_backend",
-    "make_transport",
-]
-
 AUTO = "auto"
 """The name that leaves the choice to this module."""
 

@@ -48,8 +48,6 @@ from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
-__all__ = ["RosBridge"]
-
 _HERE = "lrp_jupyter.bridges.ros.bridge:RosBridge"
 _ANSWER = 1.0  # seconds that a person waits for a new connection to be made
 _ANSWER_ALL = 2.0  # … and that opening waits for those of the set-up

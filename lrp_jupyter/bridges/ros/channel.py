@@ -16,8 +16,6 @@ from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
-__all__ = ["Arrival", "Channel"]
-
 _SILENT = 2.0  # seconds without a message after which a topic that had a rate is silent
 
 

@@ -16,8 +16,6 @@ from collections.abc import Mapping
 from statistics import median
 from typing import Any
 
-__all__ = ["ProgramPace", "RobotClock", "Stamps", "stamp_of"]
-
 _SIMULATED = 1e8  # seconds; clocks of simulations begin at 0 and may run at another speed
 _OTHER = 60.0  # seconds; a stamp that is so old is of another clock, or recorded
 _BACK = 1.0  # seconds by which a clock must be off to have been set

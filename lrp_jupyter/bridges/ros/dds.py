@@ -32,8 +32,6 @@ from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import VELOCITIES
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["DdsTransport"]
-
 _FIND = 4.0  # seconds to find a node; Fast DDS tells of itself every 3 s
 _SETTLE = 1.5  # seconds until what a node has is known; its readers or its writers may come a second later
 

@@ -18,8 +18,6 @@ from cyclonedds.domain import Domain
 
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["DdsDomain"]
-
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 

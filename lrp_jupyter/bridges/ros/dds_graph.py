@@ -33,8 +33,6 @@ from cyclonedds.util import duration
 
 from lrp_jupyter.bridges.ros.dds_qos import reading, type_hash_of
 
-__all__ = ["Endpoint", "EndpointGraph", "NodeDirectory"]
-
 _AT_ONCE = 100  # samples
 _TYPE = re.compile(r"(\w+)::msg::dds_::(\w+)_$")
 _NODES = "ros_discovery_info"

@@ -28,8 +28,6 @@ from lrp_jupyter.bridges.ros.dds_types import MessageTypes
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["DdsNode", "TopicPublisher", "TopicReader"]
-
 _ENCLAVE = Policy.Userdata(b"enclave=/;")
 _JOIN = 1.0  # seconds that ending the thread may take
 _DELIVERED = 0.2  # … and that the last commands may take to arrive when the node ends

@@ -15,8 +15,6 @@ from typing import Any
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
-__all__ = ["command_qos", "disagreements", "node_of", "qos_of", "reading", "reading_qos", "type_hash_of"]
-
 _BLOCKED = duration(milliseconds=10)  # that a command may wait for room; nothing else of Python runs then
 _HASH = b"typehash="
 _NODE = b"node="  # not of ROS 2, where a node announces its name only to others that do

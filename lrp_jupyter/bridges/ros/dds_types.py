@@ -25,8 +25,6 @@ from lrp_jupyter.bridges.ros.definitions import INTEGERS, Definition, FieldType,
 from lrp_jupyter.bridges.ros.link import RefusedError
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["MessageTypes"]
-
 _DISTRIBUTION = "jazzy"
 _PADDING = "structure_needs_at_least_one_member"  # ROS 2 gives a message without fields this one
 _HEADER = "std_msgs/Header"

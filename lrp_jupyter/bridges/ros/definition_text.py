@@ -13,8 +13,6 @@ from collections.abc import Iterator
 from lrp_jupyter.bridges.ros.definitions import PRIMITIVES, Definition, FieldType, canonical, parse_field
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["definitions_from_text"]
-
 _SECTION = re.compile(r"^={10,}\s*\nMSG: *(\S+) *$", re.MULTILINE)
 _LINE = re.compile(r"(?P<type>[^\s=#]\S*)\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>[=#].*|\s\S.*)?$")
 _PLAIN = {"time", "duration"}  # of ROS 1: neither primitive nor in a package

@@ -13,20 +13,6 @@ from typing import Any
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = [
-    "FLOATS",
-    "HEADERS",
-    "INTEGERS",
-    "KNOWN",
-    "PRIMITIVES",
-    "STRINGS",
-    "Definition",
-    "FieldType",
-    "canonical",
-    "from_rosapi",
-    "parse_field",
-]
-
 INTEGERS = {
     **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
     **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},

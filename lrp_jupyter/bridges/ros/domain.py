@@ -6,8 +6,6 @@ import os
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["domain_number"]
-
 _HIGHEST = 232  # the ports of a higher one would be above 65535
 
 

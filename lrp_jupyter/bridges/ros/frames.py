@@ -12,8 +12,6 @@ from array import array
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["Fragments", "decode", "knows_cbor"]
-
 _PACKED = {64: "B", 69: "H", 70: "I", 71: "Q", 72: "b", 77: "h", 78: "i", 79: "q", 85: "f", 86: "d"}
 """The tags of packed arrays with the type codes of Python; all are little-endian."""
 

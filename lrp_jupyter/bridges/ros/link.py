@@ -24,8 +24,6 @@ from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
-__all__ = ["GUARD_NODE", "SLOW", "OnStatus", "RefusedError", "TopicLink", "Transport"]
-
 GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
 

@@ -16,8 +16,6 @@ from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import SLOW
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 
-__all__ = ["STALE_AFTER", "Draft", "draw_panel", "gist"]
-
 STALE_AFTER = "Too old after"
 """The label of the field for `stale_after` of a subscription."""
 

@@ -21,8 +21,6 @@ from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError, sentence_of
 
-__all__ = ["RclpyTransport"]
-
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
 _JOIN = 1.0  # seconds that ending the thread may take
 

@@ -27,8 +27,6 @@ from lrp_jupyter.bridges.ros.link import RefusedError
 from lrp_jupyter.bridges.ros.websocket import Socket
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["Rosapi"]
-
 _FIRST = 2.0  # seconds that connecting waits for the first list
 _ANSWER = 5.0  # seconds for an answer, …
 _LONG_ANSWER = 20.0  # … for the texts of all types

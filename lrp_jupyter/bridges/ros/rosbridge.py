@@ -34,8 +34,6 @@ from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.bridges.ros.websocket import Socket, require_websockets
 from lrp_jupyter.errors import BridgeError, ended
 
-__all__ = ["RosbridgeTransport"]
-
 _QUIET = 1.0  # seconds without a message after which a new publisher is worth another subscription …
 _UNPACKED = 3.0  # … and after which arrays are asked for as text
 _ECHO = 10.0  # seconds after which an own command no longer comes back

@@ -26,8 +26,6 @@ from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["RospyTransport"]
-
 _ANSWER = 2.0  # seconds for the master to answer
 _MEET = 0.5  # seconds for subscribers to connect to a new publisher
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped

@@ -31,18 +31,6 @@ from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
 from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
 
-__all__ = [
-    "Address",
-    "Direction",
-    "Wire",
-    "check_type",
-    "load_setup",
-    "parse_address",
-    "save_setup",
-    "setup_as_dict",
-    "setup_from_dict",
-]
-
 Direction = Literal["subscription", "publisher"]
 
 _TOPIC = re.compile(r"/[A-Za-z]\w*(/[A-Za-z_]\w*)*$", re.ASCII)

@@ -30,8 +30,6 @@ from lrp_jupyter.bridges.ros.definitions import (
 )
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["VELOCITIES", "Form", "ReceivedMessage", "RosMessage", "Types"]
-
 VELOCITIES = frozenset({"geometry_msgs/Twist", "geometry_msgs/TwistStamped"})
 """Types of which a zero stops the robot; the command watchdog watches over them."""
 

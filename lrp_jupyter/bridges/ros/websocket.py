@@ -30,8 +30,6 @@ from lrp_jupyter.errors import BridgeError, ended
 if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
 
-__all__ = ["Socket", "require_websockets"]
-
 _CONNECT = 3.0  # seconds to reach the server
 _PING = 0.25  # seconds between two pings
 _STALE = 0.6  # seconds without a sign of life after which it gets no more commands …

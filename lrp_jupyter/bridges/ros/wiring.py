@@ -18,8 +18,6 @@ from lrp_jupyter.bridges.ros.link import TopicLink
 from lrp_jupyter.bridges.ros.setup import Wire, load_setup, save_setup, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-__all__ = ["Wiring"]
-
 
 class Wiring:
     """The channels of a bridge.

@@ -8,8 +8,6 @@ from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import edited, gets_away, keeps_driving, never_restarts, slows_to
 from lrp_jupyter.grading.record import RunRecord
 
-__all__ = ["FIRST_MOVE", "HALF_THE_SPEED"]
-
 
 def _stayed(run: RunRecord) -> str | None:
     turned = sum(run.turned)

@@ -8,8 +8,6 @@ from lrp_jupyter.grading.criteria import pushes
 from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, FloorSpec, PathStroke, RobotSpec, World
 
-__all__ = ["PUSH_THE_BOX"]
-
 _START = 0.5  # m
 _LINE = 0.12  # m before the middle of the goal: what the light sensor is behind the middle of a pushed box
 

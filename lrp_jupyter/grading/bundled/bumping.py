@@ -18,8 +18,6 @@ from lrp_jupyter.grading.criteria import (
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxSolid, Pose, RobotSpec, World
 
-__all__ = ["BUMP_AND_STAY", "BUMP_AND_TURN", "BUMP_OUT", "LAMP"]
-
 
 def _wall_ahead(metres: float) -> World:
     """Return a world with a wall ahead of the robot."""

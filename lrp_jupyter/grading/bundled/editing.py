@@ -9,8 +9,6 @@ from lrp_jupyter.grading.criteria import drives_on, edited, never_restarts, touc
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World
 
-__all__ = ["EDIT_IT_LIVE", "SAFE_EDITS"]
-
 
 def _hall() -> World:
     """Return a hall with a wall at both ends."""

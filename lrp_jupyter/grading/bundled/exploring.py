@@ -13,8 +13,6 @@ from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, RobotSpec, World
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["EDGE_GUARD", "LOOK_BOTH_WAYS", "MAZE"]
-
 
 def _junction(name: str, free: int, corridor: float) -> World:
     """Return a corridor with a wall at its end, and a way to each side, of which one is free.

@@ -6,18 +6,6 @@ from lrp_jupyter.grading.challenge import Hint
 from lrp_jupyter.grading.criteria import sees_line
 from lrp_jupyter.grading.record import RunRecord, Sample
 
-__all__ = [
-    "ignores",
-    "kept_pushing",
-    "longest_push",
-    "lost_the_line",
-    "never_came",
-    "never_saw_the_line",
-    "never_touched",
-    "restarted",
-    "was_not_edited",
-]
-
 
 def ignores(sensor: str, advice: str) -> Hint:
     """Return the hint that the program does not read a sensor.

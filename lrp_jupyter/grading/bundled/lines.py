@@ -29,8 +29,6 @@ from lrp_jupyter.sim.world import (
     World,
 )
 
-__all__ = ["FIND_THE_LINE", "FOLLOW_THE_LINE", "STOP_AT_THE_LINE"]
-
 _QUARTER = math.pi / 2
 
 

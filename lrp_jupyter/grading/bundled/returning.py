@@ -9,8 +9,6 @@ from lrp_jupyter.grading.criteria import ends_still, touches, within
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.programs import load
 
-__all__ = ["DEBUG_THE_LISTING", "LAP", "ROBUST_FOLLOWER", "THERE_AND_BACK"]
-
 _FOLLOWER = load("follower").split("\n\n", 1)[1].replace(")))\n\n(spawn", "))\n)\n\n(spawn")
 _NOISE = {"motor": 0.02, "light": 5.0}
 _LAP = 35.0  # s

@@ -12,8 +12,6 @@ from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.language.program import Block, Program
 from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
 
-__all__ = ["LAMP_AND_LEGS", "SQUARE"]
-
 
 def _square() -> World:
     """Return a world with zones at the corners of a square to the left of the robot."""

@@ -10,8 +10,6 @@ from lrp_jupyter.grading.criteria import stays_in, touches_nothing, visits
 from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, Pose, RobotSpec, World
 
-__all__ = ["KEEP_ALONG", "WALL_FOLLOWER"]
-
 _QUARTER = math.pi / 2
 _RAYS = ((0.0, 2.0), (_QUARTER, 2.0), (_QUARTER / 2, 2.0))  # ahead, to the left, between these
 

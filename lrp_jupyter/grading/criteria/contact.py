@@ -12,8 +12,6 @@ from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.interpreter.frame import is_active
 
-__all__ = ["bumps", "bumps_in", "never_pushes", "stops_at", "touches", "touches_nothing"]
-
 _APART = 0.5  # s; contacts that are closer are one bump
 
 

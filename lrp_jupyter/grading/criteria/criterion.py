@@ -7,8 +7,6 @@ from typing import Literal, NamedTuple
 
 from lrp_jupyter.grading.record import RunRecord
 
-__all__ = ["Criterion", "Found", "State", "Verdict", "When"]
-
 When = Literal["once", "always", "at the end"]
 State = Literal["open", "so far", "met", "failed"]
 

@@ -7,8 +7,6 @@ from collections.abc import Callable
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.record import RunRecord, Sample
 
-__all__ = ["blinks", "lit_while"]
-
 
 def lit_while(what: str, condition: Callable[[Sample], object], seconds: float = 0.3) -> Criterion:
     """Require that the lamp is lit while a condition of the robot holds, and dark while it does not.

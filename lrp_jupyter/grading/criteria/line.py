@@ -6,8 +6,6 @@ from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.sim.floor import distance_to
 
-__all__ = ["ends_near_line", "finds_line", "near_line", "on_line", "sees_line"]
-
 BLACK = 128  # a light reading below is the line, above is the floor
 
 

@@ -8,8 +8,6 @@ from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.places import zone_of
 from lrp_jupyter.grading.record import RunRecord, Sample
 
-__all__ = ["looks"]
-
 
 def looks(zone: str, degrees: float) -> Criterion:
     """Require that the robot turns this far to both sides of the direction in which it came into a zone.

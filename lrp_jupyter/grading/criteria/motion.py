@@ -5,19 +5,6 @@ from __future__ import annotations
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.record import RunRecord, Sample, angle_between
 
-__all__ = [
-    "backs_off",
-    "drives",
-    "drives_straight",
-    "ends_still",
-    "keeps_driving",
-    "lasts",
-    "not_carried",
-    "times_of",
-    "turns",
-    "within",
-]
-
 _FASTEST, _SLACK = 0.8, 0.05  # m/s; metres, which a collision may add
 _BEND = 1.2  # rad/m; a tighter bend is not straight on
 

@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 
 from lrp_jupyter.grading.record import RunRecord, Sample
 
-__all__ = ["in_order", "reason_of"]
-
 
 def in_order(run: RunRecord, things: Sequence[Callable[[Sample], bool]], key: object) -> tuple[float, ...]:
     """Return when several things happened, one after the other, up to the first that did not.

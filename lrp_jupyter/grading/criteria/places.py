@@ -10,8 +10,6 @@ from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxZone, World, Zone
 
-__all__ = ["avoids", "covers", "ends_in", "gets_away", "pushes", "stays_in", "visits", "zone_of"]
-
 _REST = 0.001  # m; a solid that lies still may tremble so far in one period
 
 

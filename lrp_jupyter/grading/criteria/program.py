@@ -5,8 +5,6 @@ from __future__ import annotations
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.record import RunRecord, Sample
 
-__all__ = ["drives_on", "edited", "enters", "never_restarts", "no_faults", "slows_to"]
-
 _SPAN = 2.0  # s, over which a speed is measured
 
 _Recent = tuple[tuple[float, float, int], ...]  # time, way, and version of the program

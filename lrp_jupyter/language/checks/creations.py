@@ -12,8 +12,6 @@ from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.program import Machine, State
 from lrp_jupyter.language.sheet import Sheet, WrittenForm
 
-__all__ = ["new_delay", "new_event", "new_machine", "new_spawn", "new_state", "new_variable"]
-
 
 def new_state(report: Reporter, machine: Machine | None, name: str) -> Fix | None:
     """Return the fix that creates a state in a machine."""

@@ -21,8 +21,6 @@ from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import children
 
-__all__ = ["Facts", "Remark", "Word", "facts_of"]
-
 _CONSTANTS: dict[type, str] = {
     bool: "a truth value",
     int: "a number",

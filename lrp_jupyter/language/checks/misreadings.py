@@ -11,8 +11,6 @@ from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import children
 
-__all__ = ["misreadings"]
-
 
 def misreadings(tree: ast.Module, places: Offsets, shift: int) -> tuple[Diagnosis, ...]:
     """Return what is probably misread in a block, with offsets in its text, which differ by `shift`."""

@@ -11,8 +11,6 @@ from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transit
 from lrp_jupyter.language.resolution import Resolution, Scope
 from lrp_jupyter.language.scanner import LINE_END
 
-__all__ = ["BUILTINS", "check_names", "starts"]
-
 BUILTINS = frozenset(dir(builtins))
 _PROVIDED = {"robot": "the robot", "print": "the `print` that writes into the lab's output"}
 

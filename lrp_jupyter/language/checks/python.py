@@ -20,8 +20,6 @@ from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 from lrp_jupyter.language.robot import RobotMembers
 
-__all__ = ["check_python"]
-
 _STATEMENTS = frozenset({"return", "pass", "break", "continue"})
 """Keywords that are a statement by themselves: misspelt, they are names."""
 _SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}

@@ -21,8 +21,6 @@ from lrp_jupyter.language.program import Transition
 from lrp_jupyter.language.resolution import Resolution, Scope
 from lrp_jupyter.language.triggers import Occurrence
 
-__all__ = ["check_reachability"]
-
 
 def check_reachability(report: Reporter, names: Resolution, links: Links) -> None:
     """Report states, machines, events and transitions that the program never reaches."""

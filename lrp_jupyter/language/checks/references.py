@@ -19,8 +19,6 @@ from lrp_jupyter.language.program import Edit, Event, Fix, Name, Span, Spawn, Tr
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
 from lrp_jupyter.language.spellings import ANY_WORDS
 
-__all__ = ["Links", "MeantArrow", "MeantSpawn", "check_references"]
-
 _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 """Matches a form from its bracket to its keyword, across comments."""
 

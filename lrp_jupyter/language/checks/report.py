@@ -10,8 +10,6 @@ from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
 from lrp_jupyter.language.sheet import Sheet
 
-__all__ = ["COMPARED", "Reporter", "nearest", "replace"]
-
 COMPARED = 30_000
 """How many names one check compares, to suggest the most similar one."""
 

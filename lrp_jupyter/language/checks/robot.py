@@ -14,8 +14,6 @@ from lrp_jupyter.language.checks.uses import Argument, Other, RobotCall, RobotUs
 from lrp_jupyter.language.program import Edit, Fix, Span
 from lrp_jupyter.language.robot import Parameters, RobotMember, RobotMembers
 
-__all__ = ["Remedied", "check_robot", "compared", "suspicious_uses"]
-
 
 class Remedied(NamedTuple):
     """A finding about a block, with offsets in its text."""

@@ -12,8 +12,6 @@ from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.suites import children
 
-__all__ = ["SIGNS", "Argument", "Other", "RobotCall", "RobotUse", "robot_uses"]
-
 Role = Literal[
     "read", "called", "assigned", "deleted", "stated", "compared", "computed", "tested", "value", "with"
 ]

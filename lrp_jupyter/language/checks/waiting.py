@@ -17,8 +17,6 @@ from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.resolution import Resolution
 
-__all__ = ["check_waiting"]
-
 _MESSAGES = {
     "LRP540": (
         "This loop has no way out, so its block never returns and holds up the whole program. "

@@ -17,8 +17,6 @@ from lrp_jupyter.language.slips.code import (
     is_value_end,
 )
 
-__all__ = ["braces", "brackets", "calls_in_brackets"]
-
 
 def brackets(code: WrongBlock) -> Guesses:
     """Brackets that are missing or superfluous."""

@@ -11,22 +11,6 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.program import line_starts
 from lrp_jupyter.language.scanner import LINE_END, string_end
 
-__all__ = [
-    "BARE",
-    "CLOSING",
-    "HEADERS",
-    "OPENING",
-    "SIMPLE",
-    "VALUES",
-    "Guess",
-    "Guesses",
-    "PythonToken",
-    "WrongBlock",
-    "change",
-    "is_value_end",
-    "worded",
-]
-
 
 class PythonToken(NamedTuple):
     """A token of the text; `line` is from 0, `depth` the number of brackets that are open before it."""

@@ -6,8 +6,6 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.slips.code import Guess, Guesses, PythonToken, WrongBlock
 from lrp_jupyter.language.slips.wordings import PARTNERS
 
-__all__ = ["indentation"]
-
 _Margin = tuple[int, str, PythonToken, PythonToken]
 """The offset of a line, the white space at its beginning, its first token and its last."""
 

@@ -8,8 +8,6 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.slips.code import Guess, Guesses, WrongBlock, change
 from lrp_jupyter.language.spellings import UNITS
 
-__all__ = ["numbers", "strings"]
-
 
 def numbers(code: WrongBlock) -> Guesses:
     """Numbers with a decimal comma, leading zeros or a unit."""

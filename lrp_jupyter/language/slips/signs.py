@@ -10,8 +10,6 @@ from itertools import pairwise
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.slips.code import OPENING, Guess, Guesses, PythonToken, WrongBlock, change, worded
 
-__all__ = ["characters", "comments", "conditionals", "signs"]
-
 
 def signs(code: WrongBlock) -> Guesses:
     """Signs of other languages; all of one kind are one slip."""

@@ -18,8 +18,6 @@ from lrp_jupyter.language.slips.code import (
     is_value_end,
 )
 
-__all__ = ["colons", "equals", "gaps", "strays", "unfinished"]
-
 
 def colons(code: WrongBlock) -> Guesses:
     """Headers without their colon, and colons that do not belong."""

@@ -11,8 +11,6 @@ from collections.abc import Callable
 
 from lrp_jupyter.language.slips.code import OPENING
 
-__all__ = ["PARTNERS", "in_words"]
-
 _Words = str | Callable[[re.Match[str]], str]
 _LINE = re.compile(r"\bline (\d+)")
 _QUOTED = re.compile(r"'([^' ]+)'")

@@ -11,8 +11,6 @@ from lrp_jupyter.language.forms import USAGE
 from lrp_jupyter.language.slips.code import VALUES, Guess, Guesses, WrongBlock, change, is_value_end
 from lrp_jupyter.language.tokens import KEYWORDS
 
-__all__ = ["conditions", "forms", "keywords", "negated"]
-
 
 def keywords(code: WrongBlock) -> Guesses:
     """Keywords that are misspelt, or those of other languages."""

@@ -20,8 +20,6 @@ from lrp_jupyter.live.why.states import state_reason
 from lrp_jupyter.live.why.transitions import transition_reason
 from lrp_jupyter.live.why.wording import time_text
 
-__all__ = ["Answers"]
-
 _ROBOT = "robot."
 _INSTEAD = {
     "transition": "Ask `why_not` about it.",

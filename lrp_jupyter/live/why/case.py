@@ -10,8 +10,6 @@ from lrp_jupyter.language.program import Block, Element, Program, Transition
 from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.why.wording import time_text
 
-__all__ = ["Case"]
-
 
 @dataclass(frozen=True, slots=True)
 class Case:

@@ -8,8 +8,6 @@ from typing import Any
 from lrp_jupyter.interpreter.reasons import ReasonCode
 from lrp_jupyter.live.reason import CommandCode, Reason, StateCode
 
-__all__ = ["AnswerDraft"]
-
 
 @dataclass(slots=True)
 class AnswerDraft:

@@ -9,8 +9,6 @@ from lrp_jupyter.interpreter.reasons import transition_of
 from lrp_jupyter.language.program import Block, Element, Path, Program, Spawn, State, Transition
 from lrp_jupyter.language.resolution import Arrow, Spawning, resolve
 
-__all__ = ["arrows_to", "line_of", "line_of_state", "line_of_transition", "spawns_of"]
-
 
 def line_of(program: Program, part: Block | Spawn | State | Transition | None) -> int:
     """Return the line in which a part of a program begins, from 1; 0 for None."""

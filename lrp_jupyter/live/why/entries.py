@@ -13,8 +13,6 @@ from lrp_jupyter.live.why.elements import line_of, line_of_state, line_of_transi
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import restart_text, time_text
 
-__all__ = ["entered_otherwise", "entry_text"]
-
 
 def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: float) -> Reason:
     """Return why a state, `called` so in the answer, was entered without a transition."""

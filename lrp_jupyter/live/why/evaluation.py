@@ -20,8 +20,6 @@ from lrp_jupyter.live.recorded_robot import RecordedRobot
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.why.case import Case
 
-__all__ = ["Again", "PastTests"]
-
 Again = Callable[[int, Element], "Evaluation | Exception | None"]
 """Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""
 

@@ -9,8 +9,6 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["find_state", "find_transition"]
-
 
 def _transitions_in(program: Program) -> list[Element]:
     """Return all transitions of a program."""

@@ -10,8 +10,6 @@ from lrp_jupyter.live.why.entries import restart_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import restart_text, time_text
 
-__all__ = ["not_running"]
-
 
 def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so: str) -> None:
     """Say why a machine, by path of definition, did not run when a tick began; `so` begins the sentence."""

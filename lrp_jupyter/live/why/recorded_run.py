@@ -10,8 +10,6 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.renamed import Names
 
-__all__ = ["RecordedRun"]
-
 
 class RecordedRun:
     """Reads what is recorded of a run, for one question. Used on the thread that ticks, between two ticks.

@@ -21,8 +21,6 @@ from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text, time_text
 
-__all__ = ["command_reason", "commands_of"]
-
 
 def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool) -> Reason:
     """Return why the robot got its last command of a name.

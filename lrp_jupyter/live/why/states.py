@@ -16,8 +16,6 @@ from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.transitions import because, transition_reason
 from lrp_jupyter.live.why.wording import time_text
 
-__all__ = ["state_reason"]
-
 
 def state_reason(run: RecordedRun, tests: PastTests, state: Path, name: str, tick: int) -> Reason:
     """Return why a state was entered last before the end of a tick.

@@ -27,8 +27,6 @@ from lrp_jupyter.live.why.wording import (
     values_text,
 )
 
-__all__ = ["because", "transition_reason"]
-
 
 def transition_reason(
     run: RecordedRun, tests: PastTests, element: Element, known: Program, tick: int

@@ -15,20 +15,6 @@ from lrp_jupyter.language.expressions import Evaluation, UnknownValueError
 from lrp_jupyter.language.program import Block
 from lrp_jupyter.language.python import parse_python
 
-__all__ = [
-    "block_text",
-    "call_text",
-    "decided_text",
-    "given_arguments",
-    "number_text",
-    "one_of",
-    "plain_values",
-    "restart_text",
-    "time_text",
-    "unknown_text",
-    "values_text",
-]
-
 
 def number_text(value: float) -> str:
     """Return a number with at most three decimals."""
