@@ -53,9 +53,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
-from lrp_jupyter.bridges.interface import Interface
+from lrp_jupyter.bridges.interface import Interface, part
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.options import no_option
@@ -144,7 +144,6 @@ class Bridge(Interface, ABC):
         Armed or not, the log of commands and notices.
     """
 
-    time_step: ClassVar[float | None] = None
     stops_when_found: ClassVar[bool] = False
     complete: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Bridge]]] = {}
@@ -159,27 +158,15 @@ class Bridge(Interface, ABC):
         if offered:
             Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
-    def __new__(cls, *_args: object, **_options: object) -> Self:
-        """Create a closed bridge; in ``__new__``, because subclasses forget ``super().__init__()``."""
-        bridge = super().__new__(cls)
-        bridge._ticks = 0
-        bridge._status = BridgeStatus(ConnectionState.DISCONNECTED, f"`{cls.name}` is not open.")
-        bridge._late = None
-        bridge._failed = None
-        bridge._changing_status = threading.Lock()
-        bridge._opened_panel = None
-        if cls.time_step is not None:
-            bridge.fed.clock = lambda: bridge.safety.now
-        return bridge
-
-    _ticks: int
-    _status: BridgeStatus
-    _late: BridgeStatus | None
+    _ticks = 0
+    _late: BridgeStatus | None = None
     """The status while data are too old to drive on."""
-    _failed: tuple[str, BridgeStatus, BridgeStatus] | None
+    _failed: tuple[str, BridgeStatus, BridgeStatus] | None = None
     """The hook because of which the robot is lost, with the status since then, and the one before."""
-    _changing_status: threading.Lock
-    _opened_panel: Panel | None
+    _opened_panel: Panel | None = None
+
+    _status = part(lambda bridge: BridgeStatus(ConnectionState.DISCONNECTED, f"`{bridge.name}` is not open."))
+    _changing_status = part(lambda bridge: threading.Lock())
 
     # -- what the author of a bridge writes -------------------------------------------------------
 

@@ -31,8 +31,8 @@ class FedValues:
         Returns the time that stamps are compared with. Default: `time.time`.
     """
 
-    def __init__(self) -> None:
-        self.clock: Callable[[], float] = time.monotonic
+    def __init__(self, clock: Callable[[], float] | None = None) -> None:
+        self.clock = time.monotonic if clock is None else clock
         self.wall_clock: Callable[[], float] = time.time
         self.count = 0
         self._latest: dict[str, _Fed] = {}

@@ -11,7 +11,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from functools import partial
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 
 from lrp_jupyter.bridges.fed import FedValues
 from lrp_jupyter.bridges.guard import UNGUARDED, Guard, Stopper
@@ -25,13 +25,46 @@ from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, sentence_of
 
 _STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
 
+_T = TypeVar("_T")
+
+
+class part(Generic[_T]):  # noqa: N801  (reads like `property`)
+    """An attribute that is made when it is first used: it is there whatever the constructor of a bridge does.
+
+    Of several threads that use it first at the same time, all get the same one.
+
+    Parameters
+    ----------
+    make : callable
+        Makes it for a bridge, and does nothing else.
+    """
+
+    def __init__(self, make: Callable[[Any], _T]) -> None:
+        self._make = make
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    @overload
+    def __get__(self, bridge: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, bridge: object, owner: type) -> _T: ...
+    def __get__(self, bridge: object, owner: type) -> Self | _T:
+        if bridge is None:
+            return self
+        made: _T = vars(bridge).setdefault(self._name, self._make(bridge))
+        return made
+
 
 class Interface:
     """Members and commands of one robot.
 
+    There is no constructor that a subclass would have to call: what begins with a fixed value is an attribute
+    of the class, everything else a `part`.
+
     Attributes
     ----------
-    name, hardware, stop_timeout, robot, safety
+    name, hardware, stop_timeout, time_step, robot, safety
         See :class:`~lrp_jupyter.bridges.bridge.Bridge`.
     nodes : Nodes
         The members by their names.
@@ -51,35 +84,21 @@ class Interface:
     name: ClassVar[str]
     hardware: ClassVar[bool] = True
     stop_timeout: ClassVar[float | None] = 1.0
+    time_step: ClassVar[float | None] = None
 
-    def __new__(cls, *_args: object, **_options: object) -> Self:
-        """Create the parts of every bridge; subclasses may forget ``super().__init__()``."""
-        interface = super().__new__(cls)
-        interface.nodes = Nodes(lambda path: Robot(interface, f"{path}."))
-        interface.latch = 0
-        interface.fed = FedValues()
-        interface.is_closed = False
-        interface.safety = Safety(armed=not cls.hardware)
-        interface.robot = Robot(interface)
-        interface.readings = {}
-        interface.origin = Origin
-        interface.outside = _ignore
-        interface._is_open = False
-        interface._guard = Guard(interface)
-        return interface
-
-    nodes: Nodes
-    fed: FedValues
-    latch: int
-    safety: Safety
-    robot: Robot
-    readings: dict[str, object]
-    origin: Callable[[], Origin]
-    outside: Callable[[object, bool], object]
-    _is_open: bool
-    _guard: Guard
-    is_closed: bool
+    latch = 0
+    origin: Callable[[], Origin] = Origin
+    is_closed = False
     """Whether it was closed, or not opened after all; what arrives then is of a connection that is gone."""
+    _is_open = False
+
+    nodes = part(lambda bridge: Nodes(lambda path: Robot(bridge, f"{path}.")))
+    fed = part(lambda bridge: FedValues(None if bridge.time_step is None else lambda: bridge.safety.now))
+    safety = part(lambda bridge: Safety(armed=not type(bridge).hardware))
+    robot = part(Robot)
+    readings = part[dict[str, object]](lambda bridge: {})
+    outside = part[Callable[[object, bool], object]](lambda bridge: lambda what, surely: None)
+    _guard = part(Guard)
 
     @property
     def is_open(self) -> bool:
@@ -445,10 +464,6 @@ class Interface:
         finally:
             if safety.held:  # stopped on another thread while this was being performed: the stop comes last
                 self._stop_now()
-
-
-def _ignore(what: object, surely: bool) -> None:
-    """Do nothing: there is no recording."""
 
 
 def _stands(path: str, arguments: dict[str, object]) -> bool:

@@ -46,9 +46,10 @@ import threading
 from abc import abstractmethod
 from collections.abc import Iterator
 from concurrent.futures import Future, wait
-from typing import ClassVar, Self
+from typing import ClassVar
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
+from lrp_jupyter.bridges.interface import part
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
@@ -77,18 +78,12 @@ class ReconnectingBridge(Bridge, offered=False):
     connect_within: ClassVar[float] = 8.0
     retry_after: ClassVar[float] = 0.5
 
-    def __new__(cls, *arguments: object, **options: object) -> Self:
-        """Create a closed bridge; subclasses may forget ``super().__init__()``."""
-        bridge = super().__new__(cls, *arguments, **options)
-        bridge._thread, bridge._ending = None, threading.Event()
-        bridge._connected, bridge._disconnecting = False, threading.Lock()
-        return bridge
-
-    _thread: threading.Thread | None
-    _ending: threading.Event
-    _connected: bool
+    _thread: threading.Thread | None = None
+    _connected = False
     """Whether there is a connection that has to be closed."""
-    _disconnecting: threading.Lock
+
+    _ending = part(lambda bridge: threading.Event())
+    _disconnecting = part(lambda bridge: threading.Lock())
 
     # -- what the author of a bridge writes -------------------------------------------------------
 

@@ -554,11 +554,6 @@ def test_a_bridge_sets_its_own_status() -> None:
         bridge.set_status("fine")
 
 
-def test_a_constructor_need_not_call_the_one_above(cart: Any) -> None:
-    assert "super" not in type(cart).__init__.__code__.co_names
-    assert cart.status.state is ConnectionState.CONNECTED
-
-
 def test_a_bridge_without_open_interface_cannot_be_made() -> None:
     class Half(Bridge):
         name = "test-half"
