@@ -24,7 +24,8 @@ to be read by waiting has a base of its own, :class:`~lrp_jupyter.bridges.reconn
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
 `add_members`, `close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`,
-`press`, `panel`, `stopper`. A session calls, on the interpreter's thread unless stated otherwise::
+`press`, `panel`, `stopper`; for a robot in a world with a clock of its own, `advance`, `moment` and `rewind`.
+A session calls, on the interpreter's thread unless stated otherwise::
 
     bridge.open()                          # once
     bridge.on_start()                      # the program starts
@@ -77,6 +78,7 @@ __all__ = [
     "NullBridge",
     "Panel",
     "Robot",
+    "SimulatedWorld",
     "Twist",
     "attach",
 ]
@@ -242,50 +244,8 @@ class Bridge(Interface, ABC):
         self.stop_all()
 
     @property
-    def picture(self) -> object:
-        """The bridge's own picture of its robot for views, a frozen value; None where it has none."""
-        return None
-
-    @property
-    def pose(self) -> tuple[float, float, float] | None:
-        """Where the robot is, in metres, and its heading in radians; None where that is not known."""
-        return None
-
-    @property
-    def others(self) -> Mapping[str, tuple[float, float, float]]:
-        """Where further robots of the same world are, by their names."""
-        return {}
-
-    @property
-    def movable(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
-        """The numbers of the solids that can move, with where they are: x, y and angle."""
-        return ()
-
-    @property
-    def touched(self) -> frozenset[str]:
-        """Names of the solids that the robot touched in the tick before the last reading of its sensors."""
-        return frozenset()
-
-    def picture_after(self, moment: object, next_moment: object) -> object:
-        """Return the picture of the robot right after an earlier tick; None where it is not recorded.
-
-        Parameters
-        ----------
-        moment, next_moment : object
-            The moments before that tick, and before the one after it.
-        """
-        return None
-
-    def animation(self, moments: Sequence[object], end: object) -> Callable[[], str] | None:
-        """Return a function that draws how the robot moved as an animated SVG; None where it is not recorded.
-
-        Parameters
-        ----------
-        moments : sequence of object
-            Where it may begin: the first one that is of the same world as the end.
-        end : object
-            The last moment.
-        """
+    def simulated(self) -> SimulatedWorld | None:
+        """The robot's world, if this package simulates it; None for every other world."""
         return None
 
     def advance(self, seconds: float) -> None:
@@ -294,48 +254,6 @@ class Bridge(Interface, ABC):
     def moment(self) -> object:
         """Return a token for the present moment of the bridge's own world, for `rewind`."""
         return None
-
-    def has_come_to(self, moment: object) -> bool:
-        """Return whether as much was done to the bridge's own world as at a moment, maybe of another run."""
-        return True
-
-    def forget(self, moment: object) -> None:
-        """Drop what only `rewind` and `fork` to moments before this one need."""
-
-    def world_form(self) -> Mapping[str, Any] | None:
-        """Return the bridge's own world in a JSON form, noise included; None where it has none."""
-        return None
-
-    def repeat(self, what: object) -> None:
-        """Do again what was done to the bridge's own world by hand.
-
-        Raises
-        ------
-        BridgeError
-            It has no world.
-        """
-        raise BridgeError(f"`{self.name}` has no world to which {what!r} could be done.")
-
-    def fork(self, moment: object) -> Bridge | None:
-        """Return an open, independent copy of the robot with its world at a moment.
-
-        None where that is not possible: then later ticks of a copied run get the recorded readings.
-        """
-        return None
-
-    def sensed(self) -> object:
-        """Return a token for the readings of the tick that has begun, for `readings_of`.
-
-        Asked of a bridge with a world of its own; of any other, `readings` is the token.
-        """
-        return self.readings
-
-    def readings_of(self, sensed: object) -> Mapping[str, object]:
-        """Return the readings of an earlier tick by path, with the error where a reading failed.
-
-        Those that are missing were not read.
-        """
-        return sensed if isinstance(sensed, dict) else {}
 
     def rewind(self, moment: object) -> None:
         """Rewind the bridge's own world to an earlier moment.
@@ -530,6 +448,103 @@ class Bridge(Interface, ABC):
             self.set_status(before.state, before.sentence)
 
 
+class SimulatedWorld(ABC):
+    """The world of a robot, simulated by this package, so that it can be drawn, repeated and copied.
+
+    Moments are those of its bridge: see `Bridge.moment`.
+    """
+
+    # -- now --------------------------------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def picture(self) -> object:
+        """Everything that is to be seen, a frozen value."""
+
+    @property
+    @abstractmethod
+    def pose(self) -> tuple[float, float, float]:
+        """Where the robot is, in metres, and its heading in radians."""
+
+    @property
+    @abstractmethod
+    def others(self) -> Mapping[str, tuple[float, float, float]]:
+        """Where further robots are, by their names."""
+
+    @property
+    @abstractmethod
+    def movable(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
+        """The numbers of the solids that can move, with where they are: x, y and angle."""
+
+    @property
+    @abstractmethod
+    def touched(self) -> frozenset[str]:
+        """Names of the solids that the robot touched in the tick before the last reading of its sensors."""
+
+    @abstractmethod
+    def world_form(self) -> Mapping[str, Any]:
+        """Return a JSON form, noise included."""
+
+    @abstractmethod
+    def sensed(self) -> object:
+        """Return a token for the readings of the tick that has begun, for `readings_of`."""
+
+    # -- the past ---------------------------------------------------------------------------------
+
+    @abstractmethod
+    def readings_of(self, sensed: object) -> Mapping[str, object]:
+        """Return the readings of an earlier tick by path; those that are missing had no value."""
+
+    @abstractmethod
+    def picture_after(self, moment: object, next_moment: object) -> object:
+        """Return the picture right after an earlier tick; None if it cannot be reproduced.
+
+        Parameters
+        ----------
+        moment, next_moment : object
+            The moments before that tick, and before the one after it.
+        """
+
+    @abstractmethod
+    def animation(self, moments: Sequence[object], end: object) -> Callable[[], str]:
+        """Return a function that draws how the robot moved as an animated SVG.
+
+        Parameters
+        ----------
+        moments : sequence of object
+            Where it may begin: the first one that is of the same world as the end.
+        end : object
+            The last moment.
+
+        Raises
+        ------
+        BridgeError
+            Another world was loaded between the moments, or the first one is too long ago.
+        """
+
+    @abstractmethod
+    def has_come_to(self, moment: object) -> bool:
+        """Return whether as much was done to it as at a moment, maybe of another run."""
+
+    @abstractmethod
+    def forget(self, moment: object) -> None:
+        """Drop what only `rewind` and `fork` to moments before this one need."""
+
+    @abstractmethod
+    def fork(self, moment: object) -> Bridge:
+        """Return an open, independent copy of the robot, with its world at a moment.
+
+        Raises
+        ------
+        BridgeError
+            The moment is too long ago.
+        """
+
+    @abstractmethod
+    def repeat(self, what: object) -> None:
+        """Do again what was done to it by hand."""
+
+
 class NullBridge(Bridge):
     """No robot at all: programs that only compute."""
 
@@ -542,12 +557,6 @@ class NullBridge(Bridge):
 
     def open_interface(self) -> None:
         """Nothing to connect."""
-
-    def fork(self, moment: object) -> NullBridge:
-        """Return another one."""
-        fork = NullBridge()
-        fork.open()
-        return fork
 
     def begin_tick(self, now: float, period: float) -> None:
         """Feed the watchdog; there is nothing to latch."""

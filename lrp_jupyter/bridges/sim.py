@@ -19,7 +19,7 @@ from types import NoneType
 from typing import Any, NamedTuple, cast
 
 from lrp_jupyter.arguments import check_number, check_type
-from lrp_jupyter.bridges.bridge import Bridge, Panel
+from lrp_jupyter.bridges.bridge import Bridge, Panel, SimulatedWorld
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.outside import WorldLoaded
 from lrp_jupyter.bridges.safety import Motion
@@ -102,7 +102,7 @@ class _SimMoment(NamedTuple):
     stopping: bool
 
 
-class SimBridge(Bridge):
+class SimBridge(Bridge, SimulatedWorld):
     """A robot in a simulated world.
 
     Parameters
@@ -244,7 +244,7 @@ class SimBridge(Bridge):
         return tuple([robot.memory.readings for robot in self.simulation.robots])
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
-        """See :class:`Bridge`; here all readings are known."""
+        """See :class:`SimulatedWorld`; here all readings are known."""
         if not isinstance(sensed, tuple):
             return {}
         sensors = self._sensors.copy()  # another thread may ask while a world is loaded
@@ -323,17 +323,17 @@ class SimBridge(Bridge):
         self._stopping = moment.stopping
 
     def has_come_to(self, moment: object) -> bool:
-        """See :class:`Bridge`."""
+        """See :class:`SimulatedWorld`."""
         done = (self.simulation.moment, self._stopping)
         return not isinstance(moment, _SimMoment) or done == (moment.world, moment.stopping)
 
     def forget(self, moment: object) -> None:
-        """See :class:`Bridge`."""
+        """See :class:`SimulatedWorld`."""
         if isinstance(moment, _SimMoment) and moment.simulation is self.simulation:
             self.simulation.forget(moment.world)
 
     def fork(self, moment: object) -> SimBridge:
-        """See :class:`Bridge`.
+        """See :class:`SimulatedWorld`.
 
         Raises
         ------
@@ -357,6 +357,11 @@ class SimBridge(Bridge):
         return fork
 
     # -- the world, for views ---------------------------------------------------------------------
+
+    @property
+    def simulated(self) -> SimBridge:
+        """The bridge itself: robot and world are one simulation."""
+        return self
 
     @property
     def world(self) -> World:
@@ -391,7 +396,7 @@ class SimBridge(Bridge):
 
     @property
     def others(self) -> Mapping[str, tuple[float, float, float]]:
-        """See :class:`Bridge`."""
+        """See :class:`SimulatedWorld`."""
         if len(self.simulation.robots) == 1:
             return {}
         pairs = zip(self.world.robot_names, self.simulation.robots, strict=True)
@@ -399,19 +404,19 @@ class SimBridge(Bridge):
 
     @property
     def movable(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
-        """See :class:`Bridge`."""
+        """See :class:`SimulatedWorld`."""
         return tuple((thing.index, thing.pose) for thing in self.simulation.solids if can_move(thing.spec))
 
     @property
     def touched(self) -> frozenset[str]:
-        """See :class:`Bridge`; ``edge`` is the edge of the world; another robot has its name."""
+        """See :class:`SimulatedWorld`; ``edge`` is the edge of the world; another robot has its name."""
         solids = self.world.solids
         names = {-1: "edge"} | {index: solid.name or f"solid {index}" for index, solid in enumerate(solids)}
         names |= {-2 - index: name for index, name in enumerate(self.world.robot_names)}
         return frozenset(names[index] for index in self.simulation.robot.memory.touched)
 
     def picture_after(self, moment: object, next_moment: object) -> SimPicture | None:
-        """See :class:`Bridge`."""
+        """See :class:`SimulatedWorld`."""
         if not (isinstance(moment, _SimMoment) and isinstance(next_moment, _SimMoment)):
             return None
         same = moment.simulation is next_moment.simulation
@@ -425,16 +430,9 @@ class SimBridge(Bridge):
         fork.close()
         return picture
 
-    def animation(self, moments: Sequence[object], end: object) -> Callable[[], str] | None:
-        """See :class:`Bridge`.
-
-        Raises
-        ------
-        BridgeError
-            Another world was loaded between the moments, or the first one is too long ago.
-        """
-        if not isinstance(end, _SimMoment):
-            return None
+    def animation(self, moments: Sequence[object], end: object) -> Callable[[], str]:
+        """See :class:`SimulatedWorld`."""
+        assert isinstance(end, _SimMoment)
         simulation = end.simulation
         known = (each for each in moments if isinstance(each, _SimMoment) and each.simulation is simulation)
         begin = next(known, None)
@@ -504,11 +502,11 @@ class SimBridge(Bridge):
         self._note(what)
 
     def world_form(self) -> Mapping[str, Any]:
-        """See :class:`Bridge`."""
+        """See :class:`SimulatedWorld`."""
         return self.world.to_dict()
 
     def repeat(self, what: object) -> None:
-        """See :class:`Bridge`."""
+        """See :class:`SimulatedWorld`."""
         if isinstance(what, WorldLoaded):
             self.load_world(what.world)
         else:

@@ -84,7 +84,7 @@ def run_file(file: str, wanted: RunOptions) -> int:
             journal=0 if wanted.animate is None else None,
             speed=wanted.speed,
         )
-        if wanted.animate is not None and bridge.world_form() is None:
+        if wanted.animate is not None and bridge.simulated is None:
             raise typer.BadParameter(f"--animate draws a simulated world, and `{bridge.name}` has none.")
         if wanted.record is not None:
             _record(session, wanted, stack)

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from types import BuiltinMethodType, MappingProxyType, MethodType, ModuleType
 from typing import Any, NamedTuple
 
-from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -89,7 +89,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     feeds = isinstance(bridge, RecordedBridge)
     moments = [record.moments[tick - now - 1] for tick in range(found.tick + 1, now + 1)]
     ticks = [
-        Ticked(found.tick + number, time, loop.bridge.readings_of(sensed) if feeds else None)
+        Ticked(found.tick + number, time, record.readings_of(sensed) if feeds else None)
         for number, (time, _, sensed) in enumerate(moments, 1)
     ]
     inputs = [entry for entry in record.inputs if entry.number > found.inputs]
@@ -136,10 +136,12 @@ def _is_after(entry: Entry, tick: int) -> bool:
 
 
 def _forked(bridge: Bridge, moment: object) -> Bridge:
-    fork = bridge.fork(moment)
-    if fork is None:
-        fork = RecordedBridge(bridge.name, bridge.nodes.members())
-        fork.open()
+    """Return an open copy of a robot, or where there can be none, a robot that repeats what was read."""
+    if bridge.simulated is not None:
+        return bridge.simulated.fork(moment)
+    is_none = isinstance(bridge, NullBridge)
+    fork = NullBridge() if is_none else RecordedBridge(bridge.name, bridge.nodes.members())
+    fork.open()
     return fork
 
 

@@ -79,8 +79,8 @@ def input_line(what: object, loop: Loop) -> Line:
             return {"input": "reset world"}
         case Draw(path, width, grey):
             return {"input": "draw", "path": path, "width": width, "grey": grey}
-        case WorldEdit():
-            return {"input": "edit world", "world": loop.bridge.world_form()}
+        case WorldEdit() if (simulated := loop.bridge.simulated) is not None:
+            return {"input": "edit world", "world": simulated.world_form()}
     return {"input": "beyond", "what": render(what)}
 
 

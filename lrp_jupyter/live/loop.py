@@ -200,7 +200,7 @@ class Loop:
     def tick(self) -> None:
         """Run one tick now; the next one is due a period later."""
         interpreter, bridge, timing, record = self.interpreter, self.bridge, self.timing, self.record
-        now, step = timing.now, timing.step
+        now, step, world = timing.now, timing.step, bridge.simulated
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
             if record.names.values:
@@ -209,7 +209,7 @@ class Loop:
                 record.prepare(self.status == "running")
             moment = None if step is None else bridge.moment()
             bridge.begin_tick(now, timing.period)
-            record.moments.add((now, moment, bridge.readings if step is None else bridge.sensed()))
+            record.moments.add((now, moment, bridge.readings if world is None else world.sensed()))
             interpreter.step(now)
             hit = None if self.breakpoints is None else self._hit()
             bridge.end_tick(now)
@@ -384,7 +384,7 @@ class Loop:
             moved=interpreter.moved,
             patch_reason=interpreter.patch_reason,
             program=interpreter.program,
-            readings=self.bridge.readings_of(moments[-1].sensed) if moments else {},
+            readings=self.record.readings_of(moments[-1].sensed) if moments else {},
             rate=timing.rate,
             achieved_rate=rate,
             speed=timing.clock.speed,
@@ -400,7 +400,7 @@ class Loop:
         """Return the bridge's picture of its robot; it is foreign code."""
         try:
             with self._calling("the robot"):
-                return getattr(self.bridge, "picture", None)
+                return None if (world := self.bridge.simulated) is None else world.picture
         except KeyboardInterrupt:
             raise
         except BaseException as error:

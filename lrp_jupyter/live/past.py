@@ -57,8 +57,8 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         events=MappingProxyType({}),
         issues=tuple(_issues_at(history, tick, interpreter.issues)),
         program=state.program,
-        readings=bridge.readings_of(sensed),
-        robot=bridge.picture_after(moment, after),
+        readings=loop.record.readings_of(sensed),
+        robot=None if (world := bridge.simulated) is None else world.picture_after(moment, after),
         hung=None,
     )
 
@@ -84,7 +84,7 @@ def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[],
     moments.append(loop.bridge.moment())
     final = moments[-1 if end is None else end - first + 1]
     starts = moments if begin is None else [moments[begin - first]]
-    return loop.bridge.animation(starts, final)
+    return None if (world := loop.bridge.simulated) is None else world.animation(starts, final)
 
 
 def tick_of(loop: Loop, time: float) -> int:

@@ -70,7 +70,7 @@ class Plot:
 def plottable(loop: Loop) -> list[str]:
     """Return the names of what has a number or a truth value now; between two ticks."""
     variables = [path_text(path) for path, value in loop.frame.values.items() if _is_number(value)]
-    readings = loop.bridge.readings_of(loop.record.moments[-1][2]) if loop.record.moments else {}
+    readings = loop.record.readings_of(loop.record.moments[-1][2]) if loop.record.moments else {}
     return variables + [_ROBOT + name for name, value in readings.items() if _is_number(value)]
 
 
@@ -181,7 +181,7 @@ def _whole(loop: Loop, name: str) -> str:
 def _is_present(loop: Loop, name: str) -> bool:
     """Return whether a name is that of a reading, or of a variable that exists or may exist."""
     if name.startswith(_ROBOT):
-        return bool(loop.record.moments) and name.removeprefix(_ROBOT) in loop.bridge.readings_of(
+        return bool(loop.record.moments) and name.removeprefix(_ROBOT) in loop.record.readings_of(
             loop.record.moments[-1][2]
         )
     path, names = as_path(name), resolve(loop.interpreter.program)
@@ -199,11 +199,11 @@ class _Sample(NamedTuple):
 
 def _samples(loop: Loop, paths: set[Path], after: int, reads: bool) -> Iterator[_Sample]:
     """Return the values of variables and the readings in the ticks after a tick, the last one first."""
-    bridge, nodes = loop.bridge, loop.bridge.nodes.table
+    record, nodes = loop.record, loop.bridge.nodes.table
     followed = loop.interpreter.history.followed(paths, after)
-    moments = loop.record.moments.last(max(0, loop.interpreter.tick - after))
+    moments = record.moments.last(max(0, loop.interpreter.tick - after))
     return (
-        _Sample(tick, time, variables, bridge.readings_of(sensed) if reads else {}, nodes)
+        _Sample(tick, time, variables, record.readings_of(sensed) if reads else {}, nodes)
         for (tick, variables), (time, _, sensed) in zip(followed, moments, strict=False)
     )
 

@@ -16,8 +16,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import cast
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.nodes import RobotMethod
@@ -144,6 +145,14 @@ class Record:
         """Return the object that a token stands for here."""
         return self._interpreter.namespace if token == "namespace" else self._bridge.nodes.table[str(token)]
 
+    def readings_of(self, sensed: object) -> Mapping[str, object]:
+        """Return the readings of a tick by path, with the error where one failed, by their token in a moment.
+
+        Those that are missing were not read, or had no value.
+        """
+        world = self._bridge.simulated
+        return cast(Mapping[str, object], sensed) if world is None else world.readings_of(sensed)
+
     # -- checkpoints -----------------------------------------------------------------------------
 
     def checkpoint(self, running: bool) -> SessionCheckpoint:
@@ -209,7 +218,8 @@ class Record:
         self.moments.drop(first.tick - (tick - len(self.moments)))
         self.inputs.begin(first.inputs)
         self._bridge.safety.begin(first.tick)
-        self._bridge.forget(first.moment)
+        if (world := self._bridge.simulated) is not None:
+            world.forget(first.moment)
 
     def clear(self) -> None:
         """Drop all: a new run begins."""

@@ -76,7 +76,7 @@ class Recorder(Trace):
 
     def _readings(self) -> Line:
         time, _, sensed = self._loop.record.moments[-1]
-        readings = {name: plain(value) for name, value in self._loop.bridge.readings_of(sensed).items()}
+        readings = {name: plain(value) for name, value in self._loop.record.readings_of(sensed).items()}
         return {"tick": self._loop.interpreter.tick, "time": time, "readings": readings}
 
     def _keep(self, made: Callable[[], Line]) -> None:
@@ -95,7 +95,7 @@ def start_of(
 ) -> RunStart:
     """Return where a session begins that has not ticked yet."""
     interpreter = loop.interpreter
-    world = bridge.world_form()
+    world = None if bridge.simulated is None else bridge.simulated.world_form()
     members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
     namespace = interpreter.namespace
     names = sorted(name for name in loop.record.names_used() if name in namespace)

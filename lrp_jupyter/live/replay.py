@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
@@ -122,8 +123,10 @@ def _apply(loop: Loop, what: object) -> None:
             bridge.safety.again = what
         case RobotCommanded(name, arguments):
             bridge.nodes.table[name](**arguments)  # type: ignore[operator]
+        case _ if bridge.simulated is not None:
+            bridge.simulated.repeat(what)
         case _:
-            bridge.repeat(what)
+            raise BridgeError(f"`{bridge.name}` has no world to which {what!r} could be done.")
 
 
 def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
@@ -134,8 +137,9 @@ def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
     ValueError
         There is something, so the recorded run went on from another state.
     """
-    world = "" if loop.bridge.has_come_to(checkpoint.moment) else "the world"
-    if left := world or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
+    world = loop.bridge.simulated
+    other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
+    if left := other or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
         raise ValueError(
             f"What came after tick {checkpoint.tick} cannot be repeated from an earlier tick: the session "
             f"went back to it, and {left} was no longer as before. Begin at tick {checkpoint.tick} or later."

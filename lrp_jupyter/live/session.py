@@ -1467,9 +1467,8 @@ def _tried(
     ends = None if until is None else fork._watch(until)
 
     def after_tick() -> bool:
-        pose = fork.bridge.pose
-        if pose is not None:
-            way.append(pose[:2])
+        if (world := fork.bridge.simulated) is not None:
+            way.append(world.pose[:2])
         return ends is not None and ends()
 
     reached = fork.run(seconds, after_tick=after_tick)

@@ -129,20 +129,21 @@ class Observation:
         self._way: list[Waypoint] = []
         self._others: dict[str, list[Waypoint]] = {}
         self._touch: Touch | None = None
-        self._touching = loop.bridge.touched
+        self._world = loop.bridge.simulated
+        self._touching = frozenset[str]() if self._world is None else self._world.touched
         self._present = present(loop.interpreter.history.state(tick), tick, loop.timing.now)
 
     def watch(self) -> bool:
         """Note what a tick has brought; never ends the run."""
-        loop = self._loop
-        pose = loop.bridge.pose
-        if pose is not None:
-            self._way.append((loop.timing.now, *pose))
-        for name, place in loop.bridge.others.items():
-            self._others.setdefault(name, []).append((loop.timing.now, *place))
-        touched = loop.bridge.touched
+        now, world = self._loop.timing.now, self._world
+        if world is None:
+            return False
+        self._way.append((now, *world.pose))
+        for name, place in world.others.items():
+            self._others.setdefault(name, []).append((now, *place))
+        touched = world.touched
         if self._touch is None and (new := touched - self._touching):
-            self._touch = Touch(loop.timing.now, min(new))
+            self._touch = Touch(now, min(new))
         self._touching &= touched  # what it has left can be touched again
         return False
 
@@ -150,7 +151,7 @@ class Observation:
         """Return what was watched."""
         told = (*self._present, *happenings(self._loop, self._tick, gap=True))
         others = {name: tuple(way) for name, way in self._others.items()}
-        solids = self._loop.bridge.movable
+        solids = () if self._world is None else self._world.movable
         return Course(told, self._tick, tuple(self._way), self._touch, others, solids)
 
 

@@ -613,7 +613,7 @@ def test_the_stop_button_works_on_every_bridge_and_others_are_refused() -> None:
     with pytest.raises(BridgeError, match="has no option `host`"):
         bridge.answer("host", "10.0.0.7")
     assert bridge.panel() == Panel("Noted")
-    assert bridge.picture is None
+    assert bridge.simulated is None
 
 
 @pytest.mark.parametrize("words", ["the cable is missing", "The cable is missing."])

@@ -135,10 +135,10 @@ class PastTests:
         written: frozenset[int] = frozenset(),
     ) -> Callable[[str], Any]:
         """Return what returns the value that a name had in a tick."""
-        interpreter, bridge = self._loop.interpreter, self._loop.bridge
-        names, nodes = self._loop.record.names, bridge.nodes.table
+        interpreter, record = self._loop.interpreter, self._loop.record
+        names, nodes = record.names, self._loop.bridge.nodes.table
         changes = [change for completed, change in self._changes if completed >= tick]
-        readings = bridge.readings_of(self._loop.record.moments[tick - interpreter.tick - 1].sensed)
+        readings = record.readings_of(record.moments[tick - interpreter.tick - 1].sensed)
 
         def lookup(name: str) -> Any:
             if name == "robot":
