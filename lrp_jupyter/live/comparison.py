@@ -60,29 +60,13 @@ class Comparison:
         What followed in the recorded run.
     other : bool
         Whether the program is another one: then neither the lines of its text nor its edits are compared.
-    has_printed : bool
-        Whether that says what was printed.
     has_values : bool
         Whether variables are compared, too, and not only what the program does.
     """
 
-    def __init__(
-        self,
-        recorded: Iterable[Line],
-        other: bool = False,
-        has_printed: bool = True,
-        has_values: bool = True,
-    ) -> None:
+    def __init__(self, recorded: Iterable[Line], other: bool = False, has_values: bool = True) -> None:
         self._other = other
-        self._left_out = {
-            name
-            for name, is_left_out in (
-                ("patched", other),
-                ("printed", not has_printed),
-                ("changed", not has_values),
-            )
-            if is_left_out
-        }
+        self._left_out = ({"patched"} if other else set()) | (set() if has_values else {"changed"})
         self._recorded = deque(line for line in recorded if self._counts(line))
         self._now: list[Line] = []  # the lines of the present tick
         self._machines: dict[str, str] = {}  # of the states that were entered, by name

@@ -57,7 +57,6 @@ from lrp_jupyter.sim.worlds import load
 __all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording"]
 
 VERSION = 2
-_OLD = 1  # in it, commands were no events, and what is printed was not recorded
 _LATEST = 1e7  # s of a run
 _MAKE = "`lrp run FILE --record run.lrplog` makes one."
 _LONGEST = 1.5 / SLOWEST  # s between two lines of a simulated run
@@ -157,8 +156,6 @@ class Recording:
         What followed from them.
     cut : bool
         Whether the file ended in the middle of a line, or of its compressed data.
-    has_printed : bool
-        Whether what was printed is recorded.
     """
 
     name: str
@@ -166,7 +163,6 @@ class Recording:
     entries: tuple[Entry, ...]
     followed: tuple[Line, ...]
     cut: bool = False
-    has_printed: bool = True
 
     @property
     def ticks(self) -> int:
@@ -238,10 +234,8 @@ def read_recording(
         except Exception as error:  # whatever the parser, or an input that is made of it, says of a value
             raise at_line(name, number, _mistake(error)) from None
     assert start is not None
-    has_printed = json.loads(whole[0])["lrplog"] != _OLD
-    return Recording(
-        name, start, tuple(entries), tuple(followed[:complete]), bool(rest) or not is_whole, has_printed
-    )
+    cut = bool(rest) or not is_whole
+    return Recording(name, start, tuple(entries), tuple(followed[:complete]), cut)
 
 
 def _mistake(error: Exception) -> str:
@@ -276,9 +270,8 @@ def _moment(line: Line) -> tuple[int, float]:
     return tick, time
 
 
-def _event(line: Line) -> Line:
+def _event(event: Line) -> Line:
     """Return what followed; every kind of it has its fields."""
-    event = {**line, "event": "commanded"} if "command" in line else line  # as version 1 has it
     if event.get("event") is None and "readings" not in event:
         raise FileError("This line has no `input`, `event` or `readings`.")
     for name, kind in _FIELDS.get(event.get("event"), {}).items():
@@ -289,13 +282,13 @@ def _event(line: Line) -> Line:
 
 
 def _start(line: Line, prepared: Callable[[Program, Mapping[str, str]], Program] | None) -> RunStart:
-    if line.get("lrplog") not in (VERSION, _OLD):
-        found = line.get("lrplog")
+    found = line.get("lrplog")
+    if found != VERSION:
         if found is None:
             raise FileError(f"This is not a recording. One begins with a line that has `lrplog`. {_MAKE}")
         raise FileError(
-            f"This recording is of version {found!r}. This release reads versions {_OLD} and {VERSION}: "
-            "install a newer lrp-jupyter."
+            f"This recording is of version {found!r}, and this release reads version {VERSION}: "
+            "record the run again, or install the release that recorded it."
         )
     missing = [name for name in ("text", "filename", "bridge") if name not in line]
     if missing:

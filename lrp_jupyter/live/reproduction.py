@@ -118,7 +118,7 @@ def _repeated(
     Of another program it is what that does otherwise; or a variable, if it does nothing otherwise.
     """
     comparisons = [
-        Comparison(recording.followed, other, recording.has_printed, has_values)
+        Comparison(recording.followed, other, has_values)
         for has_values in ([False, True] if other else [True])
     ]
     session.open()
