@@ -18,6 +18,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+import lrp_jupyter.graph  # noqa: F401  (registers the pictures of programs; loads them when one is shown)
+
 if TYPE_CHECKING:
     from lrp_jupyter.bridges.bridge import Bridge as Bridge
     from lrp_jupyter.bridges.sim import SimBridge as SimBridge

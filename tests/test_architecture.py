@@ -49,3 +49,24 @@ def test_a_session_without_a_simulated_robot_does_not_import_the_physics():
         "import sys; from lrp_jupyter import Session; Session().run(1); sys.exit('pymunk' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+def test_no_text_of_the_language_names_a_module_above_it():
+    naming = {
+        path.name
+        for path in (PACKAGE / "language").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant)
+        and str(node.value).startswith("lrp_jupyter.")
+        and node.value != "lrp_jupyter.language"
+    }
+    assert naming == set()
+
+
+def test_a_program_shows_its_picture_which_is_imported_only_then():
+    program = (
+        "import sys; from lrp_jupyter import parse; program = parse('(machine m (state a))');"
+        "assert 'lrp_jupyter.graph.still' not in sys.modules;"
+        "sys.exit('image/svg+xml' not in program._repr_mimebundle_())"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -13,11 +13,11 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import import_module
 from itertools import accumulate
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit, Finding, Fix
+from lrp_jupyter.language.display import Displayed
 from lrp_jupyter.language.scanner import LINE_END
 from lrp_jupyter.language.source import NOWHERE, Block, Name, Span
 from lrp_jupyter.language.triggers import TransitionKind, Trigger
@@ -207,7 +207,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Machine:
+class Machine(Displayed):
     """``(machine NAME …)``; each tuple keeps the order of the text."""
 
     name: Name
@@ -238,13 +238,9 @@ class Machine:
                     element.label = label
         return found
 
-    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
-        """Return the representations for a notebook: a picture, and a tree as plain text."""
-        return _picture_of(self)
-
 
 @dataclass(frozen=True)
-class Program:
+class Program(Displayed):
     """A whole program, as made by :func:`~lrp_jupyter.language.parser.parse`.
 
     Each tuple keeps the order of the text.
@@ -290,20 +286,6 @@ class Program:
                     yield from inside((*path, str(state.name)), state.machines)
 
         yield from inside((), self.machines)
-
-    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
-        """Return the representations for a notebook: a picture, and a tree as plain text."""
-        return _picture_of(self)
-
-
-def _picture_of(noun: Machine | Program) -> dict[str, str]:
-    """Return the representations of an element for a notebook.
-
-    The module of the pictures is in a higher layer, so it is imported by name when one is shown: the only
-    place where a lower layer calls a higher one.
-    """
-    bundle: dict[str, str] = import_module("lrp_jupyter.graph.still").mimebundle(noun)
-    return bundle
 
 
 def _distinct(names: Iterable[str]) -> tuple[str, ...]:
