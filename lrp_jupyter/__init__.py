@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from lrp_jupyter.grading.grade import grade as grade
     from lrp_jupyter.grading.sweep import sweep as sweep
     from lrp_jupyter.graph.state_graph import state_graph as state_graph
-    from lrp_jupyter.interpreter.frame import Frame as Frame
     from lrp_jupyter.interpreter.interpreter import Interpreter as Interpreter
     from lrp_jupyter.interpreter.issues import Issue as Issue
     from lrp_jupyter.language.diff import diff as diff
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
     from lrp_jupyter.language.program import Program as Program
     from lrp_jupyter.live.checking import check as check
     from lrp_jupyter.live.clock import VirtualClock as VirtualClock
+    from lrp_jupyter.live.frame import Frame as Frame
     from lrp_jupyter.live.session import Session as Session
     from lrp_jupyter.sim import World as World
     from lrp_jupyter.widgets.lab import Controls as Controls
@@ -65,7 +65,6 @@ _HOMES = {
         "SessionClosedError",
         "UnknownElementError",
     ),
-    "interpreter.frame": ("Frame",),
     "interpreter.interpreter": ("Interpreter",),
     "interpreter.issues": ("Issue",),
     "language.diff": ("diff",),
@@ -76,6 +75,7 @@ _HOMES = {
     "live.clock": ("VirtualClock",),
     "grading.grade": ("grade",),
     "grading.sweep": ("sweep",),
+    "live.frame": ("Frame",),
     "live.session": ("Session",),
     "sim": ("World",),
     "graph.state_graph": ("state_graph",),

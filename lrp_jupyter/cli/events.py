@@ -12,9 +12,9 @@ from rich.text import Text
 from lrp_jupyter.cli.excerpt import excerpt
 from lrp_jupyter.codes import style_of
 from lrp_jupyter.interpreter.events import TraceEvent
-from lrp_jupyter.interpreter.frame import matches
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path
+from lrp_jupyter.live.frame import matches
 from lrp_jupyter.live.trace import Trace
 
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})

@@ -13,8 +13,8 @@ from time import perf_counter
 from typing import Protocol
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
-from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.live.commands import Pause, Resume
+from lrp_jupyter.live.frame import Frame
 from lrp_jupyter.live.session import Session
 
 LIMIT = 10.0

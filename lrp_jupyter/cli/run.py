@@ -38,10 +38,10 @@ from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import write_file
-from lrp_jupyter.interpreter.frame import Frame, missing_state
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.unknown import unknown
 from lrp_jupyter.logs import open_log

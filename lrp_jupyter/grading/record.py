@@ -11,10 +11,10 @@ from typing import Any, NamedTuple, TypeVar
 from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import Finding
-from lrp_jupyter.interpreter.frame import is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.live.frame import is_active
 from lrp_jupyter.sim.world import BoxSolid, Solid, World
 
 _STILL = 0.002  # m; a robot at rest may drift this far in one period

@@ -11,14 +11,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from lrp_jupyter.errors import UnknownElementError, sentence_of
-from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import TraceEvent
-from lrp_jupyter.interpreter.frame import Hit
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.variables import BlockTest, check_expression
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.breakpoint import Breakpoint, BreakpointKind
+from lrp_jupyter.live.frame import Hit
 from lrp_jupyter.live.unknown import unknown
 
 _KEYWORDS = {"state": "entered", "transition": "fires", "event": "event", "machine": "machine"}

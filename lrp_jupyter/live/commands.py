@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.interpreter.breakpoint import Breakpoint
 from lrp_jupyter.interpreter.patching import Patch
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.unmeant import Unmeant
+from lrp_jupyter.live.breakpoint import Breakpoint
 from lrp_jupyter.live.breakpoints import Breakpoints
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.loop import Loop

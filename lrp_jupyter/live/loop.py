@@ -42,7 +42,6 @@ from lrp_jupyter.bridges.safety import Origin
 from lrp_jupyter.errors import LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.faults import Interrupted
-from lrp_jupyter.interpreter.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Element, Path, Program
@@ -50,6 +49,7 @@ from lrp_jupyter.live.breakpoints import Breakpoints
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
+from lrp_jupyter.live.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
 from lrp_jupyter.live.record import Record

@@ -14,9 +14,9 @@ from collections.abc import Callable
 from time import monotonic
 from types import FrameType
 
-from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.interpreter.variables import EXPRESSION
 from lrp_jupyter.live.commands import Pause
+from lrp_jupyter.live.frame import Hung
 from lrp_jupyter.live.interruption import RunningBlock, interrupt, interrupt_call, running_block
 from lrp_jupyter.live.loop import Loop
 

@@ -10,13 +10,13 @@ from types import MappingProxyType
 
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.facts import Entered, Fact, Faulted, Fired
-from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.interpreter.tree import Count
 from lrp_jupyter.language.program import Element, Path
+from lrp_jupyter.live.frame import Frame
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.values import numbers_of

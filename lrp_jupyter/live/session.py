@@ -70,9 +70,7 @@ from lrp_jupyter.errors import (
     sentence_of,
 )
 from lrp_jupyter.files import read_text, write_file
-from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import Observer
-from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
@@ -85,6 +83,7 @@ from lrp_jupyter.language.rename import rename as renamed_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.live.breakpoints import breakpoint_of
 from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.checkpoints import names_of
@@ -92,6 +91,7 @@ from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
 from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private_namespace
+from lrp_jupyter.live.frame import Frame, Status, definition_of, matches, missing_state
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import animation_of, frame_at, tick_of
@@ -300,7 +300,7 @@ class Session:
 
     @property
     def status(self) -> Status:
-        """See :attr:`Frame.status <lrp_jupyter.interpreter.frame.Frame>`."""
+        """See :attr:`Frame.status <lrp_jupyter.live.frame.Frame>`."""
         return self.frame.status
 
     @property

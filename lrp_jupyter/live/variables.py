@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, MutableMapping
 from typing import Any
 
-from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, path_text
+from lrp_jupyter.live.frame import Frame
 
 
 class LiveVariables(MutableMapping[Path, Any]):

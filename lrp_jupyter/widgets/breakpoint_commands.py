@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from lrp_jupyter.interpreter.breakpoint import BreakpointKind
 from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.breakpoint import BreakpointKind
 from lrp_jupyter.live.breakpoints import breakpoint_of, noun_of
 from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand

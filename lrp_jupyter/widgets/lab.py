@@ -28,10 +28,10 @@ from lrp_jupyter.files import write_file
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.challenges import challenge as find_challenge
 from lrp_jupyter.graph.still import draw
-from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.live.frame import Frame
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.sim.svg import svg as world_svg

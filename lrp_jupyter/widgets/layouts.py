@@ -10,9 +10,9 @@ from lrp_jupyter.graph.geometry import Size
 from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.graph.state_graph import events_in_scope, outer_states, start_states
-from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
+from lrp_jupyter.live.frame import Frame
 
 
 class Layouts:

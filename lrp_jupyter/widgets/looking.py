@@ -10,9 +10,9 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.frame import Frame
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import LookingView
 

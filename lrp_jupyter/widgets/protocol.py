@@ -58,9 +58,9 @@ from typing import Literal, NotRequired, Required, TypedDict
 
 from lrp_jupyter.errors import Severity
 from lrp_jupyter.graph.shapes import Layout
-from lrp_jupyter.interpreter.breakpoint import BreakpointKind
-from lrp_jupyter.interpreter.frame import Status
 from lrp_jupyter.language.triggers import TransitionKind
+from lrp_jupyter.live.breakpoint import BreakpointKind
+from lrp_jupyter.live.frame import Status
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.changes import Sections
 
@@ -547,7 +547,7 @@ class ViewState(TypedDict):
     """Everything that a view may show of a session, apart from its texts and its world.
 
     ============= =======================================================================================
-    ``status``    the words of `lrp_jupyter.interpreter.frame.Frame`; ``reason`` explains it
+    ``status``    the words of `lrp_jupyter.live.frame.Frame`; ``reason`` explains it
     ``revision``  of the text that runs (the last one applied); ``program`` is its structure
     ``active``    innermost active states, as spawned (``Interpreter.active`` as text)
     ``lit``       every active state by its path in the text, outer ones too: what the page marks

@@ -17,12 +17,12 @@ from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.errors import NoDataYet, StaleData
 from lrp_jupyter.graph.state_graph import DefinedPaths
-from lrp_jupyter.interpreter.breakpoint import Breakpoint
-from lrp_jupyter.interpreter.frame import Frame, Hit
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Finding, Machine, Program, Span, path_text
+from lrp_jupyter.live.breakpoint import Breakpoint
+from lrp_jupyter.live.frame import Frame, Hit
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.finding_views import finding_id
 from lrp_jupyter.widgets.goal import Goal

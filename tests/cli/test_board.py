@@ -6,7 +6,7 @@ import pytest
 
 from lrp_jupyter.cli.board import BoardState, board_text
 from lrp_jupyter.cli.map import columns_for
-from lrp_jupyter.interpreter.frame import Hung
+from lrp_jupyter.live.frame import Hung
 from lrp_jupyter.live.session import Session
 
 NESTED = """(var speed := [0.2])

@@ -6,11 +6,11 @@ from hypothesis import strategies as st
 from story import robot
 
 from lrp_jupyter.bridges.bridge import NullBridge
-from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.rendering import LONGEST, render
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.frame import Frame
 from lrp_jupyter.live.loop import Loop
 
 LOOKLEFT = ("follower", "looking", "lookalgo", "lookleft")

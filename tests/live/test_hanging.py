@@ -9,9 +9,9 @@ from time import perf_counter
 import pytest
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
-from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
+from lrp_jupyter.live.frame import Hung
 from lrp_jupyter.live.interruption import RunningBlock, interrupt
 from lrp_jupyter.live.monitor import PATIENCE
 

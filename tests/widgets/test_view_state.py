@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.bridges import Bridge
-from lrp_jupyter.interpreter.frame import Hung
+from lrp_jupyter.live.frame import Hung
 from lrp_jupyter.widgets import layouts
 from lrp_jupyter.widgets.protocol import FrameMessage, ViewState
 from lrp_jupyter.widgets.view_state import difference

@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from lrp_jupyter.errors import did_you_mean
-from lrp_jupyter.interpreter.breakpoint import Breakpoint
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, Spawn, path_text
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.breakpoint import Breakpoint
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
