@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Literal, NamedTuple, NoReturn
+from typing import Literal, NamedTuple, NoReturn, Self
 
 __all__ = [
     "MOST_FINDINGS",
@@ -136,7 +136,33 @@ class LRPSyntaxError(LRPError):
 
 
 class UnknownElementError(LRPError, KeyError):
-    """A path does not name an element of the program, or not one that exists at the moment."""
+    """A path does not name an element of the program, or not one that exists at the moment.
+
+    Parameters
+    ----------
+    message : str
+    candidates : iterable of str, optional
+        What can have been meant, each as it can be written instead: the paths of all elements that have an
+        ambiguous name; or the most similar name, if there is one. So there are several only if the name is
+        ambiguous.
+    """
+
+    def __init__(self, message: str = "", candidates: Iterable[str] = ()) -> None:
+        super().__init__(message)
+        self.candidates = tuple(candidates)
+
+    @classmethod
+    def ambiguous(cls, nouns: str, name: str, paths: Iterable[str]) -> Self:
+        """Return the error that several elements, which `nouns` says in the plural, have a name."""
+        found = tuple(paths)
+        listed = ", ".join(f"`{path}`" for path in found)
+        return cls(f"Several {nouns} are called `{name}`. Use one of {listed}.", found)
+
+    @classmethod
+    def missing(cls, message: str, name: str, known: Iterable[str], otherwise: str = "") -> Self:
+        """Return the error with a hint at the most similar known name or, without one, another hint."""
+        close = most_similar(name, known)
+        return cls(message + (f" Did you mean `{close[0]}`?" if close else otherwise), close)
 
     def __str__(self) -> str:  # KeyError shows the repr of its argument, in quotes
         return str(self.args[0]) if self.args else ""
@@ -209,10 +235,15 @@ def did_you_mean(name: str, names: Iterable[str], likeness: float = 0.55) -> str
 
     `likeness` is the least that counts, from 0 to 1; of names of different things, close ones are rarer.
     """
+    close = most_similar(name, names, likeness)
+    return f" Did you mean `{close[0]}`?" if close else ""
+
+
+def most_similar(name: str, names: Iterable[str], likeness: float = 0.55) -> tuple[str, ...]:
+    """Return the name that is most similar, if there is one; `likeness` as for :func:`did_you_mean`."""
     known = list(names)
     same = [each for each in known if each.casefold() == name.casefold()]
-    close = same or get_close_matches(name, known, n=1, cutoff=likeness)
-    return f" Did you mean `{close[0]}`?" if close else ""
+    return tuple(same[:1] or get_close_matches(name, known, n=1, cutoff=likeness))
 
 
 def sentence_of(error: BaseException) -> str:

@@ -1,4 +1,4 @@
-"""The exceptions of the package travel by pickle and by copy; only close names are suggested."""
+"""The exceptions of the package travel by pickle and by copy, and tell what can have been meant."""
 
 import copy
 import pickle
@@ -10,7 +10,20 @@ import lrp_jupyter.bridges.ev3
 import lrp_jupyter.bridges.ros
 import lrp_jupyter.cli
 import lrp_jupyter.widgets.lab  # noqa: F401  (with the others, it defines every exception of the package)
-from lrp_jupyter.errors import Edit, Finding, Fix, LRPError, LRPSyntaxError, did_you_mean
+from lrp_jupyter import Session
+from lrp_jupyter.errors import (
+    Edit,
+    Finding,
+    Fix,
+    LRPError,
+    LRPSyntaxError,
+    UnknownElementError,
+    did_you_mean,
+)
+from lrp_jupyter.graph.state_graph import find_machine
+from lrp_jupyter.language import drawing
+from lrp_jupyter.language.initials import with_initial
+from lrp_jupyter.language.rename import rename
 
 FIX = Fix("Close it", (Edit(8, 8, ")"),))
 FINDINGS = (
@@ -31,6 +44,8 @@ def kinds(base: type[LRPError] = LRPError) -> Iterator[type[LRPError]]:
 @pytest.mark.parametrize("kind", list(kinds()), ids=lambda kind: kind.__name__)
 def test_an_exception_survives_pickle_and_copy_with_its_fields(kind, travel):
     error = kind(FINDINGS if kind is LRPSyntaxError else "There is no state `a`.")
+    if kind is UnknownElementError:
+        error = kind("There is no state `a`.", ("m/b", "n/b"))
     arrived = travel(error)
     assert type(arrived) is kind
     assert str(arrived) == str(error)
@@ -56,3 +71,49 @@ def test_the_message_of_a_syntax_error_lists_its_findings():
 )
 def test_only_a_close_name_is_suggested(name, known, meant):
     assert did_you_mean(name, known) == meant
+
+
+TWINS = "".join(
+    f"""(machine {name} (var speed := [1]) (event bump [False]) (state driving) (state turning)
+        (eps driving -> turning turned))"""
+    for name in ("left", "right")
+)
+PROGRAM = f"(var goal := [2]) {TWINS} (spawn left driving) (spawn right driving)"
+
+
+@pytest.mark.parametrize(
+    ("ask", "candidates"),
+    [
+        (lambda s: s.why("driving"), ("left/driving", "right/driving")),
+        (lambda s: s.why("drivin"), ("driving",)),
+        (lambda s: s.why_not("turned"), ("left/turned", "right/turned")),
+        (lambda s: s.why_not("turnd"), ("turned",)),
+        (lambda s: s.why_not("driving"), ()),
+        (lambda s: s.why("robot.stopp"), ("stop",)),
+        (lambda s: s.pause_when("driving"), ("left/driving", "right/driving")),
+        (lambda s: s.pause_when(fires="turnd"), ("turned",)),
+        (lambda s: s.pause_when(fires="driving"), ()),
+        (lambda s: s.run(1, until="drivin"), ("driving",)),
+        (lambda s: s.variables["speed"], ("left/speed", "right/speed")),
+        (lambda s: s.set_variable("gaol", 1), ("goal",)),
+        (lambda s: s.set_variable("x" * 9, 1), ()),
+        (lambda s: s.plots(["gaol"])[0], ("goal",)),
+        (lambda s: s.rename("state", "left/drivin", "x"), ("left/driving",)),
+        (lambda s: s.interpreter.teleport_to("left/drivin"), ("left/driving",)),
+        (lambda s: find_machine(s.program, ["lefft"]), ("left",)),
+        (lambda s: with_initial(s.text, ("speed",), "1"), ("left/speed", "right/speed")),
+        (lambda s: with_initial(s.text, ("gaol",), "1"), ("goal",)),
+        (lambda s: rename(s.program, "event", ("left", "bmup"), "x"), ("left/bump",)),
+        (lambda s: drawing.new_state(s.text, ("lefft",), "x"), ("left",)),
+        (lambda s: drawing.new_transition(s.text, ("left",), "drivin", "turning", ""), ("left/driving",)),
+        (lambda s: drawing.retarget(s.text, ("left", "turned"), "source", "drivin"), ("driving",)),
+        (lambda s: drawing.retarget(s.text, ("left", "turnd"), "source", "driving"), ("turned",)),
+    ],
+)
+def test_an_unknown_element_tells_what_can_have_been_meant(ask, candidates):
+    with Session(PROGRAM, "sim") as session:
+        session.run(0.3)
+        with pytest.raises(UnknownElementError) as raised:
+            ask(session)
+    assert raised.value.candidates == candidates
+    assert all(f"`{each}`" in str(raised.value) for each in candidates)

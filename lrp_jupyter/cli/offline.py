@@ -15,7 +15,7 @@ from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.source import Source, read_source
 from lrp_jupyter.codes import address_of
-from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError, did_you_mean
+from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.format import formatted
@@ -167,8 +167,9 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
     known = [path_text(path) for path, _ in program.walk()]
     if machine is not None and machine.strip("/") not in known:
         listed = ", ".join(f"`{path}`" for path in known) or "none"
-        hint = did_you_mean(machine, known) or f" The program has {listed}."
-        raise UnknownElementError(f"There is no machine `{machine}`.{hint}")
+        raise UnknownElementError.missing(
+            f"There is no machine `{machine}`.", machine, known, f" The program has {listed}."
+        )
     picture = _rendered(program, machine, kind)
     if output is None:
         sys.stdout.write(picture)

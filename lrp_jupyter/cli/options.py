@@ -162,7 +162,7 @@ def with_initials(program: Program, assignments: Sequence[Assignment]) -> Progra
         try:
             path, _ = find_variable(program, variable)
         except UnknownElementError as error:
-            raise UnknownElementError(f"--set {path_text(variable)}: {error}") from None
+            raise UnknownElementError(f"--set {path_text(variable)}: {error}", error.candidates) from None
 
         def changed(old: Variable, text: str = expression) -> Variable:
             return replace(old, initial=replace(old.initial, text=text))

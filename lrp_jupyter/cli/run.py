@@ -148,7 +148,7 @@ def _pause_at(session: Session, what: str) -> None:
             session.pause_when(**{argument: what})  # type: ignore[arg-type]
             return
         except UnknownElementError as error:
-            if str(error).startswith("Several"):
+            if len(error.candidates) > 1:
                 raise
     examples = {"left": "left moving", "event": "event bump", "when": "when robot.bumper.data"}
     if (word := what.strip()) in examples:
@@ -186,7 +186,7 @@ def _opened(trace: str | None, stack: ExitStack) -> IO[str] | None:
 
 
 def _check_state(program: Program, until: str) -> None:
-    if missing := missing_state(until, program):
+    if (missing := missing_state(until, program)) is not None:
         raise typer.BadParameter(f"--until: {missing}")
 
 

@@ -339,7 +339,7 @@ def sweep_axes(
             try:
                 changed = with_initial(changed, tuple(name.strip("/").split("/")), repr(value))
             except UnknownElementError as error:
-                raise UnknownElementError(f"`{name}` cannot be swept: {error}") from None
+                raise UnknownElementError(f"`{name}` cannot be swept: {error}", error.candidates) from None
         texts.append(changed)
     grades = grade_all(texts, task, seeds, how, progress)
     points = tuple(map(SweepPoint, combinations, grades))

@@ -17,8 +17,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
-from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
+from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, not_found, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, resolve
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ def find_machine(program: Program, path: Sequence[str]) -> Machine:
     for found, machine in program.walk():
         if found == wanted:
             return machine
-    raise UnknownElementError(f"There is no machine `{path_text(wanted)}`.")
+    raise not_found("machine", wanted, [found for found, _ in program.walk()])
 
 
 def distinct_states(machine: Machine) -> dict[str, State]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, ItemsView, Iterator, Mapping
 from typing import Any, TypeVar
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, path_text
 
@@ -85,13 +85,13 @@ def full_path(wanted: Path | str, known: Collection[Path]) -> Path:
     if len(found) == 1:
         return found[0]
     if found:
-        listed = ", ".join(f"`{path_text(other)}`" for other in found)
-        raise UnknownElementError(f"Several variables are called `{path[0]}`. Use one of {listed}.")
+        raise UnknownElementError.ambiguous("variables", path[0], map(path_text, found))
     names = dict.fromkeys(name for other in known for name in (path_text(other), other[-1]))
-    hint = did_you_mean(path_text(path), names)
-    raise UnknownElementError(
+    raise UnknownElementError.missing(
         f"There is no variable `{path_text(path)}` now. Variables exist while their machine runs, global "
-        f"ones from the first tick after a start or restart.{hint}"
+        "ones from the first tick after a start or restart.",
+        path_text(path),
+        names,
     )
 
 

@@ -102,7 +102,10 @@ def _first_line(error: BaseException) -> str:
 
 
 def _name_error(error: NameError) -> str:
-    if "free variable" in str(error) or "enclosing scope" in str(error):
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is not None and error.name in trace.tb_frame.f_code.co_freevars:
         return f"`{error.name}` has no value. Assign one first."
     return (
         f"`{error.name}` is not defined here. Correct the name, or declare `(var {error.name} := [value])`."

@@ -10,12 +10,11 @@ from __future__ import annotations
 from functools import partial
 from typing import Literal
 
-from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Row
-from lrp_jupyter.language.program import Path, path_text
+from lrp_jupyter.language.program import Path, not_found
 
 How = Literal["transition", "teleport"]
 
@@ -35,7 +34,8 @@ def find_state(run: Run, path: Path) -> StatePlan:
                 if act.path == path[:-1]:
                     state = act.machine.states.get(path[-1])
     if state is None:
-        raise UnknownElementError(f"There is no state `{path_text(path)}`.")
+        machines = run.plan.machines.items()
+        raise not_found("state", path, [(*where, name) for where, plan in machines for name in plan.states])
     return state
 
 

@@ -19,7 +19,7 @@ from lrp_jupyter.errors import Edit, LRPSyntaxError, UnknownElementError, edited
 from lrp_jupyter.language.forms import Shape, shape_of
 from lrp_jupyter.language.names import normal
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Path, Program, State, path_text
+from lrp_jupyter.language.program import Path, Program, State, not_found, path_text
 from lrp_jupyter.language.rename import check_name
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 from lrp_jupyter.language.scanner import block_end
@@ -52,7 +52,7 @@ class DrawnProgram:
         """Return the machine at a path."""
         found = self.names.by_path.get(path)
         if found is None or found.noun is None:
-            raise UnknownElementError(f"There is no machine `{path_text(path)}`.")
+            raise not_found("machine", path, self.names.by_path)
         return found
 
     def state(self, path: Path) -> tuple[Scope, State]:
@@ -60,7 +60,7 @@ class DrawnProgram:
         found = self.names.by_path.get(path[:-1])
         state = found.states.get(path[-1]) if found and path else None
         if found is None or state is None:
-            raise UnknownElementError(f"There is no state `{path_text(path)}`.")
+            raise not_found("state", path, [(*path[:-1], name) for name in found.states] if found else ())
         return found, state
 
     def arrow(self, path: Path) -> Arrow:
@@ -69,7 +69,9 @@ class DrawnProgram:
         for arrow in self.names.arrows[scope]:
             if arrow.element.path == path:
                 return arrow
-        raise UnknownElementError(f"There is no transition `{path[-1]}` in `{path_text(scope.path)}`.")
+        known = [arrow.element.path[-1] for arrow in self.names.arrows[scope]]
+        message = f"There is no transition `{path[-1]}` in `{path_text(scope.path)}`."
+        raise UnknownElementError.missing(message, path[-1], known)
 
     def form_of(self, scope: Scope) -> WrittenForm:
         """Return the form of a machine, or the top level."""
@@ -245,7 +247,7 @@ def new_transition(text: str, machine: Path, source: str, destination: str, trig
     drawing = DrawnProgram(text)
     scope = drawing.machine(machine)
     if source != "*" and source not in scope.states:
-        raise UnknownElementError(f"There is no state `{path_text((*machine, source))}`.")
+        raise not_found("state", (*machine, source), [(*machine, name) for name in scope.states])
     destination = _new_name(destination)
     edits = [] if destination in scope.states else _state(drawing, scope, destination)
     keyword, condition = _trigger(scope, trigger.strip())
@@ -425,13 +427,15 @@ def retarget(
     every = end == "source" and name == "*"
     if not every and not any(name in home.states for home in homes):
         where = path_text(homes[0].path) if homes else path_text(arrow.scope.path)
-        raise UnknownElementError(f"There is no state `{name}` in `{where}`.")
+        known = [state for home in homes for state in home.states]
+        raise UnknownElementError.missing(f"There is no state `{name}` in `{where}`.", name, known)
     if end == "destination":
         return drawing.edits([Edit(*written.destination, name)])
     if every or arrow.noun.wildcard or len(arrow.noun.sources) == 1:
         return drawing.edits([Edit(*written.source, name)])
     if not written.sources(old):
-        raise UnknownElementError(f"`{old}` is not one of the sources of `{path[-1]}`.")
+        message = f"`{old}` is not one of the sources of `{path[-1]}`."
+        raise UnknownElementError.missing(message, old, arrow.noun.sources)
     if name == old:
         return []
     if name in arrow.noun.sources:

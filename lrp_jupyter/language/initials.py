@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Machine, Path, Program, Variable, path_text
 
@@ -25,11 +25,13 @@ def find_variable(program: Program, wanted: Path) -> tuple[Path, Variable]:
     lines = (program.place(known[path].span.start)[0] for path in (found or known))
     listed = ", ".join(f"`{text}` (line {line})" for text, line in zip(texts, lines, strict=True))
     if found:
-        raise UnknownElementError(f"Several variables have this name. Use one of {listed}.")
+        raise UnknownElementError(f"Several variables have this name. Use one of {listed}.", texts)
     if not known:
         raise UnknownElementError("The program has no variables.")
-    hint = did_you_mean(path_text(wanted), [*texts, *(path[-1] for path in known)])
-    raise UnknownElementError(f"The program has no such variable.{hint or f' It has {listed}.'}")
+    names = [*texts, *(path[-1] for path in known)]
+    raise UnknownElementError.missing(
+        "The program has no such variable.", path_text(wanted), names, f" It has {listed}."
+    )
 
 
 def with_initial(text: str, variable: Path, expression: str) -> str:

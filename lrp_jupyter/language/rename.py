@@ -19,7 +19,7 @@ from lrp_jupyter.language.blocks import block_names
 from lrp_jupyter.language.names import normal
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
-from lrp_jupyter.language.program import Element, Name, Path, Program, Span
+from lrp_jupyter.language.program import Element, Name, Path, Program, Span, not_found
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 
 _KINDS = ("state", "machine", "event", "variable", "transition")
@@ -172,7 +172,8 @@ def _unknown(program: Program, element: Element) -> Exception:
     machine = dict(program.walk()).get(element.path[:-1])
     if element.kind == "transition" and machine and element.path[-1] in machine.labels:
         return ValueError(f"{element} has no name of its own. Write one after its destination.")
-    return UnknownElementError(f"There is no {element}.")
+    known = [each.path for each in resolve(program).elements() if each.kind == element.kind]
+    return not_found(element.kind, element.path, known)
 
 
 def check_name(kind: str, name: str) -> None:

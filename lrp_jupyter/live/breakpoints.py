@@ -52,8 +52,7 @@ def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
     if len(found) == 1:
         return found[0]
     if found:
-        listed = ", ".join(f"`{path_text(each.path)}`" for each in found)
-        raise UnknownElementError(f"Several {kind}s are called `{text}`. Use one of {listed}.")
+        raise UnknownElementError.ambiguous(f"{kind}s", text, [path_text(each.path) for each in found])
     remedies = {each: f'Pass `{keyword}="{text}"`.' for each, keyword in _KEYWORDS.items()}
     raise unknown(kind, [kind], wanted, [program], remedies)
 

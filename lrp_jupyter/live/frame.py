@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from lrp_jupyter.errors import did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.identity import Successors
@@ -238,14 +238,15 @@ def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
     return any(matches(state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
 
 
-def missing_state(state: str | Path, program: Program) -> str:
-    """Return a sentence if a program has no such state, else an empty text."""
+def missing_state(state: str | Path, program: Program) -> UnknownElementError | None:
+    """Return the error that a program has no such state; None if it has."""
     wanted = definition_of(state, program)
     known = [(*path, str(noun.name)) for path, machine in program.walk() for noun in machine.states]
     if any(matches(wanted, path) for path in known):
-        return ""
-    name = path_text(as_path(state))
-    return f"There is no state `{name}`.{did_you_mean(as_path(state)[-1], [path[-1] for path in known])}"
+        return None
+    path = as_path(state)
+    message = f"There is no state `{path_text(path)}`."
+    return UnknownElementError.missing(message, path[-1], [each[-1] for each in known])
 
 
 def definition_of(state: str | Path, program: Program) -> str | Path:

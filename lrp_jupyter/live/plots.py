@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Literal, NamedTuple
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.language.expressions import UnknownValueError, evaluate, expression_of, names_in
 from lrp_jupyter.language.names import as_path
@@ -166,8 +166,9 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
 
 
 def _unknown(name: str, known: list[str]) -> UnknownElementError:
-    hint = did_you_mean(name, known) or f" There are: {', '.join(f'`{each}`' for each in known)}."
-    return UnknownElementError(f"There is no variable or reading `{name}` to plot.{hint}")
+    message = f"There is no variable or reading `{name}` to plot."
+    listed = ", ".join(f"`{each}`" for each in known)
+    return UnknownElementError.missing(message, name, known, f" There are: {listed}.")
 
 
 def _whole(loop: Loop, name: str) -> str:

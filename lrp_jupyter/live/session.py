@@ -66,7 +66,6 @@ from lrp_jupyter.errors import (
     LRPError,
     SessionClosedError,
     SessionTimeoutError,
-    UnknownElementError,
     sentence_of,
 )
 from lrp_jupyter.files import read_text, write_file
@@ -499,8 +498,8 @@ class Session:
         if callable(until):
             return lambda: bool(until(loop.make_frame()))
         state, interpreter = until, loop.interpreter
-        if missing := missing_state(state, interpreter.program):
-            raise UnknownElementError(missing)
+        if (missing := missing_state(state, interpreter.program)) is not None:
+            raise missing
         before = _count(interpreter, state)
         return lambda: _count(interpreter, state) > before or loop.is_active(state)
 
@@ -541,7 +540,7 @@ class Session:
                 what, missing = "The condition was not met", ""
                 if not callable(condition):
                     what = f"`{path_text(as_path(condition))}` was not entered"
-                    missing = missing_state(condition, frame.program)
+                    missing = str(missing_state(condition, frame.program) or "")
                 raise SessionTimeoutError(f"{what} within {timeout:g} s: {self!r}. {missing}".rstrip())
             with self._changed:
                 self._changed.wait_for(lambda old=version: self._version != old, min(left, 3600))  # type: ignore[misc]

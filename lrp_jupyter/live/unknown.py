@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.forms import article
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
@@ -47,8 +47,8 @@ def unknown(
             return UnknownElementError(
                 f"`{text}` is {article(kind)} {kind}, not {article(noun)} {noun}. {remedy}"
             )
-    hint = did_you_mean(text, [*known, *others]) or f" {_listed(noun, known)}"
-    return UnknownElementError(f"There is no {noun} `{text}`.{hint}")
+    message = f"There is no {noun} `{text}`."
+    return UnknownElementError.missing(message, text, [*known, *others], f" {_listed(noun, known)}")
 
 
 def _listed(noun: str, known: list[str]) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.interpreter.rendering import render
-from lrp_jupyter.language.program import Path, Program, Span, Spawn, path_text
+from lrp_jupyter.language.program import Path, Program, Span, Spawn, not_found, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
 from lrp_jupyter.widgets.places import id_of, path_of
@@ -56,7 +56,7 @@ def _inspect(opened: OpenProgram, kind: ElementKind, path: Path, into: Sequence[
     if kind == "event":
         event = next((event for event in machine.events if event.name == path[-1]), None)
         if event is None:
-            raise UnknownElementError(f"There is no event `{path_text(path)}`.")
+            raise not_found("event", path, [(*path[:-1], str(each.name)) for each in machine.events])
         return _view(f"event {event.name}", "", program, event.span, [])
     if kind == "transition":
         return _transition(opened.view_state(), program, path)
@@ -67,7 +67,7 @@ def _state(now: ViewState, program: Program, path: Path) -> InspectView:
     machine = find_machine(program, path[:-1])
     state = next((state for state in machine.states if state.name == path[-1]), None)
     if state is None:
-        raise UnknownElementError(f"There is no state `{path_text(path)}`.")
+        raise not_found("state", path, [(*path[:-1], str(each.name)) for each in machine.states])
     name = path_text(path)
     visits = now["entered"].get(name, {"count": 0, "tick": 0})
     facets = [_facet("active", "yes" if name in now["lit"] else "no"), _facet("entered", _times(visits))]
@@ -93,7 +93,8 @@ def _transition(now: ViewState, program: Program, path: Path) -> InspectView:
     machine = find_machine(program, path[:-1])
     transition = dict(zip(machine.ids, machine.transitions, strict=True)).get(path[-1])
     if transition is None:
-        raise UnknownElementError(f"There is no transition `{path[-1]}` in `{path_text(path[:-1])}`.")
+        message = f"There is no transition `{path[-1]}` in `{path_text(path[:-1])}`."
+        raise UnknownElementError.missing(message, path[-1], machine.ids)
     fired = now["fired"].get(id_of("transition", path), {"count": 0, "tick": 0})
     facets = [
         _facet("kind", transition.kind),

@@ -13,7 +13,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.errors import LRPError, UnknownElementError, did_you_mean
+from lrp_jupyter.errors import LRPError, UnknownElementError, did_you_mean, most_similar
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
@@ -63,7 +63,8 @@ def named(name: str) -> PageConnection:
         raise UnknownElementError("No program is open. `%lrp examples` lists bundled ones.")
     listed = ", ".join(f"`{each}`" for each in known)
     what = f"No program `{name}` is open.{did_you_mean(name, known)}" if name else "Name a program."
-    raise UnknownElementError(f"{what} Open programs: {listed}.")
+    candidates = most_similar(name, known) if name else known
+    raise UnknownElementError(f"{what} Open programs: {listed}.", candidates)
 
 
 def running() -> Iterator[PageConnection]:

@@ -215,6 +215,20 @@ def test_a_breakpoint_that_cannot_be_set_is_refused(lrp, program, what, said):
     assert said in " ".join(done.stderr.replace("│", " ").split())
 
 
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        ("a", "Several states are called `a`. Use one of `m/a`, `k/a`."),
+        ("t", "Several transitions are called"),
+    ],
+)
+def test_a_breakpoint_at_one_of_several_is_refused(lrp, program, what, said):
+    twins = "".join(f"(machine {name} (state a) (state b) (ontime 9 a -> b t))" for name in "mk")
+    done = lrp("run", program(twins), "--for", "1", "--break", what)
+    assert done.exit_code == 2
+    assert said in " ".join(done.stderr.replace("│", " ").split())
+
+
 def test_a_condition_of_a_breakpoint_that_raises_is_told_at_the_end(lrp, program):
     done = lrp("run", program(TEXT), "--speed", "max", "--for", "1", "--break", "when nn > 3")
     assert done.exit_code == 0

@@ -685,6 +685,12 @@ def test_reading_a_variable_whose_initialiser_failed_is_reported():
     assert i.issues[1].message == "`n` has no value. Assign one first."
 
 
+def test_a_name_without_a_value_is_known_by_its_place_not_by_the_words_of_the_exception():
+    block = "raise NameError('no free variable', name='n')"
+    i = started(f"(machine m (state a (running [{block}])))(spawn m a)", 2)
+    assert i.issues[0].message.startswith("`n` is not defined here.")
+
+
 def test_a_condition_that_holds_does_not_hide_a_missing_destination():
     i = started("(machine m (state a) (on [True] a -> nowhere))(spawn m a)")
     seen = []

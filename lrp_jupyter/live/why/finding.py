@@ -28,7 +28,8 @@ def find_transition(wanted: str | Path, programs: Iterable[Program]) -> tuple[El
         if len(found) == 1:
             return found[0], program
         if found:
-            raise _several("transitions", str(wanted), [each.path for each in found])
+            paths = [path_text(each.path) for each in found]
+            raise UnknownElementError.ambiguous("transitions", str(wanted), paths)
     return None
 
 
@@ -68,10 +69,5 @@ def find_state(wanted: str | Path, programs: Iterable[Program]) -> tuple[Path, P
         if len(found) == 1:
             return found[0], program
         if found:
-            raise _several("states", path_text(path), found)
+            raise UnknownElementError.ambiguous("states", path_text(path), map(path_text, found))
     return None
-
-
-def _several(kind: str, text: str, paths: Iterable[Path]) -> UnknownElementError:
-    listed = ", ".join(f"`{path_text(each)}`" for each in paths)
-    return UnknownElementError(f"Several {kind} are called `{text}`. Use one of {listed}.")

@@ -9,7 +9,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.nodes import RobotMethod
 from lrp_jupyter.bridges.outside import CommandsHeld, RobotStopped
 from lrp_jupyter.bridges.safety import CommandRecord
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.program import Program
@@ -83,8 +83,8 @@ def _alike(bridge: Bridge, name: str) -> set[str]:
     methods = commands_of(bridge)
     if name not in methods:
         known = ", ".join(f"`{each}`" for each in methods) or "none"
-        hint = did_you_mean(name, methods) or f" There are: {known}."
-        raise UnknownElementError(f"`robot` has no command `{name}`.{hint}")
+        message = f"`robot` has no command `{name}`."
+        raise UnknownElementError.missing(message, name, methods, f" There are: {known}.")
     meant = methods[name]
     if name.rpartition(".")[2] == "stop" or not meant.velocity:
         return {name}
