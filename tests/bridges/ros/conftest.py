@@ -22,10 +22,11 @@ import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import Queue
-from types import ModuleType
 from typing import Any
 
 import pytest
+from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
+from support.waiting import no_thread_left, until
 
 from lrp_jupyter.bridges.ros import RosBridge, link, rosapi
 from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN
@@ -41,51 +42,12 @@ MODULES = (
 PROGRAMS = ("/usr/bin/rosmaster", "/usr/bin/rostopic", "/usr/lib/topic_tools/relay")
 
 
-def _load(name: str) -> ModuleType:
-    """Import a file that is beside this one and in no package."""
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, HERE / f"{name}.py")
-        assert spec is not None
-        assert spec.loader is not None
-        sys.modules[name] = module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-    return sys.modules[name]
-
-
-def wait_until(holds: Callable[[], object], seconds: float = 60.0, what: str = "") -> None:
-    """Wait for what another process or thread does; fail after so many seconds."""
-    end, tick = time.monotonic() + seconds, threading.Event()
-    while not holds():
-        assert time.monotonic() < end, what or "it did not happen"
-        tick.wait(0.02)
-
-
-@pytest.fixture(scope="session")
-def until() -> Callable[..., None]:
-    return wait_until
-
-
 # -- topics in memory -----------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="session")
-def rosbridge() -> ModuleType:
-    return _load("rosbridge_server")
-
-
-@pytest.fixture(scope="session")
-def latency() -> ModuleType:
-    return _load("latency")
-
-
-@pytest.fixture(scope="session")
-def stand_in() -> ModuleType:
-    return _load("rclpy_stand_in")
-
-
 @pytest.fixture
-def graph(rosbridge: ModuleType) -> Any:
-    graph = rosbridge.MemoryGraph({**KNOWN, **HEADERS[1]})
+def graph() -> MemoryGraph:
+    graph = MemoryGraph({**KNOWN, **HEADERS[1]})
     graph.types |= {
         "/odom": "nav_msgs/Odometry",
         "/light": "std_msgs/UInt8",
@@ -97,12 +59,12 @@ def graph(rosbridge: ModuleType) -> Any:
 
 
 @pytest.fixture
-def serve(rosbridge: ModuleType, graph: Any) -> Iterator[Callable[..., Any]]:
+def serve(graph: MemoryGraph) -> Iterator[Callable[..., RosbridgeServer]]:
     """Start a server for the topics in memory."""
     servers = []
 
-    def start(port: int = 0, rosapi: bool = True, encryption: Any = None) -> Any:
-        servers.append(rosbridge.RosbridgeServer(graph, port, rosapi, encryption))
+    def start(port: int = 0, rosapi: bool = True, encryption: Any = None) -> RosbridgeServer:
+        servers.append(RosbridgeServer(graph, port, rosapi, encryption))
         return servers[-1]
 
     yield start
@@ -111,7 +73,7 @@ def serve(rosbridge: ModuleType, graph: Any) -> Iterator[Callable[..., Any]]:
 
 
 @pytest.fixture
-def server(serve: Callable[..., Any]) -> Any:
+def server(serve: Callable[..., RosbridgeServer]) -> RosbridgeServer:
     return serve()
 
 
@@ -293,18 +255,11 @@ def guarded(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(autouse=True)
-def _nothing_is_left_behind() -> Iterator[None]:
-    before = set(threading.enumerate())
-    yield
-    left = [thread for thread in threading.enumerate() if thread not in before and _is_ours(thread)]
-    for thread in left:
-        thread.join(60)
-    assert not [thread for thread in left if thread.is_alive()]
-
-
-def _is_ours(thread: threading.Thread) -> bool:
+def _no_thread_left() -> Iterator[None]:
     """Rospy's one node, with its threads, belongs to the process."""
-    return thread.name.startswith(("ROS", "rosbridge", "lrp", "stop the robot"))
+    ours = ("ROS", "rosbridge", "lrp", "stop the robot")
+    with no_thread_left(lambda thread: thread.name.startswith(ours)):
+        yield
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -401,7 +356,7 @@ class Ros(Processes):
 
     def start_master(self) -> None:
         self._master = self.start("/usr/bin/rosmaster", "--core", "-p", str(self.master_port))
-        wait_until(lambda: _answers(self.master_port), 20, "the master did not start")
+        until(lambda: _answers(self.master_port), "the master did not start")
 
     def kill_master(self) -> None:
         assert self._master is not None

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from bridges.ros import rclpy_stand_in as stand_in
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
@@ -13,7 +15,7 @@ from lrp_jupyter.errors import BridgeError
 
 
 @pytest.fixture
-def graph(stand_in: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
+def graph(monkeypatch: pytest.MonkeyPatch) -> Any:
     graph = stand_in.install(monkeypatch)
     graph.other_publishes("/odom", "nav_msgs/Odometry")
     return graph
@@ -30,16 +32,12 @@ def ros(graph: Any) -> Iterator[RosBridge]:
     assert [end for end in (*graph.publishers, *graph.subscriptions) if end.node_name == "lrp"] == []
 
 
-def test_topics_of_other_nodes_are_listed_with_their_types(
-    ros: RosBridge, until: Callable[..., None]
-) -> None:
+def test_topics_of_other_nodes_are_listed_with_their_types(ros: RosBridge) -> None:
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     assert dict(ros.topics) == {"/odom": "nav_msgs/Odometry"}
 
 
-def test_a_message_arrives_with_its_arrays(
-    ros: RosBridge, graph: Any, stand_in: Any, until: Callable[..., None]
-) -> None:
+def test_a_message_arrives_with_its_arrays(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("odom", "/odom")
     message = stand_in.message_class("nav_msgs/Odometry")()
     message.pose.pose.position.x = 1.5
@@ -51,9 +49,7 @@ def test_a_message_arrives_with_its_arrays(
 
 
 @pytest.mark.parametrize("kind", ["BEST_EFFORT", "RELIABLE"])
-def test_a_subscription_asks_for_what_is_offered(
-    ros: RosBridge, graph: Any, stand_in: Any, kind: str
-) -> None:
+def test_a_subscription_asks_for_what_is_offered(ros: RosBridge, graph: Any, kind: str) -> None:
     offered = stand_in.ReliabilityPolicy[kind]
     kept = stand_in.DurabilityPolicy.TRANSIENT_LOCAL
     graph.other_publishes("/scan", "sensor_msgs/LaserScan", reliability=offered, durability=kept)
@@ -64,7 +60,7 @@ def test_a_subscription_asks_for_what_is_offered(
 
 
 def test_a_subscription_that_comes_first_asks_for_the_least_and_then_for_what_is_offered(
-    ros: RosBridge, graph: Any, stand_in: Any, until: Callable[..., None]
+    ros: RosBridge, graph: Any
 ) -> None:
     def asked() -> list[tuple[str, str]]:
         found = [end.qos_profile for end in graph.subscriptions if end.topic_name == "/map"]
@@ -91,7 +87,7 @@ def _fail(_message: Any) -> None:
     [((_fail, None), "RuntimeError: the middleware is gone"), (None, "ExternalShutdownException")],
 )
 def test_an_executor_that_ends_is_a_lost_robot_until_there_is_another_one(
-    ros: RosBridge, graph: Any, stand_in: Any, until: Callable[..., None], end: Any, why: str
+    ros: RosBridge, graph: Any, end: Any, why: str
 ) -> None:
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
@@ -105,7 +101,7 @@ def test_an_executor_that_ends_is_a_lost_robot_until_there_is_another_one(
     ros.robot.move(linear=0.1)
 
 
-def test_a_command_is_published_reliably(ros: RosBridge, graph: Any, stand_in: Any) -> None:
+def test_a_command_is_published_reliably(ros: RosBridge, graph: Any) -> None:
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     ros.robot.move(linear=0.2, angular=-1)
     ((topic, sent),) = graph.published

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bridges.ros import rclpy_stand_in
+from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge, backends
 from lrp_jupyter.bridges.ros.backends import AUTO, Choice, choose_backend
@@ -26,8 +28,8 @@ def bare(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.fixture
-def rclpy(monkeypatch: pytest.MonkeyPatch, stand_in: Any) -> Any:
-    return stand_in.install(monkeypatch)
+def rclpy(monkeypatch: pytest.MonkeyPatch) -> Any:
+    return rclpy_stand_in.install(monkeypatch)
 
 
 def test_a_named_back_end_is_taken_whatever_is_set(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,9 +127,7 @@ def test_an_address_is_refused_where_robots_are_found_without(backend: str) -> N
         RosBridge(backend=backend, host="10.0.0.5")
 
 
-def test_a_new_address_is_asked_who_answers_there(
-    server: Any, serve: Callable[..., Any], until: Callable[..., None]
-) -> None:
+def test_a_new_address_is_asked_who_answers_there(server: Any, serve: Callable[..., Any]) -> None:
     bridge = RosBridge(host="127.0.0.1", port=server.port)
     bridge.open()
     other = serve()

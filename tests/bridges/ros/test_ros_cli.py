@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.cli.run import where
@@ -52,7 +53,7 @@ def on(port: int, *more: object) -> tuple[object, ...]:
 
 @pytest.mark.ros
 def test_the_follower_goes_there_and_back_without_jupyter_and_without_ros(
-    real: Any, bare_lrp: Start, tmp_path: Path, until: Callable[..., None]
+    real: Any, bare_lrp: Start, tmp_path: Path
 ) -> None:
     real.start_robot(FASTER, "line")
     odometry = real.lines(real.start("/usr/bin/rostopic", "echo", "-p", "/odom/pose/pose/position/x"))
@@ -126,7 +127,7 @@ def speeds(graph: Any) -> list[float]:
 
 
 def test_ctrl_c_stops_the_robot_with_a_last_command_of_zero(
-    server: Any, graph: Any, bare_lrp: Start, drive: Path, until: Any
+    server: Any, graph: Any, bare_lrp: Start, drive: Path
 ) -> None:
     run = bare_lrp("run", drive, *on(server.port, "--option", f"setup={SETUP}"), missing=ROS)
     until(lambda: 0.1 in speeds(graph))
@@ -174,7 +175,7 @@ def test_a_set_up_that_is_kept_is_not_changed_by_a_run(
 
 
 def test_a_server_that_dies_is_reported_and_the_run_continues(
-    server: Any, graph: Any, bare_lrp: Start, drive: Path, tmp_path: Path, until: Any
+    server: Any, graph: Any, bare_lrp: Start, drive: Path, tmp_path: Path
 ) -> None:
     trace = tmp_path / "trace.jsonl"
     arguments = on(server.port, "--option", f"setup={SETUP}", "--for", "8", "--trace", trace)

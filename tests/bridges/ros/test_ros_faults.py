@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from bridges.bounded import bounded
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, link, rosbridge, websocket
@@ -38,7 +39,7 @@ def strict(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def driver(make: Make, wire: Any, graph: Any, until: Any) -> RosBridge:
+def driver(make: Make, wire: Any, graph: Any) -> RosBridge:
     """A bridge over a wire that can be cut, with an odometry and a velocity."""
     ros = make(port=wire.port)
     ros.open()
@@ -162,7 +163,7 @@ def test_neither_back_end_is_imported_before_the_bridge_is_opened() -> None:
 
 
 def test_a_lost_server_refuses_readings_and_commands_in_a_sentence(
-    driver: RosBridge, graph: Any, wire: Any, until: Any
+    driver: RosBridge, graph: Any, wire: Any
 ) -> None:
     graph.send("/odom", **ODOM)
     until(lambda: driver.describe("odom").age is not None)
@@ -174,7 +175,7 @@ def test_a_lost_server_refuses_readings_and_commands_in_a_sentence(
 
 
 def test_after_a_reconnect_subscriptions_are_back_and_the_values_new(
-    driver: RosBridge, graph: Any, wire: Any, until: Any
+    driver: RosBridge, graph: Any, wire: Any
 ) -> None:
     graph.send("/odom", **ODOM)
     until(lambda: fails(driver, "odom") == "" and driver.describe("odom").age is not None)
@@ -190,7 +191,7 @@ def test_after_a_reconnect_subscriptions_are_back_and_the_values_new(
 
 
 def test_nothing_that_was_commanded_without_a_connection_is_sent_later(
-    driver: RosBridge, graph: Any, wire: Any, until: Any
+    driver: RosBridge, graph: Any, wire: Any
 ) -> None:
     driver.robot.move(linear=0.1)
     until(lambda: commands(graph) == [0.1])
@@ -206,7 +207,7 @@ def test_nothing_that_was_commanded_without_a_connection_is_sent_later(
 
 
 def test_a_robot_that_never_moved_is_not_told_to_stop_after_a_reconnect(
-    driver: RosBridge, graph: Any, wire: Any, until: Any
+    driver: RosBridge, graph: Any, wire: Any
 ) -> None:
     (before,) = graph.listeners
     wire.cut()
@@ -216,9 +217,7 @@ def test_a_robot_that_never_moved_is_not_told_to_stop_after_a_reconnect(
 
 
 @pytest.mark.usefixtures("strict")
-def test_a_server_that_hangs_gets_no_pile_of_commands(
-    driver: RosBridge, graph: Any, wire: Any, until: Any
-) -> None:
+def test_a_server_that_hangs_gets_no_pile_of_commands(driver: RosBridge, graph: Any, wire: Any) -> None:
     until(lambda: not fails(driver, "move", linear=0.1))
     until(lambda: 0.1 in commands(graph))
     wire.hold()
@@ -236,9 +235,7 @@ def test_a_server_that_hangs_gets_no_pile_of_commands(
 
 
 @pytest.mark.usefixtures("impatient")
-def test_half_a_frame_is_a_loss_and_the_bridge_comes_back(
-    driver: RosBridge, graph: Any, wire: Any, until: Any
-) -> None:
+def test_half_a_frame_is_a_loss_and_the_bridge_comes_back(driver: RosBridge, graph: Any, wire: Any) -> None:
     wire.hold_after(20)
     graph.send("/odom", **ODOM)
     until(lambda: driver.status.state is ConnectionState.LOST)
@@ -252,9 +249,7 @@ def test_half_a_frame_is_a_loss_and_the_bridge_comes_back(
     )
 
 
-def test_the_loop_keeps_its_rate_while_the_server_is_gone(
-    driver: RosBridge, graph: Any, wire: Any, until: Any
-) -> None:
+def test_the_loop_keeps_its_rate_while_the_server_is_gone(driver: RosBridge, graph: Any, wire: Any) -> None:
     session = Session(
         "(machine m (state s (running [robot.move(linear=0.2)])))(spawn m s)", bridge=driver, rate=50
     )
@@ -272,7 +267,7 @@ def test_the_loop_keeps_its_rate_while_the_server_is_gone(
 
 
 def test_a_server_whose_master_dies_is_lost_until_the_master_is_back(
-    make: Make, graph: Any, until: Any, monkeypatch: pytest.MonkeyPatch
+    make: Make, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rosbridge.RosbridgeTransport, "period", 0.1)
     ros = make()
@@ -288,7 +283,7 @@ def test_a_server_whose_master_dies_is_lost_until_the_master_is_back(
 
 
 def test_a_robot_that_stays_lost_is_looked_for_in_steps(
-    make: Make, graph: Any, server: Any, until: Any, monkeypatch: pytest.MonkeyPatch
+    make: Make, graph: Any, server: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ros = make()
     ros.open()
@@ -307,7 +302,7 @@ def test_a_robot_that_stays_lost_is_looked_for_in_steps(
 # -- what the server says -------------------------------------------------------------------------
 
 
-def test_what_is_not_a_message_is_passed_over(driver: RosBridge, server: Any, graph: Any, until: Any) -> None:
+def test_what_is_not_a_message_is_passed_over(driver: RosBridge, server: Any, graph: Any) -> None:
     for client in server.clients:
         for words in (
             "{",
@@ -327,7 +322,7 @@ def test_what_is_not_a_message_is_passed_over(driver: RosBridge, server: Any, gr
     "words", [{"data": "text"}, {"pose": 3}, {"pose": {"pose": {"position": {"x": "1"}}}}]
 )
 def test_a_message_of_another_type_is_reported_with_its_topic(
-    driver: RosBridge, graph: Any, until: Any, words: dict[str, Any]
+    driver: RosBridge, graph: Any, words: dict[str, Any]
 ) -> None:
     graph.send("/odom", **words)
     until(lambda: "A message on `/odom` is not a `nav_msgs/Odometry`" in fails(driver, "odom"))
@@ -335,13 +330,13 @@ def test_a_message_of_another_type_is_reported_with_its_topic(
     until(lambda: not fails(driver, "odom"))
 
 
-def test_what_the_server_complains_about_is_shown(driver: RosBridge, server: Any, until: Any) -> None:
+def test_what_the_server_complains_about_is_shown(driver: RosBridge, server: Any) -> None:
     for client in server.clients:
         client.send(json.dumps({"op": "status", "level": "error", "msg": "out of paper"}))
     until(lambda: any("out of paper" in notice.text for notice in driver.safety.notices))
 
 
-def test_null_is_what_json_has_for_nan(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_null_is_what_json_has_for_nan(ros: RosBridge, graph: Any) -> None:
     graph.types["/far"] = "std_msgs/Float32"
     ros.subscribe("far", "/far", "std_msgs/Float32")
     until(lambda: any(topic == "/far" for topic, _ in graph.listeners))
@@ -351,7 +346,7 @@ def test_null_is_what_json_has_for_nan(ros: RosBridge, graph: Any, until: Any) -
 
 
 def test_without_rosapi_the_common_types_work_and_others_are_refused(
-    serve: Callable[..., Any], make: Make, graph: Any, until: Any
+    serve: Callable[..., Any], make: Make, graph: Any
 ) -> None:
     ros = make(port=serve(rosapi=False).port)
     ros.open()
@@ -365,7 +360,7 @@ def test_without_rosapi_the_common_types_work_and_others_are_refused(
     assert ros.panel() is not None
 
 
-def test_a_ros_2_server_is_spoken_to_in_its_own_names(make: Make, graph: Any, until: Any) -> None:
+def test_a_ros_2_server_is_spoken_to_in_its_own_names(make: Make, graph: Any) -> None:
     graph.is_ros2 = True
     graph.types["/odom"] = "nav_msgs/msg/Odometry"
     ros = make()
@@ -410,7 +405,7 @@ def test_a_nested_message_is_not_a_number(ros: RosBridge) -> None:
         ros.robot.goal(position=1.0)
 
 
-def test_a_tick_sees_one_world(driver: RosBridge, graph: Any, until: Any) -> None:
+def test_a_tick_sees_one_world(driver: RosBridge, graph: Any) -> None:
     graph.send("/odom", **ODOM)
     until(lambda: driver.describe("odom").age is not None)
     driver.begin_tick(0.0, 0.1)
@@ -425,7 +420,7 @@ def latest(ros: RosBridge) -> str:
     return repr(ros.wiring.channels[0].latest)
 
 
-def test_a_disarmed_robot_gets_a_stop_and_nothing_else(driver: RosBridge, graph: Any, until: Any) -> None:
+def test_a_disarmed_robot_gets_a_stop_and_nothing_else(driver: RosBridge, graph: Any) -> None:
     driver.disarm()
     driver.robot.move(linear=0.2)
     driver.press("stop")
@@ -433,16 +428,14 @@ def test_a_disarmed_robot_gets_a_stop_and_nothing_else(driver: RosBridge, graph:
     assert set(commands(graph)) == {0.0}
 
 
-def test_closing_stops_the_robot_before_the_connection_goes(
-    driver: RosBridge, graph: Any, until: Any
-) -> None:
+def test_closing_stops_the_robot_before_the_connection_goes(driver: RosBridge, graph: Any) -> None:
     driver.robot.move(linear=0.2)
     driver.close()
     until(lambda: commands(graph)[-1:] == [0.0])
     until(lambda: not graph.advertised and not graph.listeners)
 
 
-def test_the_stop_button_works_while_the_program_hangs(driver: RosBridge, graph: Any, until: Any) -> None:
+def test_the_stop_button_works_while_the_program_hangs(driver: RosBridge, graph: Any) -> None:
     let_go, hangs = threading.Event(), threading.Event()
     session = Session(
         "(machine m (state s (running [robot.move(linear=0.2); hangs.set(); let_go.wait()])))(spawn m s)",

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import link
@@ -93,7 +94,7 @@ def test_a_link_that_was_closed_reports_nothing_any_more(
 
 
 def test_what_cannot_be_left_keeps_no_connection_open(
-    searching: TopicLink, slow: Slow, reports: list[ConnectionState], until: Callable[..., None]
+    searching: TopicLink, slow: Slow, reports: list[ConnectionState]
 ) -> None:
     slow.answer.set()
     until(lambda: reports == [ConnectionState.WAITING])

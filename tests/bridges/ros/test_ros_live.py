@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from bridges.bounded import bounded
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
@@ -39,7 +40,7 @@ def chatter(real: Any, text: str, topic: str = "/chatter") -> Any:
     return real.start("/usr/bin/rostopic", "pub", "-r", "20", topic, "std_msgs/String", f"data: '{text}'")
 
 
-def echo(real: Any, until: Any, topic: str) -> list[str]:
+def echo(real: Any, topic: str) -> list[str]:
     """The lines that `rostopic echo` prints."""
     lines = real.lines(real.start("/usr/bin/rostopic", "echo", "-p", topic))
     until(lambda: any("rostopic" in node for node in real.subscribers(topic)))
@@ -52,7 +53,7 @@ def velocities(lines: list[str]) -> list[tuple[float, float]]:
     return [(float(row[1]), float(row[6])) for row in rows]
 
 
-def test_what_rostopic_publishes_arrives(real: Any, connect: Connect, until: Any) -> None:
+def test_what_rostopic_publishes_arrives(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
     with pytest.raises(NoDataYet, match=r"`robot\.text` has no data yet"):
@@ -66,7 +67,7 @@ def test_what_rostopic_publishes_arrives(real: Any, connect: Connect, until: Any
     assert 0 <= age <= time.monotonic() - before
 
 
-def test_rostopic_receives_all_four_forms_of_publishing(real: Any, connect: Connect, until: Any) -> None:
+def test_rostopic_receives_all_four_forms_of_publishing(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     lines = echo(real, until, "/cmd_vel")
@@ -84,9 +85,7 @@ def test_rostopic_receives_all_four_forms_of_publishing(real: Any, connect: Conn
     assert velocities(lines)[-4:] == [(0.2, 0.1), (0.3, 0.0), (0.4, 0.0), (0.0, 0.5)]
 
 
-def test_the_relay_of_c_plus_plus_sends_back_what_was_published(
-    real: Any, connect: Connect, until: Any
-) -> None:
+def test_the_relay_of_c_plus_plus_sends_back_what_was_published(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.publish("say", "/there", "std_msgs/String")
     real.start("/usr/lib/topic_tools/relay", "/there", "/back")
@@ -102,7 +101,7 @@ def test_the_relay_of_c_plus_plus_sends_back_what_was_published(
 
 
 def test_arrays_times_octets_and_messages_in_messages_arrive_as_they_were_sent(
-    real: Any, connect: Connect, until: Any
+    real: Any, connect: Connect
 ) -> None:
     ros = connect()
     ros.publish("joints", "/joints", "sensor_msgs/JointState")
@@ -127,7 +126,7 @@ def test_arrays_times_octets_and_messages_in_messages_arrive_as_they_were_sent(
     ros.robot.again(header=joints.header, name=joints.name)  # what arrived may be sent on
 
 
-def test_topics_with_subscribers_only_are_in_the_list(real: Any, connect: Connect, until: Any) -> None:
+def test_topics_with_subscribers_only_are_in_the_list(real: Any, connect: Connect) -> None:
     real.start_robot()
     ros = connect()
     table = ros.panel().tables[1]
@@ -138,7 +137,7 @@ def test_topics_with_subscribers_only_are_in_the_list(real: Any, connect: Connec
     assert {field.key: field.value for field in ros.panel().fields}["type"] == "nav_msgs/Odometry"
 
 
-def test_an_odometry_has_x_y_and_theta(real: Any, connect: Connect, until: Any) -> None:
+def test_an_odometry_has_x_y_and_theta(real: Any, connect: Connect) -> None:
     real.start_robot(world="empty")
     ros = connect()
     ros.subscribe("odom", "/odom")
@@ -154,7 +153,7 @@ def test_an_odometry_has_x_y_and_theta(real: Any, connect: Connect, until: Any) 
     assert ros.robot.odom.x == pytest.approx(ros.robot.odom.pose.pose.position.x)
 
 
-def test_a_wrong_type_is_refused_with_the_right_one(real: Any, connect: Connect, until: Any) -> None:
+def test_a_wrong_type_is_refused_with_the_right_one(real: Any, connect: Connect) -> None:
     real.start_robot()
     ros = connect()
     with pytest.raises(BridgeError, match=r"`/odom` carries `nav_msgs/Odometry`, not `std_msgs/String`"):
@@ -165,9 +164,7 @@ def test_a_wrong_type_is_refused_with_the_right_one(real: Any, connect: Connect,
     assert real.subscribers("/odom") == []
 
 
-def test_a_type_that_is_no_longer_used_blocks_nothing(
-    real: Any, connect: Connect, backend: str, until: Any
-) -> None:
+def test_a_type_that_is_no_longer_used_blocks_nothing(real: Any, connect: Connect, backend: str) -> None:
     ros = connect()
     ros.subscribe("text", "/new", "std_msgs/String")
     ros.subscribe("text", "/other", "std_msgs/String")
@@ -183,9 +180,7 @@ def test_an_unknown_type_is_refused(real: Any, connect: Connect) -> None:
     assert "move" not in dir(ros.robot)
 
 
-def test_a_topic_changed_under_a_variable_starts_without_data(
-    real: Any, connect: Connect, until: Any
-) -> None:
+def test_a_topic_changed_under_a_variable_starts_without_data(real: Any, connect: Connect) -> None:
     chatter(real, "old")
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
@@ -196,7 +191,7 @@ def test_a_topic_changed_under_a_variable_starts_without_data(
     until(lambda: real.subscribers("/chatter") == [])
 
 
-def test_who_else_commands_is_told(real: Any, connect: Connect, until: Any) -> None:
+def test_who_else_commands_is_told(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     twist = "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
@@ -212,9 +207,7 @@ def test_who_else_commands_is_told(real: Any, connect: Connect, until: Any) -> N
     assert "/lrp" not in row()
 
 
-def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(
-    real: Any, connect: Connect, until: Any
-) -> None:
+def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.publish("move", "/cmd", "geometry_msgs/TwistStamped")
     lines = echo(real, until, "/cmd")
@@ -224,7 +217,7 @@ def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(
     assert before - 1 < stamps[0] < time.time() + 1
 
 
-def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect, until: Any) -> None:
+def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     lines = echo(real, until, "/cmd_vel")
@@ -243,7 +236,7 @@ def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect, unt
 
 
 def test_two_hundred_edits_leave_one_subscriber_and_no_threads_or_descriptors(
-    real: Any, connect: Connect, until: Any
+    real: Any, connect: Connect
 ) -> None:
     chatter(real, "hello")
     ros = connect(setup={"subscriptions": {"text": {"topic": "/chatter", "type": "std_msgs/String"}}})
@@ -275,7 +268,7 @@ def descriptors() -> int:
 
 
 def test_a_master_that_dies_stops_the_robot_and_does_not_slow_the_loop(
-    real: Any, connect: Connect, backend: str, until: Any
+    real: Any, connect: Connect, backend: str
 ) -> None:
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
@@ -314,7 +307,7 @@ def test_a_master_that_dies_stops_the_robot_and_does_not_slow_the_loop(
 
 @pytest.mark.parametrize("backend", ["rosbridge"])
 def test_a_rosbridge_server_that_dies_and_comes_back_gets_no_old_commands(
-    real: Any, connect: Connect, until: Any
+    real: Any, connect: Connect
 ) -> None:
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
@@ -339,7 +332,7 @@ def test_a_rosbridge_server_that_dies_and_comes_back_gets_no_old_commands(
 
 
 @pytest.mark.parametrize("backend", ["rospy"])
-def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect, until: Any) -> None:
+def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
     real.signal_master(signal.SIGSTOP)
@@ -354,9 +347,7 @@ def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect, until: Any
 
 
 @pytest.mark.parametrize("backend", ["rosbridge"])
-def test_a_master_that_hangs_ends_nothing_that_runs_over_rosbridge(
-    real: Any, connect: Connect, until: Any
-) -> None:
+def test_a_master_that_hangs_ends_nothing_that_runs_over_rosbridge(real: Any, connect: Connect) -> None:
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
@@ -400,7 +391,7 @@ def test_rospy_leaves_the_logging_of_the_process_alone(real: Any) -> None:
     assert logging.getLogger().handlers == before
 
 
-def test_looking_back_sends_no_message(real: Any, connect: Connect, until: Any) -> None:
+def test_looking_back_sends_no_message(real: Any, connect: Connect) -> None:
     """Scrubbing, questions, forks and what-ifs never command a real robot, and its program goes on."""
     program = """\
     (machine m

@@ -10,8 +10,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
 from hypothesis import given
 from hypothesis import strategies as st
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.discovery import make_bridge
@@ -202,7 +204,7 @@ def test_a_subscription_may_say_when_it_is_too_old_to_drive_by() -> None:
 # -- from Python ----------------------------------------------------------------------------------
 
 
-def test_what_is_connected_before_opening_is_there_after_it(make: Make, graph: Any, until: Any) -> None:
+def test_what_is_connected_before_opening_is_there_after_it(make: Make, graph: Any) -> None:
     ros = make()
     ros.subscribe("light", "/light")
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
@@ -220,7 +222,7 @@ def test_the_type_of_a_live_topic_is_filled_in(ros: RosBridge) -> None:
     assert "odom.theta" in [field.name for field in ros.describe("odom").fields]
 
 
-def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("far", "/far")
     ros.publish("horn", "/horn")
     assert ros.status.state is ConnectionState.WAITING
@@ -253,7 +255,7 @@ def test_who_waited_for_a_connection_finds_the_status_that_belongs_to_it(
     assert "`/horn` does not exist yet" in ros.status.sentence
 
 
-def test_the_same_subscription_again_is_not_a_second_one(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_the_same_subscription_again_is_not_a_second_one(ros: RosBridge, graph: Any) -> None:
     for _ in range(10):
         ros.subscribe("odom", "/odom")
     until(lambda: len(graph.listeners) == 1)
@@ -261,7 +263,7 @@ def test_the_same_subscription_again_is_not_a_second_one(ros: RosBridge, graph: 
     assert member.type == "Odometry"
 
 
-def test_two_variables_on_one_topic_share_it(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_two_variables_on_one_topic_share_it(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("odom", "/odom")
     ros.subscribe("also", "/odom")
     until(lambda: graph.listeners and rows(ros)["also"]["value"] == "no data yet")
@@ -274,7 +276,7 @@ def test_two_variables_on_one_topic_share_it(ros: RosBridge, graph: Any, until: 
     until(lambda: not graph.listeners)
 
 
-def test_a_removed_variable_is_gone(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_a_removed_variable_is_gone(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("odom", "/odom")
     ros.remove("odom")
     until(lambda: not graph.listeners)
@@ -283,7 +285,7 @@ def test_a_removed_variable_is_gone(ros: RosBridge, graph: Any, until: Any) -> N
         ros.remove("odom")
 
 
-def test_a_refused_change_leaves_what_was_there(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_a_refused_change_leaves_what_was_there(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("odom", "/odom")
     with pytest.raises(BridgeError, match="carries `std_msgs/UInt8`"):
         ros.subscribe("odom", "/light", "nav_msgs/Odometry")
@@ -291,7 +293,7 @@ def test_a_refused_change_leaves_what_was_there(ros: RosBridge, graph: Any, unti
     until(lambda: [topic for topic, _ in graph.listeners] == ["/odom"])
 
 
-def test_a_publisher_that_is_removed_stops_what_it_moved(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_a_publisher_that_is_removed_stops_what_it_moved(ros: RosBridge, graph: Any) -> None:
     ros.publish("move", "/cmd_vel")
     ros.robot.move(linear=0.2)
     until(lambda: graph.heard)
@@ -299,7 +301,7 @@ def test_a_publisher_that_is_removed_stops_what_it_moved(ros: RosBridge, graph: 
     until(lambda: graph.heard[-1:] == [("/cmd_vel", ros.nodes.table["move"].standstill().as_dict())])
 
 
-def test_limits_bring_a_command_back(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_limits_bring_a_command_back(ros: RosBridge, graph: Any) -> None:
     ros.publish("move", "/cmd_vel", limits={"linear": 0.5})
     ros.robot.move(linear=2.0)
     until(lambda: graph.heard)
@@ -334,7 +336,7 @@ def test_every_change_is_written_to_the_file_of_the_setup(make: Make, tmp_path: 
     assert [file.name for file in tmp_path.iterdir()] == ["robot.json"]
 
 
-def test_a_setup_is_an_answer_too(ros: RosBridge, until: Any, graph: Any) -> None:
+def test_a_setup_is_an_answer_too(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("old", "/odom")
     ros.answer("setup", str(SETUP))
     until(lambda: rows(ros)["light"]["value"] == "no data yet")
@@ -346,7 +348,7 @@ def test_a_setup_is_an_answer_too(ros: RosBridge, until: Any, graph: Any) -> Non
 
 
 def test_the_panel_shows_every_connection_with_rate_age_and_value(
-    ros: RosBridge, graph: Any, until: Any, monkeypatch: pytest.MonkeyPatch
+    ros: RosBridge, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = 100.0
     monkeypatch.setattr("lrp_jupyter.bridges.ros.channel.time", SimpleNamespace(monotonic=lambda: now))
@@ -375,7 +377,7 @@ def test_picking_a_topic_fills_in_its_type(ros: RosBridge) -> None:
     assert fields(ros)["topic"].choices == ("/cmd_vel", "/light", "/odom")
 
 
-def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph: Any) -> None:
     ros.press("subscribe", values={"variable": "light", "topic": "/light", "type": ""})
     until(lambda: rows(ros)["light"]["type"] == "std_msgs/UInt8")
     ros.press("publish", values={"variable": "move", "topic": "/cmd_vel", "type": "geometry_msgs/Twist"})
@@ -384,7 +386,7 @@ def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph:
     assert "light" not in rows(ros)
 
 
-def test_a_person_chooses_when_a_message_is_too_old(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_a_person_chooses_when_a_message_is_too_old(ros: RosBridge, graph: Any) -> None:
     ros.press("subscribe", values={"variable": "light", "topic": "/light", "stale_after": "0,3"})
     assert ros.setup["subscriptions"]["light"]["stale_after"] == 0.3
     assert fields(ros)["stale_after"].value == "", "it is not kept for the next one"
@@ -395,7 +397,7 @@ def test_a_person_chooses_when_a_message_is_too_old(ros: RosBridge, graph: Any, 
     assert "`robot.light`" in ros.status.sentence
 
 
-def test_what_cannot_be_connected_is_reported_in_its_row(ros: RosBridge, until: Any) -> None:
+def test_what_cannot_be_connected_is_reported_in_its_row(ros: RosBridge) -> None:
     ros.press("subscribe", values={"variable": "light", "topic": "/light", "type": "std_msgs/String"})
     until(lambda: "carries `std_msgs/UInt8`" in rows(ros)["light"]["value"])
     assert "carries" in ros.status.sentence
@@ -429,14 +431,12 @@ def test_the_panel_saves_the_setup(ros: RosBridge, tmp_path: Path) -> None:
     assert RosBridge(setup=tmp_path / "robot.json").setup == ros.setup
 
 
-def test_another_address_is_connected_in_the_background(
-    ros: RosBridge, rosbridge: Any, graph: Any, until: Any
-) -> None:
+def test_another_address_is_connected_in_the_background(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel")
-    other_graph = rosbridge.MemoryGraph(graph.definitions)
+    other_graph = MemoryGraph(graph.definitions)
     other_graph.types |= graph.types
-    other = rosbridge.RosbridgeServer(other_graph)
+    other = RosbridgeServer(other_graph)
     try:
         ros.answer("host", f"127.0.0.1:{other.port}")
         until(lambda: other_graph.listeners and other_graph.advertised)

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, link, panel, rosapi, rosbridge, websocket
@@ -21,7 +22,6 @@ from lrp_jupyter.cli.guard import RosSide
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 Make = Callable[..., RosBridge]
-Until = Callable[..., None]
 ODOM = {"pose": {"pose": {"position": {"x": 1.0, "y": 2.0}, "orientation": {"z": 1.0, "w": 0.0}}}}
 SCAN = {"header": {"frame_id": "base"}, "angle_min": -1.5, "ranges": [0.5, 1.25, 2.0], "intensities": []}
 
@@ -63,9 +63,7 @@ def value(ros: RosBridge, row: str) -> str:
 # -- types ----------------------------------------------------------------------------------------
 
 
-def test_types_that_are_known_here_are_not_asked_for(
-    make: Make, server: Any, ros2: Any, until: Until
-) -> None:
+def test_types_that_are_known_here_are_not_asked_for(make: Make, server: Any, ros2: Any) -> None:
     server.details_end_rosapi = True
     ros = opened(make)
     ros.subscribe("odom", "/odom", "nav_msgs/Odometry")
@@ -83,7 +81,7 @@ def age(ros: RosBridge, name: str) -> bool:
 
 
 def test_an_unknown_type_of_ros_2_is_read_from_the_text_of_its_msg_file(
-    make: Make, server: Any, ros2: Any, until: Until
+    make: Make, server: Any, ros2: Any
 ) -> None:
     server.details_end_rosapi = True
     ros2.types["/leds"] = "my_msgs/Leds"
@@ -118,7 +116,7 @@ def test_a_type_that_no_topic_of_ros_2_has_is_refused_with_the_reason(
     assert server.rosapi
 
 
-def test_releases_before_jazzy_describe_any_type(make: Make, server: Any, ros2: Any, until: Until) -> None:
+def test_releases_before_jazzy_describe_any_type(make: Make, server: Any, ros2: Any) -> None:
     ros2.distribution = "humble"
     ros2.definitions["my_msgs/Horn"] = Definition("my_msgs/Horn", {"tone": FieldType("float64")})
     ros = opened(make)
@@ -135,9 +133,7 @@ def test_a_text_that_cannot_be_read_is_refused_with_its_line(make: Make, ros2: A
 
 
 @pytest.mark.usefixtures("hasty")
-def test_silence_about_a_type_refuses_that_type_and_nothing_else(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_silence_about_a_type_refuses_that_type_and_nothing_else(make: Make, server: Any, graph: Any) -> None:
     server.hangs.add("message_details")
     ros = opened(make)
     until(lambda: ros.topics)
@@ -152,9 +148,7 @@ def test_silence_about_a_type_refuses_that_type_and_nothing_else(
 # -- rosapi that comes late, or slowly ------------------------------------------------------------
 
 
-def test_a_rosapi_that_starts_later_is_found(
-    serve: Callable[..., Any], make: Make, graph: Any, until: Until
-) -> None:
+def test_a_rosapi_that_starts_later_is_found(serve: Callable[..., Any], make: Make, graph: Any) -> None:
     server = serve(rosapi=False)
     ros = opened(make, port=server.port)
     ros.subscribe("odom", "/odom")
@@ -166,9 +160,7 @@ def test_a_rosapi_that_starts_later_is_found(
     until(lambda: notices(ros)[-1].endswith("answers now: topics are listed."))
 
 
-def test_after_a_reconnect_rosapi_is_asked_again(
-    serve: Callable[..., Any], make: Make, graph: Any, until: Until
-) -> None:
+def test_after_a_reconnect_rosapi_is_asked_again(serve: Callable[..., Any], make: Make, graph: Any) -> None:
     server = serve()
     port = server.port
     ros = opened(make, port=port)
@@ -182,7 +174,7 @@ def test_after_a_reconnect_rosapi_is_asked_again(
 @pytest.mark.parametrize("is_ros2", [False, True], ids=["ROS 1", "ROS 2"])
 @pytest.mark.usefixtures("hasty")
 def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
-    make: Make, server: Any, graph: Any, until: Until, is_ros2: bool
+    make: Make, server: Any, graph: Any, is_ros2: bool
 ) -> None:
     graph.is_ros2 = is_ros2
     server.hangs.add("topics")
@@ -200,7 +192,7 @@ def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
 
 @pytest.mark.usefixtures("hasty")
 def test_on_ros_1_no_connection_is_made_anew_for_a_question_that_is_not_answered(
-    make: Make, server: Any, graph: Any, until: Until
+    make: Make, server: Any, graph: Any
 ) -> None:
     ros = opened(make)
     until(lambda: ros.topics and len(server.clients) == 2)  # one may have been given up before
@@ -213,9 +205,7 @@ def test_on_ros_1_no_connection_is_made_anew_for_a_question_that_is_not_answered
 
 
 @pytest.mark.usefixtures("hasty")
-def test_a_rosapi_that_has_ended_is_not_a_lost_robot(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_a_rosapi_that_has_ended_is_not_a_lost_robot(make: Make, server: Any, graph: Any) -> None:
     ros = opened(make)
     until(lambda: ros.topics)
     ros.publish("move", "/cmd_vel")
@@ -226,9 +216,7 @@ def test_a_rosapi_that_has_ended_is_not_a_lost_robot(
     assert ros.status.state is ConnectionState.CONNECTED
 
 
-def test_what_rosapi_answers_in_another_form_is_passed_over(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_what_rosapi_answers_in_another_form_is_passed_over(make: Make, server: Any, graph: Any) -> None:
     graph.topics = lambda: {7: None}
     server._rosapi = lambda service, _: {"topics": 7, "types": None}
     ros = opened(make)
@@ -242,9 +230,7 @@ def test_what_rosapi_answers_in_another_form_is_passed_over(
 
 
 @pytest.mark.usefixtures("hasty")
-def test_a_best_effort_sensor_of_ros_2_that_starts_later_arrives(
-    make: Make, server: Any, ros2: Any, until: Until
-) -> None:
+def test_a_best_effort_sensor_of_ros_2_that_starts_later_arrives(make: Make, server: Any, ros2: Any) -> None:
     ros = opened(make)
     ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
     until(lambda: any(topic == "/scan" for topic, _ in ros2.listeners))
@@ -256,7 +242,7 @@ def test_a_best_effort_sensor_of_ros_2_that_starts_later_arrives(
 
 @pytest.mark.usefixtures("hasty")
 def test_a_sensor_that_is_only_quiet_is_not_subscribed_to_again_and_again(
-    make: Make, server: Any, ros2: Any, until: Until
+    make: Make, server: Any, ros2: Any
 ) -> None:
     ros2.publishers["/bumper"] = ["/base"]
     ros2.types["/bumper"] = "std_msgs/Bool"
@@ -271,7 +257,7 @@ def test_a_sensor_that_is_only_quiet_is_not_subscribed_to_again_and_again(
 
 @pytest.mark.usefixtures("hasty")
 def test_a_topic_that_is_published_but_does_not_arrive_points_to_the_log(
-    make: Make, server: Any, graph: Any, until: Until
+    make: Make, server: Any, graph: Any
 ) -> None:
     ros = opened(make)
     ros.subscribe("odom", "/odom")
@@ -280,9 +266,7 @@ def test_a_topic_that_is_published_but_does_not_arrive_points_to_the_log(
     until(lambda: value(ros, "odom").startswith("x=1"))
 
 
-def test_a_fast_topic_is_thinned_out_to_what_the_program_can_use(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_a_fast_topic_is_thinned_out_to_what_the_program_can_use(make: Make, server: Any, graph: Any) -> None:
     ros = opened(make)
     ros.subscribe("odom", "/odom")
     until(lambda: server.subscriptions("/odom"))
@@ -297,9 +281,7 @@ def test_a_fast_topic_is_thinned_out_to_what_the_program_can_use(
     assert len(graph.listeners) == 1
 
 
-def test_large_arrays_come_packed_and_small_messages_as_text(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_large_arrays_come_packed_and_small_messages_as_text(make: Make, server: Any, graph: Any) -> None:
     graph.types["/scan"] = "sensor_msgs/LaserScan"
     ros = opened(make)
     ros.subscribe("scan", "/scan")
@@ -313,9 +295,7 @@ def test_large_arrays_come_packed_and_small_messages_as_text(
     assert ros.robot.scan.intensities == ()
 
 
-def test_an_old_server_that_does_not_pack_sends_text(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_an_old_server_that_does_not_pack_sends_text(make: Make, server: Any, graph: Any) -> None:
     server.packs = False
     ros = opened(make)
     ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
@@ -324,9 +304,7 @@ def test_an_old_server_that_does_not_pack_sends_text(
 
 
 @pytest.mark.usefixtures("hasty")
-def test_a_server_that_fails_to_pack_is_asked_for_text(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_a_server_that_fails_to_pack_is_asked_for_text(make: Make, server: Any, graph: Any) -> None:
     server.fails_to_pack = True
     ros = opened(make)
     ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
@@ -368,7 +346,7 @@ def test_only_what_every_server_packs_is_packed(type_: str, expected: bool) -> N
 
 
 def test_a_message_that_is_too_large_for_the_server_comes_in_fragments(
-    make: Make, server: Any, graph: Any, until: Until
+    make: Make, server: Any, graph: Any
 ) -> None:
     server.largest = 50
     ros = opened(make)
@@ -377,9 +355,7 @@ def test_a_message_that_is_too_large_for_the_server_comes_in_fragments(
     assert ros.robot.odom.x == 1.0
 
 
-def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(make: Make, server: Any, graph: Any) -> None:
     ros = opened(make)
     ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan", stale_after=0.5)
     ros.publish("move", "/cmd_vel")
@@ -413,9 +389,7 @@ def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(
 # -- commands -------------------------------------------------------------------------------------
 
 
-def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(
-    make: Make, server: Any, graph: Any, until: Until
-) -> None:
+def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(make: Make, server: Any, graph: Any) -> None:
     graph.time = lambda: 1_800_000_000.5
     graph.types["/cmd"] = "geometry_msgs/TwistStamped"
     ros = opened(make)
@@ -435,7 +409,7 @@ def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(
     assert stamps == [now, now, {"secs": 3, "nsecs": 0}, {"secs": 0, "nsecs": 0}]
 
 
-def test_no_error_is_left_in_the_log_of_the_robot(make: Make, server: Any, graph: Any, until: Until) -> None:
+def test_no_error_is_left_in_the_log_of_the_robot(make: Make, server: Any, graph: Any) -> None:
     ros = opened(make)
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel")
@@ -447,7 +421,7 @@ def test_no_error_is_left_in_the_log_of_the_robot(make: Make, server: Any, graph
 
 
 def test_another_node_that_commands_is_told_once_and_shown_in_the_panel(
-    make: Make, server: Any, graph: Any, until: Until
+    make: Make, server: Any, graph: Any
 ) -> None:
     graph.publishers["/cmd_vel"] = ["/teleop"]
     ros = opened(make)
@@ -463,7 +437,7 @@ def test_another_node_that_commands_is_told_once_and_shown_in_the_panel(
 
 
 def test_another_client_of_the_same_server_that_commands_is_told(
-    make: Make, server: Any, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+    make: Make, server: Any, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rosbridge, "_FIGHT", 0.3)
     monkeypatch.setattr(rosbridge.RosbridgeTransport, "period", 0.05)
@@ -483,7 +457,7 @@ def test_another_client_of_the_same_server_that_commands_is_told(
 
 
 def test_a_stop_does_not_expire_while_it_waits_for_the_network(
-    make: Make, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+    make: Make, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ros = opened(make)
     ros.publish("move", "/cmd_vel")
@@ -494,7 +468,7 @@ def test_a_stop_does_not_expire_while_it_waits_for_the_network(
     assert [values["linear"]["x"] for _topic, values in graph.heard] == [0.0]
 
 
-def test_a_guard_says_that_a_stop_could_not_be_sent(make: Make, graph: Any, until: Until) -> None:
+def test_a_guard_says_that_a_stop_could_not_be_sent(make: Make, graph: Any) -> None:
     ros = make(node=GUARD_NODE, setup={"publishers": {"move": {"topic": "/cmd_vel", "type": "no_such/Type"}}})
     ros.open()
     assert not ros.stop_all()
@@ -506,7 +480,7 @@ def test_a_guard_says_that_a_stop_could_not_be_sent(make: Make, graph: Any, unti
 
 
 def test_a_guard_on_the_side_of_the_robot_tries_until_a_stop_is_sent_and_ends_without_one(
-    make: Make, server: Any, graph: Any, until: Until
+    make: Make, server: Any, graph: Any
 ) -> None:
     side = RosSide("/drive", "", backend="rosbridge", host=f"127.0.0.1:{server.port}")
     try:
@@ -540,7 +514,7 @@ def slow(wire: Any) -> Any:
 
 
 def test_a_link_that_is_slow_but_steady_is_used_and_told(
-    make: Make, slow: Any, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+    make: Make, slow: Any, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(websocket, "_STALE", 0.3)
     monkeypatch.setattr(websocket, "_LOST", 0.6)
@@ -564,7 +538,7 @@ def test_a_link_that_is_slow_but_steady_is_used_and_told(
 
 
 def test_the_round_trip_of_a_good_link_is_shown_and_not_called_slow(
-    make: Make, server: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+    make: Make, server: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for module in (link, panel):
         monkeypatch.setattr(module, "SLOW", 20.0)  # as a loaded machine may be
@@ -576,7 +550,7 @@ def test_the_round_trip_of_a_good_link_is_shown_and_not_called_slow(
 
 
 def test_a_large_message_on_its_way_is_a_sign_of_life(
-    make: Make, wire: Any, graph: Any, until: Until, monkeypatch: pytest.MonkeyPatch
+    make: Make, wire: Any, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The pong waits behind it, for longer than a server that says nothing would have.
 
@@ -620,7 +594,7 @@ def encrypted(serve: Callable[..., Any], certificate: tuple[Path, Path]) -> Any:
 
 
 def test_an_encrypted_server_is_spoken_to_encrypted(
-    encrypted: Any, make: Make, graph: Any, until: Until, certificate: Any, monkeypatch: pytest.MonkeyPatch
+    encrypted: Any, make: Make, graph: Any, certificate: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SSL_CERT_FILE", str(certificate[0]))
     ros = opened(make, host=f"wss://127.0.0.1:{encrypted.port}/robot", port=None)

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge, link
 
@@ -145,8 +146,8 @@ def run(folder: Path, *commands: list[str]) -> None:
 class Peer:
     """A running peer: what it is told to do, and what it says."""
 
-    def __init__(self, processes: Any, until: Callable[..., None], *command: str) -> None:
-        self._processes, self._until = processes, until
+    def __init__(self, processes: Any, *command: str) -> None:
+        self._processes = processes
         self._process = processes.start(*command)
         self._lines = processes.lines(self._process)
         until(lambda: self.said("ready"), what="the peer did not start")
@@ -157,7 +158,7 @@ class Peer:
             before = len(self.said("done"))
             self._process.stdin.write(f"{line}\n")
             self._process.stdin.flush()
-            self._until(lambda before=before: len(self.said("done")) > before, what=f"not obeyed: {line}")
+            until(lambda before=before: len(self.said("done")) > before, what=f"not obeyed: {line}")
 
     def said(self, key: str) -> list[dict[str, Any]]:
         """Return what it has said so far, of one kind."""
@@ -175,12 +176,12 @@ class Peer:
 
 
 @pytest.fixture
-def peer(domain: int, stranger: Path, processes: Any, until: Callable[..., None]) -> Callable[..., Peer]:
+def peer(domain: int, stranger: Path, processes: Any) -> Callable[..., Peer]:
     """Start a peer; others believe that it is gone when it is silent for as many seconds as its lease."""
 
     def start(*lines: str, typed: bool = True, lease: int = 10) -> Peer:
         command = (str(stranger), str(domain), str(lease), "typed" if typed else "plain")
-        peer = Peer(processes, until, *command)
+        peer = Peer(processes, *command)
         peer.do("writer ros_discovery_info reliable transient_local", *lines)
         return peer
 

@@ -11,6 +11,7 @@ import pytest
 from bridges.bounded import bounded
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
@@ -156,9 +157,7 @@ def test_two_bridges_share_a_domain_but_not_two_networks(make: Make, other: DdsN
 # -- topics -------------------------------------------------------------------------------------------
 
 
-def test_a_message_that_does_not_fit_is_refused_and_others_are_not(
-    other: DdsNode, make: Make, until: Any
-) -> None:
+def test_a_message_that_does_not_fit_is_refused_and_others_are_not(other: DdsNode, make: Make) -> None:
     got: list[Any] = []
     other.subscribe("/text", "std_msgs/String", lambda message: got.append(message.data))
     ros = make()
@@ -171,9 +170,7 @@ def test_a_message_that_does_not_fit_is_refused_and_others_are_not(
     assert set(got) == {"whole"}
 
 
-def test_a_type_of_the_users_own_goes_over_the_wire(
-    other: DdsNode, make: Make, tmp_path: Path, until: Any
-) -> None:
+def test_a_type_of_the_users_own_goes_over_the_wire(other: DdsNode, make: Make, tmp_path: Path) -> None:
     folder = tmp_path / "src" / "my_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "Thing.msg").write_text("string name\ngeometry_msgs/Point[] corners\n")
@@ -206,7 +203,7 @@ def test_a_mistake_in_a_users_type_is_told_where_it_is(other: DdsNode, make: Mak
         ros.subscribe("thing", "/thing", "my_msgs/Thing")
 
 
-def test_a_command_that_nobody_hears_is_named_and_not_kept(other: DdsNode, make: Make, until: Any) -> None:
+def test_a_command_that_nobody_hears_is_named_and_not_kept(other: DdsNode, make: Make) -> None:
     ros = make()
     ros.open()
     ros.arm()
@@ -221,7 +218,7 @@ def test_a_command_that_nobody_hears_is_named_and_not_kept(other: DdsNode, make:
     assert set(got) == {0.1}
 
 
-def test_a_robot_that_says_goodbye_is_lost_at_once(other: DdsNode, make: Make, until: Any) -> None:
+def test_a_robot_that_says_goodbye_is_lost_at_once(other: DdsNode, make: Make) -> None:
     writer = other.advertise("/odom", "nav_msgs/Odometry")
     ros = make()
     ros.open()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bridges.ros import latency
 
 from lrp_jupyter.bridges.ros import RosBridge
 
@@ -22,7 +23,6 @@ def test_every_change_of_the_light_is_answered(
     processes: Any,
     connect: Callable[..., RosBridge],
     rate: int,
-    latency: Any,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     node = processes.start(sys.executable, str(HERE / "dds_latency_node.py"), latency.CHANGES, ready=True)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
@@ -26,7 +27,7 @@ def reading(ros: RosBridge, name: str) -> Any:
         return None
 
 
-def test_topics_are_found_with_their_types(peer: Any, connect: Connect, until: Any) -> None:
+def test_topics_are_found_with_their_types(peer: Any, connect: Connect) -> None:
     peer("writer odom reliable", "writer scan best_effort", "reader cmd_vel reliable")
     ros = connect()
     there = {
@@ -37,7 +38,7 @@ def test_topics_are_found_with_their_types(peer: Any, connect: Connect, until: A
     until(lambda: dict(ros.topics) == there)
 
 
-def test_values_are_the_same_in_both_directions(peer: Any, connect: Connect, until: Any) -> None:
+def test_values_are_the_same_in_both_directions(peer: Any, connect: Connect) -> None:
     robot = peer("writer odom reliable volatile", "reader cmd_vel reliable", "writer echo reliable")
     ros = connect()
     ros.subscribe("odom", "/odom")
@@ -59,14 +60,14 @@ def test_values_are_the_same_in_both_directions(peer: Any, connect: Connect, unt
     assert (ros.robot.echo.linear.x, ros.robot.echo.angular.z) == (0.1, -1 / 3)
 
 
-def test_the_first_command_after_opening_arrives(peer: Any, connect: Connect, until: Any) -> None:
+def test_the_first_command_after_opening_arrives(peer: Any, connect: Connect) -> None:
     robot = peer("reader cmd_vel reliable")
     ros = connect(setup={"publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}}})
     ros.robot.move(linear=0.2)
     until(lambda: robot.speeds() == [0.2])
 
 
-def test_a_header_without_a_stamp_gets_the_time_now(peer: Any, connect: Connect, until: Any) -> None:
+def test_a_header_without_a_stamp_gets_the_time_now(peer: Any, connect: Connect) -> None:
     robot = peer("reader stamped reliable")
     ros = connect()
     ros.publish("move", "/stamped")
@@ -78,7 +79,7 @@ def test_a_header_without_a_stamp_gets_the_time_now(peer: Any, connect: Connect,
     assert before <= got["sec"] + got["nanosec"] * 1e-9 <= time.time()
 
 
-def test_a_best_effort_sensor_arrives_whoever_comes_first(peer: Any, connect: Connect, until: Any) -> None:
+def test_a_best_effort_sensor_arrives_whoever_comes_first(peer: Any, connect: Connect) -> None:
     robot = peer("writer light reliable")
     ros = connect()
     ros.subscribe("scan", "/scan", "sensor_msgs/LaserScan")
@@ -91,7 +92,7 @@ def test_a_best_effort_sensor_arrives_whoever_comes_first(peer: Any, connect: Co
     assert ros.robot.again.ranges == (0.0, 0.25)
 
 
-def test_a_large_scan_arrives_whole(peer: Any, connect: Connect, until: Any) -> None:
+def test_a_large_scan_arrives_whole(peer: Any, connect: Connect) -> None:
     robot = peer("writer scan reliable")
     ros = connect()
     ros.subscribe("scan", "/scan")
@@ -101,7 +102,7 @@ def test_a_large_scan_arrives_whole(peer: Any, connect: Connect, until: Any) -> 
     assert ranges[-1] == 24999.75
 
 
-def test_a_latched_message_reaches_who_comes_later(peer: Any, connect: Connect, until: Any) -> None:
+def test_a_latched_message_reaches_who_comes_later(peer: Any, connect: Connect) -> None:
     peer("writer light reliable transient_local", "light 77")
     ros = connect()
     ros.subscribe("light", "/light")
@@ -109,9 +110,7 @@ def test_a_latched_message_reaches_who_comes_later(peer: Any, connect: Connect, 
     assert ros.robot.light.data == 77
 
 
-def test_a_subscription_becomes_reliable_when_a_reliable_publisher_comes(
-    peer: Any, connect: Connect, until: Any
-) -> None:
+def test_a_subscription_becomes_reliable_when_a_reliable_publisher_comes(peer: Any, connect: Connect) -> None:
     robot = peer("writer odom reliable")
     ros = connect()
     ros.subscribe("light", "/light", "std_msgs/UInt8")
@@ -125,9 +124,7 @@ def test_a_subscription_becomes_reliable_when_a_reliable_publisher_comes(
     until(lambda: reading(ros, "light"))
 
 
-def test_a_subscriber_that_asks_for_too_much_is_named_until_it_is_gone(
-    peer: Any, connect: Connect, until: Any
-) -> None:
+def test_a_subscriber_that_asks_for_too_much_is_named_until_it_is_gone(peer: Any, connect: Connect) -> None:
     robot = peer("reader cmd_vel reliable transient_local")
     ros = connect()
     ros.publish("move", "/cmd_vel")
@@ -141,7 +138,7 @@ def test_a_subscriber_that_asks_for_too_much_is_named_until_it_is_gone(
 
 
 @pytest.mark.parametrize(("asks", "policy"), [("reliable deadline", "deadline"), ("exclusive", "ownership")])
-def test_the_policy_is_named(peer: Any, connect: Connect, until: Any, asks: str, policy: str) -> None:
+def test_the_policy_is_named(peer: Any, connect: Connect, asks: str, policy: str) -> None:
     robot = peer(f"reader cmd_vel {asks}")
     ros = connect()
     ros.publish("move", "/cmd_vel")
@@ -158,7 +155,7 @@ def test_another_type_than_that_of_the_live_topic_is_refused(peer: Any, connect:
         ros.subscribe("odom", "/odom", "std_msgs/UInt8")
 
 
-def test_it_announces_itself_as_a_node_of_ros_2(peer: Any, connect: Connect, until: Any) -> None:
+def test_it_announces_itself_as_a_node_of_ros_2(peer: Any, connect: Connect) -> None:
     robot = peer(
         "writer odom reliable",
         "reader cmd_vel reliable",
@@ -187,7 +184,7 @@ def test_it_announces_itself_as_a_node_of_ros_2(peer: Any, connect: Connect, unt
     until(lambda: announced()["readers"] == [])
 
 
-def test_other_nodes_that_command_are_named(peer: Any, connect: Connect, until: Any) -> None:
+def test_other_nodes_that_command_are_named(peer: Any, connect: Connect) -> None:
     robot = peer("writer echo reliable")
     ros = connect()
     ros.publish("move", "/echo", "geometry_msgs/Twist")
@@ -197,7 +194,7 @@ def test_other_nodes_that_command_are_named(peer: Any, connect: Connect, until: 
 
 @pytest.mark.usefixtures("guarded")
 def test_the_guard_of_a_robot_is_not_reported_as_another_who_commands(
-    peer: Any, connect: Connect, until: Any, monkeypatch: pytest.MonkeyPatch
+    peer: Any, connect: Connect, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = peer("reader cmd_vel reliable", "reader ros_discovery_info reliable transient_local")
     ros = connect()
@@ -217,7 +214,7 @@ def test_the_guard_of_a_robot_is_not_reported_as_another_who_commands(
 
 
 def test_a_robot_that_dies_is_lost_and_gets_no_old_command_when_it_is_back(
-    peer: Any, connect: Connect, until: Any
+    peer: Any, connect: Connect
 ) -> None:
     robot = peer("writer odom reliable", "reader cmd_vel reliable", lease=4)
     ros = connect()
@@ -244,7 +241,7 @@ def test_a_robot_that_dies_is_lost_and_gets_no_old_command_when_it_is_back(
     until(lambda: ros.status.state is ConnectionState.CONNECTED)
 
 
-def test_a_part_of_the_robot_that_goes_is_named(peer: Any, connect: Connect, until: Any) -> None:
+def test_a_part_of_the_robot_that_goes_is_named(peer: Any, connect: Connect) -> None:
     robot = peer("writer odom reliable", "reader cmd_vel reliable")
     ros = connect()
     ros.subscribe("odom", "/odom")
@@ -259,9 +256,7 @@ def test_a_part_of_the_robot_that_goes_is_named(peer: Any, connect: Connect, unt
     until(lambda: robot.speeds() == [0.2, 0.0])  # the stop that nobody heard
 
 
-def test_a_network_of_humble_is_told_of_the_node_in_its_own_layout(
-    peer: Any, connect: Connect, until: Any
-) -> None:
+def test_a_network_of_humble_is_told_of_the_node_in_its_own_layout(peer: Any, connect: Connect) -> None:
     robot = peer(typed=False)
     connect()
     until(
