@@ -28,7 +28,7 @@ import pytest
 from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
 from support.waiting import no_thread_left, until
 
-from lrp_jupyter.bridges.ros import RosBridge, link, rosapi
+from lrp_jupyter.bridges.ros import RosBridge, link, rosapi, rosbridge, websocket
 from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN
 
 HERE = Path(__file__).parent
@@ -227,18 +227,34 @@ def ros(make: Callable[..., RosBridge]) -> RosBridge:
     return bridge
 
 
-@pytest.fixture(autouse=True)
-def _nothing_is_late(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The machine may be loaded: whatever is late in this process has no consequence here.
+class Clock:
+    """The time of the rosbridge client, which passes when a test lets it; it counts how often it is read."""
 
-    A test of what happens when something is late sets its limit itself. No guard watches this process,
-    either: it rightly stops a robot whose program is held up for a second, and is tested with other programs.
+    def __init__(self) -> None:
+        self.now, self.reads = 1000.0, 0
+
+    def monotonic(self) -> float:
+        self.reads += 1
+        return self.now
+
+    def was_seen(self) -> None:
+        """Wait until those who watch the time have seen it."""
+        before = self.reads
+        until(lambda: self.reads > before + 5)
+
+
+@pytest.fixture(autouse=True)
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    """Nothing is late in this process unless a test lets time pass, or sets a limit.
+
+    No guard watches this process, either: it rightly stops a robot whose program is held up for a second, and
+    is tested with other programs.
     """
+    clock = Clock()
+    monkeypatch.setattr(websocket, "time", clock)
+    monkeypatch.setattr(rosbridge, "time", clock)
     monkeypatch.setattr(RosBridge, "stopper", lambda _bridge: None)
     for name, seconds in (
-        ("websocket._FRESH", 60.0),
-        ("websocket._STALE", 20.0),
-        ("websocket._LOST", 40.0),
         ("rosapi._FIRST", 20.0),
         ("bridge._ANSWER", 20.0),
         ("bridge._ANSWER_ALL", 20.0),
@@ -246,6 +262,7 @@ def _nothing_is_late(monkeypatch: pytest.MonkeyPatch) -> None:
         ("rospy._MEET", 5.0),
     ):
         monkeypatch.setattr(f"lrp_jupyter.bridges.ros.{name}", seconds)
+    return clock
 
 
 @pytest.fixture
@@ -336,10 +353,10 @@ class Processes:
         self._running.clear()
 
 
-@pytest.fixture
-def processes(tmp_path: Path) -> Iterator[Processes]:
-    """Programs around a test, with the environment that it has set."""
-    running = Processes(dict(os.environ), tmp_path)
+@pytest.fixture(scope="class")
+def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
+    """Programs around a test, or the tests of a class, with the environment that it has set."""
+    running = Processes(dict(os.environ), tmp_path_factory.mktemp("programs"))
     yield running
     running.end_all()
 

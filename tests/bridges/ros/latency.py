@@ -12,14 +12,15 @@ import os
 import statistics
 import subprocess
 import sys
+from collections.abc import Callable
+from typing import Any
 
-import pytest
+from bridges.ros.follower import SETUP
 
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.live.session import Session
 
-CHANGES = os.environ.get("CHANGES", "10")
-RATES = (10, 50)  # Hz
+CHANGES = os.environ.get("CHANGES", "2")
 PROGRAM = """
 (machine answer
   (event bright [robot.light.data > 128])
@@ -32,24 +33,20 @@ PROGRAM = """
 """
 
 
-def measure(bridge: RosBridge, rate: float, node: subprocess.Popen[str]) -> list[float]:
-    """Run the program against a node that changes the light; return what it has measured."""
+def measure(node: subprocess.Popen[str], connect: Callable[..., RosBridge], name: str, capsys: Any) -> None:
+    """Run the program at two rates against a node that changes the light; print what it has measured."""
     assert node.stdin is not None
     assert node.stdout is not None
-    with Session(PROGRAM, bridge=bridge, rate=rate) as session:
-        session.start()
-        assert session.wait_for("backward", timeout=30)
-        node.stdin.write("go\n")
-        node.stdin.flush()
-        line = node.stdout.readline()
-    assert line, "the node has ended"
-    times: list[float] = json.loads(line)
-    assert len(times) == int(CHANGES)
-    return times
-
-
-def tell(capsys: pytest.CaptureFixture[str], backend: str, rate: float, times: list[float]) -> None:
-    """Print a row of the table."""
-    median, slow = statistics.median(times), statistics.quantiles(times, n=20)[-1]
-    with capsys.disabled():
-        sys.stdout.write(f"\n| {backend} | {rate} Hz | {median:.0f} | {slow:.0f} |\n")
+    for rate in (10, 50):  # Hz
+        with Session(PROGRAM, bridge=connect(setup=SETUP), rate=rate) as session:
+            session.start()
+            assert session.wait_for("backward", timeout=30)
+            node.stdin.write("go\n")
+            node.stdin.flush()
+            line = node.stdout.readline()
+        assert line, "the node has ended"
+        times: list[float] = json.loads(line)
+        assert len(times) == int(CHANGES)
+        median, slow = statistics.median(times), statistics.quantiles(times, n=20)[-1]
+        with capsys.disabled():
+            sys.stdout.write(f"\n| {name} | {rate} Hz | {median:.0f} | {slow:.0f} |\n")

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -137,24 +134,7 @@ def test_a_new_address_is_asked_who_answers_there(server: Any, serve: Callable[.
 
 
 @pytest.mark.ros
-def test_the_master_that_is_set_is_taken(real: Any) -> None:
+def test_a_master_is_taken_that_is_set_or_found_at_its_address(real: Any) -> None:
     assert choose_backend(AUTO) == Choice("rospy", "`ROS_MASTER_URI` is set")
-
-
-@pytest.mark.ros
-def test_a_master_is_found_at_its_address(real: Any) -> None:
     found = choose_backend(AUTO, "127.0.0.1", real.master_port)
     assert found == Choice("rospy", f"`http://127.0.0.1:{real.master_port}` answers")
-
-
-@pytest.mark.ros
-def test_the_command_line_says_which_back_end_it_took(real: Any, tmp_path: Path) -> None:
-    setup = tmp_path / "robot.json"
-    setup.write_text(
-        json.dumps({"publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}}})
-    )
-    program = tmp_path / "m.lrp"
-    program.write_text("(machine m (state a) (state b) (ontime 100 a -> b)) (spawn m a)")
-    command = ("run", str(program), "--bridge", "ros", "--option", f"setup={setup}", "--until", "b")
-    done = real.call(sys.executable, "-m", "lrp_jupyter", *command)
-    assert "Back end: rospy, because `ROS_MASTER_URI` is set" in done

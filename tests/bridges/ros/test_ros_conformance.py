@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
+from bridges.ros.follower import FRESH, SETUP
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
 from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros import RosBridge
 
-HERE = Path(__file__).parent
-SETUP: dict[str, Any] = json.loads((HERE / "follower.json").read_text())
-for _wire in SETUP["subscriptions"].values():
-    _wire["stale_after"] = 0.5
+ROBOT = str(SETUP.with_name("robot_node.py"))
 
 
 class TestRosbridge(BridgeConformance):
@@ -46,7 +42,7 @@ class TestRosbridge(BridgeConformance):
         speaker.join()
 
     def make_bridge(self) -> Bridge:
-        wires = {**SETUP, "subscriptions": {"light": SETUP["subscriptions"]["light"]}}
+        wires = {**FRESH, "subscriptions": {"light": FRESH["subscriptions"]["light"]}}
         return RosBridge(backend="rosbridge", host="127.0.0.1", port=self.port, setup=wires)
 
     def has_moved(self, bridge: Bridge) -> bool:
@@ -79,11 +75,11 @@ class TestRospy(BridgeConformance):
             first.close()
 
     def start(self) -> None:
-        command = (sys.executable, str(HERE / "robot_node.py"), "1", "line")
+        command = (sys.executable, ROBOT, "1", "line")
         TestRospy.robot = self.ros.start(*command, ready=True)
 
     def make_bridge(self) -> Bridge:
-        return RosBridge(backend="rospy", host="127.0.0.1", port=self.port, setup=SETUP)
+        return RosBridge(backend="rospy", host="127.0.0.1", port=self.port, setup=FRESH)
 
     def silence(self) -> None:
         os.killpg(self.robot.pid, signal.SIGSTOP)

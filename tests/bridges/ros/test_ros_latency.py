@@ -8,23 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.ros import latency
+from bridges.ros.latency import CHANGES, measure
 
 from lrp_jupyter.bridges.ros import RosBridge
 
-pytestmark = pytest.mark.ros
 
-HERE = Path(__file__).parent
-
-
-@pytest.mark.parametrize("rate", [10, 50])
+@pytest.mark.ros
 def test_every_change_of_the_light_is_answered(
-    real: Any,
-    connect: Callable[..., RosBridge],
-    backend: str,
-    rate: int,
-    capsys: pytest.CaptureFixture[str],
+    real: Any, connect: Callable[..., RosBridge], backend: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    node = real.start(sys.executable, str(HERE / "latency_node.py"), latency.CHANGES, ready=True)
-    bridge = connect(setup=HERE / "follower.json")
-    latency.tell(capsys, backend, rate, latency.measure(bridge, rate, node))
+    script = str(Path(__file__).with_name("latency_node.py"))
+    measure(real.start(sys.executable, script, CHANGES, ready=True), connect, backend, capsys)

@@ -45,16 +45,17 @@ def refuse(missing: list[str], what: str) -> None:
         pytest.skip(reason)
 
 
-@pytest.fixture
-def domain(monkeypatch: pytest.MonkeyPatch) -> int:
+@pytest.fixture(scope="class")
+def domain() -> Iterator[int]:
     """A domain that nobody else uses on this machine; nothing leaves the loopback interface."""
     refuse(MISSING, "The extra `ros2` is missing")
     number = next(n for n in (1 + each % 100 for each in _numbers) if _is_free(n))
-    for name in ("CYCLONEDDS_URI", "AMENT_PREFIX_PATH", "ROS_DISTRO", "ROS_STATIC_PEERS"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-    return number
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("CYCLONEDDS_URI", "AMENT_PREFIX_PATH", "ROS_DISTRO", "ROS_STATIC_PEERS"):
+            patch.delenv(name, raising=False)
+        patch.setenv("ROS_LOCALHOST_ONLY", "1")
+        patch.setenv("ROS_DOMAIN_ID", str(number))
+        yield number
 
 
 def _is_free(domain: int) -> bool:
@@ -104,12 +105,13 @@ def connect(make: Callable[..., RosBridge]) -> Callable[..., RosBridge]:
 # -- a robot of our own -----------------------------------------------------------------------------
 
 
-@pytest.fixture
+@pytest.fixture(scope="class")
 def robot(domain: int, processes: Any) -> Callable[..., Any]:
     """Start the simulator behind topics, in another process; it may be silent for as long as its lease."""
     script = str(HERE / "dds_robot_node.py")
 
     def start(speed: float = 1.0, world: str = "line", lease: float = 10) -> Any:
+        processes.end_all()
         return processes.start(sys.executable, script, str(speed), world, str(lease), ready=True)
 
     return start

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import threading
@@ -17,7 +16,7 @@ from dds_robot_node import QOS, Twist, UInt8, loopback
 
 sys.path.append(str(Path(__file__).parents[1]))
 
-from latency_node import Stopwatch
+from latency_node import Stopwatch, answer
 
 
 def main(count: int) -> None:
@@ -34,12 +33,7 @@ def main(count: int) -> None:
                 stopwatch.command(command.linear.x)
 
     threading.Thread(target=listen, daemon=True).start()
-    sys.stdout.write("ready\n")
-    sys.stdout.flush()
-    sys.stdin.readline()  # the program runs
-    sys.stdout.write(json.dumps(stopwatch.measure(count)) + "\n")
-    sys.stdout.flush()
-    sys.stdin.read()
+    answer(stopwatch, count)
     del domain
     os._exit(0)  # a thread still waits for commands
 
