@@ -1,13 +1,14 @@
 """Strategies for programs that run, edits of them, and commands: few names, so that they meet.
 
 A program here runs and nests more often than not, and any of its names may dangle, be hidden or be
-given twice.
+given twice. At the end come programs for a robot, and hostile ones.
 """
 
 import re
 
 from hypothesis import strategies as st
 
+from lrp_jupyter import programs as bundled
 from lrp_jupyter.language.parser import parse, scan
 
 STATES = ["a", "b", "c"]
@@ -137,12 +138,13 @@ renaming = st.one_of(
     ),
     st.tuples(st.just("event"), st.sampled_from([("e",), ("m", "e")]), st.sampled_from(["f", "g"])),
 )
+change = st.tuples(st.integers(0, 200), st.sampled_from(["n += 3", "n > 1", "d"]))
 command = st.one_of(
     st.tuples(st.just("step"), st.integers(0, 3)),
     st.tuples(st.just("step"), st.integers(0, 3)),
     st.tuples(st.just("light"), st.sampled_from([0, 1])),
     st.tuples(st.just("patch"), program),
-    st.tuples(st.just("change"), st.tuples(st.integers(0, 200), st.sampled_from(["n += 3", "n > 1", "d"]))),
+    st.tuples(st.just("change"), change),
     st.tuples(st.just("transition_to"), place),
     st.tuples(st.just("teleport_to"), place),
     st.tuples(st.just("set_variable"), st.tuples(path, st.sampled_from(["n", "k", "1", "nope", "("]))),
@@ -188,3 +190,155 @@ def obey(i, robot, order):
         getattr(i, kind)()
     else:
         getattr(i, kind)(argument)
+
+
+# -- of a session with a robot
+
+BUNDLED = {name: bundled.load(name) for name in bundled.names()}
+ROVING = """(var n := [0])
+(var speed := [0.3])
+(var seen := [[]])
+(var bumps := [0])
+(var count := [None])
+(event dark [robot.light.data < 150])
+(event bump [robot.bumper.data])
+(machine m
+  (var k := [n])
+  (state drive
+    (onentry [
+      def count():
+        nonlocal bumps
+        bumps += 1])
+    (running [robot.move(linear=speed, angular=0.2)] [n += 1]))
+  (state turn
+    (onentry [seen.append(robot.odom.x)] (spawn inner left))
+    (running [robot.move(angular=1.5)])
+    (onexit [robot.stop()])
+    (machine inner
+      (var own := [len(seen)])
+      (state left (onentry [own += 1]))
+      (state right (running [1 / (n % 4)]))
+      (ontime 300 left -> right flip)
+      (on [own > 3] right -> left)
+      (exit [n % 11 == 0] right -> back out)))
+  (state back (running [robot.move(linear=-0.2)]) (onexit [count()]))
+  (on bump *-{back} -> back hit)
+  (on dark drive -> turn dim)
+  (ontime 900 turn -> drive again)
+  (ontime [400 + n % 3] back -> turn away))
+(machine watch
+  (state idle) (state busy (running [n += gain + len(marks)]))
+  (on [n > 40] idle -> busy) (eps busy -> idle))
+(onpause [n += 100])
+(spawn m drive)
+(spawn watch idle)
+"""
+ROVING_EDITS = [
+    ("n += 1", "n += 2"),
+    ("n += 2", "n += 1"),
+    ("0.2)]", "0.4)]"),
+    ("900", "500"),
+    ("500", "900"),
+    ("< 150", "< 90"),
+    ("(state idle)", "(state idle (running [speed]))"),
+    ("[n]", "[n"),
+    ("(spawn watch idle)", ""),
+    ("(eps busy -> idle)", "(ontime 200 busy -> idle)"),
+    ("(state back", "(state bac"),
+    ("(state bac ", "(state back "),
+]
+somewhere = place | st.sampled_from(
+    ["drive", "turn", "back", "m/turn/inner/right", "watch/busy", "a", "nope", ""]
+)
+variable_path = st.sampled_from(["n", "k", "m/k", "speed", "seen", "nope", ""])
+expression = st.sampled_from(
+    ["n + 7", "0", "len(seen)", "[n]", "None", "'x'", "nope", "(", "", "1 / 0", "-1"]
+)
+waited_for = st.one_of(
+    st.tuples(st.just("entered"), somewhere),
+    st.tuples(st.just("left"), somewhere),
+    st.tuples(st.just("fires"), st.sampled_from(["t", "u", "hit", "dim", "again", "nope"])),
+    st.tuples(st.just("event"), st.sampled_from(["e", "f", "dark", "bump"])),
+    st.tuples(st.just("condition"), st.sampled_from(["n > 3", "n % 5 == 0", "robot.light", "nope", "("])),
+)
+
+# -- hostile
+
+NASTY = [
+    *("raise SystemExit", "raise BaseException", "raise GeneratorExit", "raise StopIteration", "exit()"),
+    *("raise MemoryError", "raise RecursionError", "def f(): f()\nf()", "import sys; sys.exit(3)"),
+    "raise type('E', (Exception,), {'__str__': lambda s: 1/0})",
+    "raise type('E', (Exception,), {'__str__': lambda s: 5})",
+    "raise type('E', (BaseException,), {'__new__': lambda *a: 1})",
+    "raise ExceptionGroup('g', [ValueError(1)])",
+    "raise ValueError('\\ud800 ' * 1000)",
+    "print('x' * 10**6)",
+    "print('\\x1b[2J\\x00\\ud800')",
+    *("n = '\\ud800'", "n = bytearray(10**7)", "n = 10**5000", "n = []\nn.append(n)", "n = float('inf')"),
+    "n = type('V', (), {'__repr__': lambda s: 1/0})()",
+    "n = type('V', (), {'__repr__': lambda s: 5})()",
+    "n = type('V', (), {'__repr__': lambda s: exit()})()",
+    "n = type('V', (), {'__bool__': lambda s: 1/0})()",
+    "n = type('V', (), {'__eq__': lambda s, o: 1/0, '__hash__': lambda s: 1/0})()",
+    "n = type('V', (int,), {'__float__': lambda s: 1/0, '__repr__': lambda s: exit()})(3)",
+    "n = type('V', (float,), {'__float__': lambda s: exit(), '__eq__': lambda s, o: 1/0})(3)",
+    "n = type('V', (str,), {'__repr__': lambda s: 1/0, '__len__': lambda s: -1})('x')",
+    "n = type('V', (), {'__class__': property(lambda s: 1/0)})()",
+    "n = type('V', (), {'__getattribute__': lambda s, k: 1/0})()",
+    "n = type('M', (type,), {'__repr__': lambda s: 1/0, '__instancecheck__': lambda s, o: 1/0})('V', (), {})",
+    "n = type('V', (), {'__module__': 5, '__qualname__': '\\ud800'})()",
+    *("n = (i for i in iter(int, 1))", "n = robot", "n = print", "n = lambda: n", "n = globals", "n = type"),
+    "robot.move(linear=float('nan'), angular=float('inf'))",
+    *("robot.move(linear='fast')", "robot.move(linear=10**400)", "robot.light = 5", "robot.__class__ = int"),
+    *("del robot.move", "robot = 5", "print = 5", "del n", "assert n, n", "eval('1/0')", "n = vars()"),
+    "import threading; threading.Thread(target=lambda: None).start()",
+    "import sys; sys.stdout.write('x'); sys.stderr.write('')",
+    "import warnings; warnings.warn('x')",
+    *("async def f(): pass\nn = f()\nn.close()", "__import__('nope')", "locals().clear()"),
+]
+"""Blocks that end, somehow."""
+_TWO = "(state b) (ontime 100 a -> b) (ontime 100 b -> a)"
+FORMS = [
+    f"(var n := [0])(machine m (state a (running [{{}}])) {_TWO})(spawn m a)",
+    "(var n := [0])(machine m (state a (onentry [{}])) (state b (onexit [{}]))"
+    " (eps a -> b) (ontime 100 b -> a))(spawn m a)",
+    "(var n := [{}])(machine m (state a (running [n])) (state b) (on [n] a -> b))(spawn m a)",
+    "(var n := [0])(event e [{}\nn])(machine m (state a) (state b) (on e a -> b t) (on [n > 1] *-> a))"
+    "(spawn m a)",
+    "(var n := [0])(machine m (state a (running [{}])) (state b) (ontime [n] a -> b) (ontime n b -> a))"
+    "(spawn m a)",
+    "(var n := [0])(onpause [{}])(onresume [{}])(machine m (state a (running [n])))(spawn m a)",
+    "(var n := [1])(machine m (state a (onentry (spawn o x)) (machine o (var k := [{}\nn])"
+    " (state x (running [{}])) (exit [k] x -> b))) (state b) (ontime 50 b -> a))(spawn m a)",
+]
+WORDS = [
+    *"()[]{}*;#\"'\\,.:=<>-",
+    *("->", "*->", ":=", "=>", "[[", "]]", '"""', "\n", "\r\n", "\t", "  ", "\x00", "\ufeff", "\u2028"),
+    *("machine", "state", "var", "event", "on", "eps", "ontime", "exit", "spawn", "running", "onentry"),
+    *("onexit", "onpause", "onresume", "a", "b", "m", "n", "robot", "0", "1e999", "9" * 40, "µ", "μ", "ſ"),
+    *("lambda", "while True: pass", "def f():", "return", "yield", "await x", "f'{", "0x", "\N{ROBOT FACE}"),
+    *("import os", "nonlocal n", "global n", "del n", "\u202e", "\ud800", "ℌ", "\x0c", "1_0", "1__0", "→"),
+]
+
+hostile = st.builds(
+    lambda form, block: form.replace("{}", block.replace("\n", "\n  ")),
+    st.sampled_from(FORMS),
+    st.sampled_from(NASTY),
+)
+
+
+@st.composite
+def damages(draw):
+    """A program with pieces put in or taken out, or words in a row."""
+    text = draw(st.sampled_from([ROVING, *BUNDLED.values(), ""]) | hostile)
+    for _ in range(draw(st.integers(1, 5))):
+        start = draw(st.integers(0, len(text)))
+        end = min(len(text), start + draw(st.sampled_from([0, 0, 1, 2, 5, 30])))
+        other = draw(st.integers(0, len(text)))
+        piece = draw(st.sampled_from(["", *WORDS, text[other : other + 40]]))
+        text = text[:start] + piece + text[end:]
+    return text
+
+
+damaged = damages() | st.lists(st.sampled_from(WORDS), max_size=60).map("".join)
+text = st.sampled_from([ROVING, *BUNDLED.values()]) | program

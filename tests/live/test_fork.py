@@ -3,8 +3,7 @@
 import random
 
 import pytest
-import wandering
-from seeds import seeds
+from support.sessions import seen
 
 from lrp_jupyter.errors import SessionTimeoutError
 from lrp_jupyter.language.program import Element
@@ -98,7 +97,7 @@ def test_what_a_rewind_leaves_is_told_by_a_fork_of_an_earlier_tick_that_comes_to
         for tick in (10, 20):
             with session.fork(tick, inputs=True) as fork:
                 fork.run(session.frame.time - fork.frame.time)
-                assert wandering.seen(fork) == wandering.seen(session)
+                assert seen(fork) == seen(session)
         with session.fork(5, LEAVING, inputs=True) as fork:
             fork.run(2)
             assert fork.frame.tick == 25, "another program does not come from what was left"
@@ -347,115 +346,6 @@ def test_a_namespace_can_be_written_while_it_is_copied():
 
     names["writing"], names["last"] = Writing(), 1
     assert private_namespace(names, random.getstate())["last"] == 1
-
-
-def walk(seed, bridge, moves=25, rewinds=True):
-    """A session after random things."""
-    draw = random.Random(seed)
-    session = wandering.session(seed, bridge)
-    session.run(1)
-    for _ in range(moves):
-        wandering.act(draw, session, rewinds)
-    return session
-
-
-@pytest.mark.parametrize("bridge", ["sim", "none"])
-@pytest.mark.parametrize("seed", seeds(6, 60))
-def test_a_fork_of_now_is_the_session_and_goes_on_as_it_does(seed, bridge):
-    with walk(seed, bridge) as session:
-        present = wandering.seen(session)
-        with session.fork() as fork:
-            assert wandering.seen(fork) == present
-            fork.run(5)
-            assert wandering.seen(session) == present, "the session does not notice"
-            session.run(5)
-            assert wandering.seen(fork) == wandering.seen(session)
-
-
-@pytest.mark.parametrize("bridge", ["sim", "none"])
-@pytest.mark.parametrize("seed", seeds(6, 60))
-def test_a_fork_of_the_past_with_its_inputs_comes_to_the_present(seed, bridge):
-    draw = random.Random(-seed)
-    with walk(seed, bridge, rewinds=False) as session:
-        session.run(1)
-        present = wandering.seen(session)
-        for _ in range(3):
-            tick = draw.randint(session._loop.record.checkpoints.all[0].tick, session.frame.tick)
-            with session.fork(tick, inputs=True) as fork:
-                assert fork.frame.tick == tick
-                fork.run(session.frame.time - fork.frame.time)
-                while fork._script:
-                    fork.run(0.1)
-                assert wandering.seen(fork) == present, f"from tick {tick}"
-        assert wandering.seen(session) == present
-
-
-@pytest.mark.parametrize("bridge", ["sim", "none"])
-@pytest.mark.parametrize("seed", seeds(6, 60))
-def test_a_fork_of_the_time_since_a_rewind_comes_to_the_present(seed, bridge):
-    draw = random.Random(seed)
-    with walk(seed, bridge) as session:
-        session.rewind(min(draw.choice([0, 1, 5]), session.frame.tick))
-        since = session.frame.tick
-        for _ in range(10):
-            wandering.act(draw, session, rewinds=False)
-        session.run(1)
-        present = wandering.seen(session)
-        for tick in (since, draw.randint(since, session.frame.tick)):
-            with session.fork(tick, inputs=True) as fork:
-                fork.run(session.frame.time - fork.frame.time)
-                while fork._script:
-                    fork.run(0.1)
-                assert wandering.seen(fork) == present, f"from tick {tick}"
-
-
-def refused(fork, end):
-    """Run a fork to a time; return why that is not possible."""
-    try:
-        fork.run(end - fork.frame.time)
-        while fork._script:
-            fork.run(0.1)
-    except ValueError as error:
-        return str(error)
-    return ""
-
-
-@pytest.mark.parametrize("bridge", ["sim", "none"])
-@pytest.mark.parametrize("seed", seeds(6, 60))
-def test_a_fork_of_any_tick_comes_to_the_present_or_says_why_not(seed, bridge):
-    draw = random.Random(seed)
-    with walk(seed, bridge) as session:
-        session.run(1)
-        for _ in range(3):
-            tick = draw.randint(session._loop.record.checkpoints.all[0].tick, session.frame.tick)
-            with session.fork(tick, inputs=True) as fork:
-                if refusal := refused(fork, session.frame.time):
-                    assert "the session went back to it, and" in refusal
-                    continue
-                there, here = fork.frame, session.frame
-                assert (there.tick, there.time, there.active) == (here.tick, here.time, here.active)
-                assert there.numbers == here.numbers
-                assert there.readings == here.readings
-
-
-@pytest.mark.parametrize("seed", seeds(4, 30))
-def test_the_frame_of_a_past_tick_is_the_frame_that_was(seed):
-    session, frames, draw = wandering.session(seed), {}, random.Random(seed)
-    with session:
-        session.run(1)
-        for _ in range(20):
-            wandering.act(draw, session, rewinds=False, removals=False)
-            session.step()
-            frames[session.frame.tick] = session.frame, session._loop.timing.period
-        for tick, (frame, period) in frames.items():
-            past = session.at(tick)
-            assert past.active == frame.active
-            assert dict(past.numbers) == dict(frame.numbers)
-            assert dict(past.visits) == dict(frame.visits), tick
-            assert dict(past.fired) == dict(frame.fired)
-            assert past.program.text == frame.program.text
-            assert dict(past.readings) == dict(frame.readings)
-            assert past.time == pytest.approx(frame.time - period)
 
 
 def test_a_fork_with_another_program_keeps_the_state():

@@ -1,4 +1,7 @@
-"""A session remembers 10,000 ticks or 10 minutes, whichever are more, and no more than that needs."""
+"""A session remembers 10,000 ticks or 10 minutes, whichever are more, and no more than that needs.
+
+The tests run with a tenth of both: 1,000 ticks or a minute.
+"""
 
 import gc
 import itertools
@@ -14,6 +17,14 @@ from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
 DRIVER = "(var n := [0])(machine m (state a (running [n += 1] [robot.move(angular=n % 7 / 10)])))(spawn m a)"
+
+
+@pytest.fixture(autouse=True)
+def a_tenth(monkeypatch):
+    assert (journal.TICKS, journal.SECONDS, checkpoints._SPACING) == (10_000, 600.0, 200)
+    monkeypatch.setattr(journal, "TICKS", 1_000)
+    monkeypatch.setattr(journal, "SECONDS", 60.0)
+    monkeypatch.setattr(checkpoints, "_SPACING", 20)
 
 
 @pytest.fixture
@@ -33,46 +44,46 @@ def reach(session):
 
 
 @pytest.mark.parametrize("rate", [100, 350])
-def test_a_fast_session_remembers_ten_minutes(rate):
+def test_a_fast_session_remembers_the_last_minute(rate):
     with started(rate=rate) as session:
-        session.run(900)
+        session.run(90)
         first, seconds = reach(session)
-        assert 599.9 < seconds < 700
-        for tick in (first, first + 1, first + 777):
+        assert 59.9 < seconds < 70
+        for tick in (first, first + 1, first + 77):
             with session.fork(tick) as fork:
                 assert fork.frame.values["n"] == session.at(tick).values["n"] == tick - 1
         session.rewind(session.frame.tick - first)
         assert (session.frame.tick, session.frame.values["n"]) == (first, first - 1)
 
 
-def test_a_slow_session_remembers_ten_thousand_ticks():
+def test_a_slow_session_remembers_as_many_ticks():
     with started(rate=1) as session:
-        session.run(15_000)
-        assert 10_000 <= session.interpreter.journal < 12_000
+        session.run(1_500)
+        assert 1_000 <= session.interpreter.journal < 1_200
 
 
-def test_a_session_that_becomes_faster_still_remembers_ten_minutes():
+def test_a_session_that_becomes_faster_still_remembers_a_minute():
     with started() as session:
-        session.run(700)
+        session.run(70)
         session.rate = 300
         for _ in range(5):
-            session.run(60)
-            assert reach(session)[1] > 599.9
+            session.run(6)
+            assert reach(session)[1] > 59.9
 
 
 def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast(always_rested):
     with started(rate=0.01) as session:
         session.run(150)
         session.rate = 100
-        session.run(900)
+        session.run(90)
         assert len(session._loop.record.checkpoints.all) > 1
 
 
 def test_a_world_is_remembered_as_long_as_the_program():
     with started(DRIVER, "sim", world="empty") as session:
-        session.run(650)
+        session.run(65)
         first, seconds = reach(session)
-        assert seconds > 599.9
+        assert seconds > 59.9
         there = session.at(first + 1)
         with session.fork(first + 1) as fork:
             assert fork.frame.robot.robots[0].pose == there.robot.robots[0].pose
@@ -86,10 +97,10 @@ def test_a_world_is_remembered_as_long_as_the_program():
 
 def test_the_world_of_a_slow_session_is_remembered_too():
     with started(COUNTER, "sim", rate=1, world="empty") as session:
-        session.run(13_000)
-        assert session.interpreter.journal >= 10_000
+        session.run(1_300)
+        assert session.interpreter.journal >= 1_000
         session.rewind(session.interpreter.journal)
-        assert session.frame.time < 3_000
+        assert session.frame.time < 300
 
 
 def test_what_is_remembered_is_dropped_when_no_tick_needs_it(always_rested):
@@ -98,7 +109,7 @@ def test_what_is_remembered_is_dropped_when_no_tick_needs_it(always_rested):
         session.run(1)
         for number in range(35):
             session.edit(DRIVER + f"; {number}")
-            session.run(20)
+            session.run(2)
         first, _ = reach(session)
         oldest = loop.record.checkpoints.all[0].tick
         assert oldest < first
@@ -120,7 +131,7 @@ def test_a_command_is_known_for_as_long_as_it_holds():
 
 def test_typing_does_not_shorten_what_is_remembered():
     with started(rate=10) as session:
-        for number in range(400):
+        for number in range(40):
             session.edit(COUNTER + f"; {number}")
             session.run(0.5)
         session.rewind(session.interpreter.journal)
@@ -130,36 +141,36 @@ def test_typing_does_not_shorten_what_is_remembered():
 def test_a_fork_is_never_far_from_a_checkpoint(always_rested):
     with started() as session:
         for _ in range(8):
-            session.run(300)
+            session.run(30)
             ticks = [each.tick for each in session._loop.record.checkpoints.all]
             gaps = [second - first for first, second in itertools.pairwise([*ticks, session.frame.tick])]
-            assert max(gaps) <= 2500
-            assert len(session._loop.record.moments) <= 65_000
+            assert max(gaps) <= 250
+            assert len(session._loop.record.moments) <= 6_500
 
 
 def test_memory_does_not_grow_after_that(always_rested):
     tracemalloc.start()
     try:
         with started() as session:
-            session.run(1000)
+            session.run(70)
             gc.collect()  # what is kept counts, not what is still to be collected
             before = tracemalloc.get_traced_memory()[0]
-            session.run(2000)
+            session.run(100)
             gc.collect()
             after = tracemalloc.get_traced_memory()[0]
     finally:
         tracemalloc.stop()
     assert after < 1.2 * before
-    assert after < 30_000_000
+    assert after < 3_000_000
 
 
 def test_memory_bounds_what_a_very_fast_session_remembers(monkeypatch, always_rested):
-    monkeypatch.setattr(journal, "LONGEST", 900_000)
+    monkeypatch.setattr(journal, "LONGEST", 90_000)
     with started(rate=1000) as session:
-        session.run(100)
+        session.run(10)
         first, seconds = reach(session)
-        assert 20 <= seconds < 40
-        assert len(session._loop.record.moments) < 90_000
+        assert 2 <= seconds < 4
+        assert len(session._loop.record.moments) < 9_000
         session.rewind(session.frame.tick - first)
         assert session.frame.values["n"] == first - 1
 
@@ -167,10 +178,10 @@ def test_memory_bounds_what_a_very_fast_session_remembers(monkeypatch, always_re
 @pytest.mark.parametrize("ticks", [1, 7, 100])
 def test_another_number_of_ticks_is_kept_if_that_is_asked_for(ticks):
     with started(journal=ticks) as session:
-        session.run(30)
+        session.run(3)
         assert session.interpreter.journal == ticks
         session.rewind(ticks)
-        assert session.frame.values["n"] == 3000 - ticks - 1
+        assert session.frame.values["n"] == 300 - ticks - 1
 
 
 def calls(function):
@@ -191,10 +202,10 @@ def calls(function):
 
 def test_looking_at_the_past_takes_almost_no_memory():
     with started() as session:
-        session.run(100)
+        session.run(20)
         tracemalloc.start()
         try:
-            session.at(9_000)
+            session.at(1_900)
             session.timeline()
             assert tracemalloc.get_traced_memory()[0] < 500_000
         finally:
@@ -203,18 +214,18 @@ def test_looking_at_the_past_takes_almost_no_memory():
 
 def test_what_is_new_is_found_without_going_through_what_is_old():
     with started(DRIVER, "sim", world="empty") as session:
-        session.run(40)
-        for _ in range(4000):
+        session.run(8)
+        for _ in range(1_000):
             session.rate = 100
         session.run(1)
         cursor = session.timeline().cursor
-        assert len(session.bridge.safety.commands) > 3000
-        assert len(session._loop.record.inputs) > 4000
+        assert len(session.bridge.safety.commands) > 600
+        assert len(session._loop.record.inputs) > 1_000
         session.run(0.1)
-        assert calls(lambda: session.timeline(cursor)) < 1500
+        assert calls(lambda: session.timeline(cursor)) < 1_000
     with started() as session:
-        session.run(100)
-        session.at(9_000)
+        session.run(20)
+        session.at(1_900)
         session.run(0.1)
-        assert calls(lambda: session.at(10_009)) < 1500
-        assert calls(lambda: session.at(100.05)) < 1500
+        assert calls(lambda: session.at(2_009)) < 600
+        assert calls(lambda: session.at(20.05)) < 600

@@ -7,8 +7,6 @@ from threading import Thread
 from time import sleep
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.outside import RobotStopped
@@ -109,42 +107,6 @@ def test_only_what_is_new_is_told_again(session):
     assert more.kept == first.last - 1
     kept = [each for each in first.happenings if each.tick <= more.kept]
     assert [*kept, *more.happenings] == list(session.timeline().happenings)
-
-
-ACTS = ["run", "edit", "rename", "rewind", "force", "assign", "reset"]
-
-
-@settings(deadline=None)
-@given(st.lists(st.sampled_from(ACTS), max_size=12))
-def test_the_parts_make_the_whole_whatever_is_done(acts):
-    """A page that asks now and then has what it would get if it asked for everything."""
-    with Session(PROGRAM) as session:
-        cursor, page = None, []
-        for number, act in enumerate(acts):
-            _do(session, act, number)
-            part = session.timeline(cursor)
-            page = [*(each for each in page if each.tick <= part.kept), *part.happenings]
-            cursor = part.cursor
-            assert page == list(session.timeline().happenings)
-
-
-def _do(session, act, number):
-    if act == "run":
-        session.run(0.7)
-    elif act == "edit":
-        session.edit(session.program.text.replace("n > ", "n > 1"))
-    elif act == "rename":
-        name = "b" if "state b" not in session.program.text else f"b{number}"
-        old = next(s for s in session.program.machines[0].states if s.machines).name
-        session.rename("state", ("m", str(old)), name)
-    elif act == "rewind":
-        session.rewind(min(3, session.frame.tick))
-    elif act == "force":
-        session.transition_to("m/a")
-    elif act == "assign" and session.frame.values:
-        session.variables["n"] = 2
-    elif act == "reset":
-        session.reset()
 
 
 def test_a_renamed_state_has_its_new_name_everywhere(session):

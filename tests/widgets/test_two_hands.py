@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.bench import Bench
 
 from lrp_jupyter.widgets.changes import TextChanges, to_units
-from tests.widgets.conftest import Bench
 
 BEGIN = "(machine m (state a)) ; \U0001f916 one\n(spawn m a) ; two\n"
 LETTERS = {"left": "ABCDEFGHIJKLM", "right": "NOPQRSTUVWXYZ"}  # no other text has them
