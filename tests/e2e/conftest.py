@@ -16,8 +16,7 @@ from static_site.site import built
 from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import NotebookPage, close_all, forget
 
-WAIT = 30_000  # ms that anything may take on a busy machine
-WAIT_FOR_PYTHON = 120_000  # ms: it is loaded and compiled in the page
+WAIT = 120_000  # ms: it only ends a test that hangs
 WINDOW = {"width": 1600, "height": 1000}
 ALONE = "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1"
 
@@ -53,7 +52,7 @@ def playwright():
 
 
 @pytest.fixture(scope="package")
-def context(server, playwright):
+def context(playwright):
     """A browser whose cache knows JupyterLab after the first test."""
     browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
     context = browser.new_context(viewport=WINDOW)
@@ -88,7 +87,7 @@ def alone(playwright):
     browser.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def visitors(alone, site):
     """Open pages of new visitors, who ask for nothing but the site."""
     contexts, asked = [], []
@@ -96,7 +95,7 @@ def visitors(alone, site):
     def visitor():
         context = alone.new_context(viewport=WINDOW)
         contexts.append(context)
-        context.set_default_timeout(WAIT_FOR_PYTHON)
+        context.set_default_timeout(WAIT)
         context.on("request", lambda request: asked.append(request.url))
         context.on("requestfailed", lambda request: _said.append(f"failed: {request.url}, {request.failure}"))
         context.on("console", lambda message: _said.append(f"{message.type}: {message.text}"))
@@ -110,7 +109,7 @@ def visitors(alone, site):
     assert f"{site.url}/python/pyodide.asm.wasm" in asked
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def visitor(visitors):
     """The page of one visitor, whose browser knows the site after the first test."""
     return visitors()
@@ -145,7 +144,8 @@ def pytest_runtest_makereport(item):
     report = yield
     if report.when == "call" and report.failed and "context" in item.funcargs:
         for page in item.funcargs["context"].pages:
-            page.screenshot(path=item.funcargs["server"].root.parent / f"{item.name}.png")
+            if "server" in item.funcargs:
+                page.screenshot(path=item.funcargs["server"].root.parent / f"{item.name}.png")
             report.sections.append(("what the page shows", page.locator("body").inner_text()))
             forget(page)
             page.close()

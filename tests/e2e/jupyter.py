@@ -6,11 +6,12 @@ import shutil
 import socket
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.request import Request, urlopen
+
+from support.waiting import until
 
 FLAGS = [
     "--no-sandbox",
@@ -119,11 +120,8 @@ def serving(module, *arguments, home, answers, **options):
         command = [sys.executable, "-m", module, *arguments]
         process = subprocess.Popen(command, cwd=home, stdout=log, stderr=subprocess.STDOUT, **options)
         try:
-            end = time.monotonic() + 90
-            while not answers():
-                assert process.poll() is None, f"{module} ended: {(home / 'log').read_text()[-2000:]}"
-                assert time.monotonic() < end, f"{module} does not answer"
-                time.sleep(0.1)
+            until(lambda: process.poll() is not None or answers(), f"{module} does not answer")
+            assert process.poll() is None, f"{module} ended: {(home / 'log').read_text()[-2000:]}"
             yield process
         finally:
             process.terminate()  # it ends its kernels

@@ -26,11 +26,16 @@ def forget(page):
 
 def comes_true(page, script, argument):
     """Wait until an asynchronous function in the page returns True."""
-    for _ in range(1200):  # `wait_for_function` takes a promise for a result
-        if page.evaluate(script, argument):
-            return
-        page.wait_for_timeout(100)
-    raise AssertionError(f"It did not come true: {argument}, {script}")
+    asked = page.evaluate_handle("() => ({})")
+    page.wait_for_function(  # which takes a promise for a result: so it looks at what the last one gave
+        "([asked, argument]) => {"
+        " if (!asked.waiting) {"
+        f" asked.waiting = ({script})(argument);"
+        " asked.waiting.then(came => Object.assign(asked, { came, waiting: null }));"
+        " }"
+        " return asked.came; }",
+        arg=[asked, argument],
+    )
 
 
 class NotebookPage:
