@@ -86,7 +86,7 @@ class Watch:
     def __init__(self, path: Path, text: str, saved: Callable[[str | FileError], object]) -> None:
         self._path = path
         self._text: str | None = text
-        self._failed = 0  # readings in a row; while an editor replaces the file, one may fail
+        self._is_gone = False
         self._saved = saved
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"watch {path.name}", daemon=True)
@@ -109,24 +109,31 @@ class Watch:
             try:
                 text = self._settled_text()
             except FileError as error:
-                self._failed += 1
-                if self._failed == 2:
+                if not self._is_gone:
+                    self._is_gone = True
                     self._text = None  # whatever is there next is new
                     self._saved(error)
                 continue
-            self._failed = 0
+            self._is_gone = False
             if text != self._text:
                 self._text = text
                 self._saved(text)
 
     def _settled_text(self) -> str:
         """Read the file; again and again while it is being written, for half a text may be a program, too."""
-        text = read_text(self._path)
+        text = self._read()
         while text != self._text and not self._stop.wait(_DEBOUNCE / 1000):
-            before, text = text, read_text(self._path)
+            before, text = text, self._read()
             if text == before:
                 break
         return text
+
+    def _read(self) -> str:
+        try:
+            return read_text(self._path)
+        except FileError:  # as may happen once, while an editor replaces the file
+            self._stop.wait(_POLL / 1000)
+            return read_text(self._path)
 
     def close(self) -> None:
         """Stop watching."""
