@@ -2,16 +2,14 @@ import os
 import select
 import subprocess
 import sys
-import time
 from pathlib import Path
 from threading import Timer
 
 import pytest
+from support.waiting import until
 from typer.testing import CliRunner
 
 from lrp_jupyter.cli import app
-
-PATIENCE = 60  # s: a busy machine
 
 
 @pytest.fixture
@@ -48,7 +46,7 @@ def process():
         options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
         command = [sys.executable, "-m", "lrp_jupyter", *map(str, arguments)]
         started.append(subprocess.Popen(command, **options))
-        timers.append(Timer(4 * PATIENCE, started[-1].kill))
+        timers.append(Timer(240, started[-1].kill))
         timers[-1].start()
         return started[-1]
 
@@ -59,21 +57,6 @@ def process():
         if each.poll() is None:
             each.kill()
         each.communicate()
-
-
-def wait_for(condition, what):
-    """Wait until a condition returns something; return that."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        if value := condition():
-            return value
-        select.select([], [], [], 0.02)
-    raise AssertionError(f"{what} did not come in {PATIENCE} s")
-
-
-@pytest.fixture
-def waiting():
-    return wait_for
 
 
 class Terminal:
@@ -108,7 +91,7 @@ class Terminal:
 
     def wait_for(self, text):
         """Wait until a text was written after the last one; forget what came before it."""
-        wait_for(lambda: text in self.read(), f"{text!r} (there is {self.text[-2000:]!r})")
+        until(lambda: text in self.read(), lambda: f"{text!r} did not come; there is {self.text[-2000:]!r}")
         self.text = self.text.partition(text)[2]
 
     def press(self, keys):
@@ -116,7 +99,7 @@ class Terminal:
 
     def end(self):
         """Wait for the end; the exit code."""
-        wait_for(lambda: (self.read(), self.process.poll() is not None)[1], "the end")
+        until(lambda: (self.read(), self.process.poll() is not None)[1], "it did not end")
         return self.process.returncode
 
     def close(self):

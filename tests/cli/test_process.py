@@ -6,6 +6,7 @@ import signal
 from pathlib import Path
 
 import pytest
+from support.waiting import until
 
 pytestmark = pytest.mark.slow  # each starts processes of its own
 
@@ -23,7 +24,7 @@ def events_of(path, kind):
 
 
 def test_two_processes_write_identical_traces(process):
-    arguments = ("run", "follower", "--world", "line", "--speed", "max", "--for", "300", "--trace", "-")
+    arguments = ("run", "follower", "--world", "line", "--speed", "max", "--for", "60", "--trace", "-")
     runs = [process(*arguments) for _ in range(2)]
     (first, output), (second, _) = (run.communicate() for run in runs)
     assert [run.returncode for run in runs] == [0, 0]
@@ -32,16 +33,15 @@ def test_two_processes_write_identical_traces(process):
     last = next(line for line in reversed(lines) if line["event"] != "commanded")
     assert (last["event"], last["state"]) == ("entered", "follower/end")
     assert 35 < last["time"] < 60
-    assert "follower: 300.0 s, 3000 ticks; follower/end active; " in output
+    assert "follower: 60.0 s, 600 ticks; follower/end active; " in output
     assert "times real time" in output
 
 
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("speed", ["1", "max"])
-def test_a_signal_ends_the_run_cleanly(process, program, tmp_path, waiting, kind, speed):
+@pytest.mark.parametrize(("kind", "speed"), [(signal.SIGINT, "1"), (signal.SIGTERM, "max")])
+def test_a_signal_ends_the_run_cleanly(process, program, tmp_path, kind, speed):
     trace = tmp_path / "trace.jsonl"
     run = process("run", program(WAIT), "--speed", speed, "--trace", trace)
-    waiting(lambda: events_of(trace, "entered"), "the start")
+    until(lambda: events_of(trace, "entered"), "the start")
     run.send_signal(kind)
     out, err = run.communicate()
     assert (run.returncode, err) == (128 + kind, "")
@@ -75,31 +75,39 @@ def test_a_reader_that_goes_away_ends_the_run(process, program, text):
 
 
 def test_a_reader_that_closes_at_the_end_is_not_a_fault_of_the_run(process, program):
-    for _ in range(3):  # before or after the last check
-        run = process("run", program(WAIT), "--speed", "max", "--for", "0.1", "--trace", "-")
-        assert json.loads(run.stdout.readline())["event"] == "started"
-        run.stdout.close()
-        assert run.wait() in (0, 128 + signal.SIGPIPE)
-        assert "lrp:" not in run.stderr.read()
+    run = process("run", program(WAIT), "--speed", "max", "--for", "0.1", "--trace", "-")
+    assert json.loads(run.stdout.readline())["event"] == "started"
+    run.stdout.close()
+    assert run.wait() in (0, 128 + signal.SIGPIPE)  # before or after the last check
+    assert "lrp:" not in run.stderr.read()
 
 
-def test_every_save_changes_the_running_program(process, program, tmp_path, waiting):
+def test_every_save_changes_the_running_program(process, program, tmp_path):
     text = "(var n := [1])\n" + WAIT
     path, trace, output = program(text), tmp_path / "trace.jsonl", tmp_path / "output"
     with output.open("w") as out:
         run = process("run", path, "--watch", "--set", "n=5", "--trace", trace, stdout=out)
-    waiting(lambda: events_of(trace, "entered"), "the start")
+    until(lambda: events_of(trace, "entered"), "the start")
 
     path.write_text(text + "(var m := [n + 2])\n")
-    waiting(lambda: events_of(trace, "patched"), "the first save")
-    waiting(lambda: [e for e in events_of(trace, "changed") if e["variable"] == "m"], "the new variable")
+    until(lambda: events_of(trace, "patched"), "the first save")
+    until(lambda: [e for e in events_of(trace, "changed") if e["variable"] == "m"], "the new variable")
 
     path.write_text(text + "(var m := [7)\n")  # no program: nothing changes …
     other = tmp_path / "other"
     other.write_text(text.replace("0.1", "0.2"))
-    waiting(lambda: "LRP103" in output.read_text(), "the error")
+    until(lambda: "LRP103" in output.read_text(), "the error")
     os.replace(other, path)  # … and as many editors save
-    waiting(lambda: events_of(trace, "restarted"), "the restart")
+    until(lambda: events_of(trace, "restarted"), "the restart")
+
+    path.unlink()
+    until(lambda: "No such file or directory. The last program keeps running." in output.read_text(), "it")
+    path.write_text(text)
+    until(lambda: output.read_text().count("saved: restarted") == 2, "the file again")
+    path.write_bytes(b"\xff\xfe(")
+    until(lambda: "is not valid UTF-8: byte 0 cannot be decoded." in output.read_text(), "the bytes")
+    path.write_text(text)
+    until(lambda: "saved: no change in meaning" in output.read_text(), "the old text")
 
     run.send_signal(signal.SIGINT)
     assert run.wait() == 130
@@ -111,25 +119,20 @@ def test_every_save_changes_the_running_program(process, program, tmp_path, wait
     assert "(var m := [7)\n" in out
     assert "^" in out
     assert "saved: restarted: `a` is active and its `running` changed." in out
+    assert out.count("The last program keeps running.") == 2  # each is reported once
 
 
-def test_a_file_that_is_not_a_program_yet_waits_for_its_first_save(process, program, tmp_path, waiting):
-    path, trace = program("(machine m"), tmp_path / "trace.jsonl"
-    run = process("run", path, "--watch", "--trace", trace)
-    assert "error LRP101" in run.stderr.readline()
-    path.write_text(WAIT)
-    waiting(lambda: [e for e in events_of(trace, "entered") if e["state"] == "m/a"], "the program")
-    run.send_signal(signal.SIGINT)
-    assert run.wait() == 130
-
-
-def test_a_save_resumes_a_run_that_paused_at_an_issue(process, program, tmp_path, waiting):
+def test_a_save_starts_a_file_that_was_no_program_and_resumes_a_run_that_paused_at_an_issue(
+    process, program, tmp_path
+):
     bad = "(machine m (state a (running [1 / 0])) (state b) (ontime 500 a -> b)) (spawn m a)"
-    path, trace = program(bad), tmp_path / "trace.jsonl"
+    path, trace = program("(machine m"), tmp_path / "trace.jsonl"
     run = process("run", path, "--watch", "--on-issue", "pause", "--trace", trace)
-    waiting(lambda: events_of(trace, "issue"), "the issue")
+    assert "error LRP101" in run.stderr.readline()
+    path.write_text(bad)
+    until(lambda: events_of(trace, "issue"), "the issue")
     path.write_text(bad.replace("1 / 0", "1 / 1"))
-    waiting(lambda: [e for e in events_of(trace, "entered") if e["state"] == "m/b"], "the next state")
+    until(lambda: [e for e in events_of(trace, "entered") if e["state"] == "m/b"], "the next state")
     run.send_signal(signal.SIGINT)
     assert run.wait() == 130
 
@@ -162,29 +165,9 @@ def is_running(pid):
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
-def test_a_grading_that_is_killed_or_interrupted_leaves_no_run_behind(process, program, waiting, number):
+def test_a_grading_that_is_killed_or_interrupted_leaves_no_run_behind(process, program, number):
     graded = process("grade", program(HOLDS), "--challenge", "there and back", "--limit", "600")
-    started = waiting(lambda: len(found := descendants(graded.pid)) >= 2 and found, "the run")
+    started = until(lambda: len(found := descendants(graded.pid)) >= 2 and found, "the run")
     graded.send_signal(number)
     assert graded.wait() == {signal.SIGKILL: -9, signal.SIGINT: 130}[number]
-    waiting(lambda: not any(map(is_running, started)), "their end")
-
-
-def test_a_watched_file_that_is_gone_or_not_a_text_is_reported_once(process, program, tmp_path, waiting):
-    path, output = program(WAIT), tmp_path / "output"
-    with output.open("w") as out:
-        run = process("run", path, "--watch", stdout=out)
-    waiting(lambda: "m/a" in output.read_text(), "the start")
-
-    path.unlink()
-    waiting(lambda: "No such file or directory. The last program keeps running." in output.read_text(), "it")
-    path.write_text(WAIT + "(var m := [7])\n")
-    waiting(lambda: "saved: applied while it runs" in output.read_text(), "the file again")
-    path.write_bytes(b"\xff\xfe(")
-    waiting(lambda: "is not valid UTF-8: byte 0 cannot be decoded." in output.read_text(), "the bytes")
-    path.write_text(WAIT + "(var m := [7])\n")
-    waiting(lambda: "saved: no change in meaning" in output.read_text(), "the old text")
-
-    run.send_signal(signal.SIGINT)
-    assert run.wait() == 130
-    assert output.read_text().count("The last program keeps running.") == 2
+    until(lambda: not any(map(is_running, started)), "their end")
