@@ -25,7 +25,6 @@ from lrp_jupyter.language.initials import with_initial
 
 FOLLOWER = programs.load("follower")
 DRIVE = "(machine m (state driving (running [{}]))) (spawn m driving)"
-TASK = challenge("there and back")
 LIMIT = 30.0  # wall seconds of a run; a block that hangs is ended after a sixth of it
 
 
@@ -57,7 +56,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="small batches, to see that it works")
     quick = parser.parse_args().quick
-    students, seeds, values = (5, 1, 3) if quick else (30, 5, 9)
+    task = challenge("first move" if quick else "there and back")
+    students, seeds, values = (3, 1, 2) if quick else (30, 5, 9)
     limit = 6.0 if quick else LIMIT
     group = submissions(students)
     healthy = [each for each in group if each.text and each.text.startswith(";")]
@@ -73,10 +73,10 @@ def main() -> None:
             "a Dask cluster": HowRun(limit, scheduler=address),
         }
         for way in how.values():  # so that all are warm
-            grade_class(healthy[: processors()], TASK, processors(), way)
+            grade_class(healthy[: processors()], task, processors(), way)
 
         def grade_them(each: list[Submission]) -> Callable[[HowRun], Marks]:
-            return lambda way: grade_class(each, TASK, seeds, way)
+            return lambda way: grade_class(each, task, seeds, way)
 
         runs = f"{students} submissions, {seeds} seeds"
         table(f"A class of {runs}; one hangs and one crashes", how, grade_them(group))
@@ -84,7 +84,7 @@ def main() -> None:
         result = table(
             f"A sweep of {values} values, {2 * seeds} seeds",
             how,
-            lambda way: sweep_axes(FOLLOWER, TASK, axes, 2 * seeds, way, lambda done, of: None),
+            lambda way: sweep_axes(FOLLOWER, task, axes, 2 * seeds, way, lambda done, of: None),
         )
     print(f"\n{result}\n\nThe cluster started in {started:.1f} s.")
 

@@ -241,7 +241,7 @@ def main() -> None:
     state_changes(size, turns)
     blocks_of_their_own(size, turns)
     depth_and_width(size, turns)
-    keystrokes(20 if quick else 200)
+    keystrokes(3 if quick else 200)
     sessions(size, turns)
     first_and_warm(2 if quick else 20)
     layouts(1 if quick else 5, 50 if quick else 1000)
