@@ -3,7 +3,6 @@
 import nbformat
 import pytest
 from nbclient import NotebookClient
-from nbclient.exceptions import CellExecutionError
 
 from lrp_jupyter.widgets.hosts import is_static
 
@@ -14,21 +13,15 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 PNG = "iVBORw0KGgo"  # how every PNG begins
 
 
-@pytest.fixture
-def executed(tmp_path, monkeypatch):
-    """Execute cells as nbconvert does, in an environment; return the notebook."""
-
-    def execute(*cells, **environment):
-        for name in ("LRP_STATIC", "VOILA_PREHEAT", "SERVER_SOFTWARE"):
-            monkeypatch.delenv(name, raising=False)
-        for name, value in environment.items():
-            monkeypatch.setenv(name, value)
-        sources = ["%load_ext lrp_jupyter", f"%%lrp m\n{TEXT}", *cells]
-        notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in sources])
-        NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
-        return notebook
-
-    return execute
+def executed(tmp_path, *cells):
+    """Execute cells as nbconvert does; return the notebook."""
+    sources = ["%load_ext lrp_jupyter", *cells]
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in sources])
+    client = NotebookClient(
+        notebook, timeout=120, allow_errors=True, resources={"metadata": {"path": str(tmp_path)}}
+    )
+    client.execute()
+    return notebook
 
 
 def data_of(notebook, index=1):
@@ -36,8 +29,15 @@ def data_of(notebook, index=1):
     return output.data
 
 
-def test_a_lab_and_its_parts_are_pictures_and_no_state_of_widgets_is_stored(executed):
-    notebook = executed("import lrp_jupyter; lrp_jupyter.StateGraph('m')", "lrp_jupyter.Lab('m').text")
+@pytest.fixture(autouse=True)
+def _nothing_is_set(monkeypatch):
+    for name in ("LRP_STATIC", "VOILA_PREHEAT", "SERVER_SOFTWARE"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_a_lab_and_its_parts_are_pictures_and_no_state_of_widgets_is_stored(tmp_path):
+    parts = ("import lrp_jupyter; lrp_jupyter.StateGraph('m')", "lrp_jupyter.Lab('m').text")
+    notebook = executed(tmp_path, f"%%lrp m\n{TEXT}", *parts)
     for index in (1, 2):
         data = data_of(notebook, index)
         assert set(data) == {"image/svg+xml", "image/png", "text/plain"}
@@ -49,23 +49,18 @@ def test_a_lab_and_its_parts_are_pictures_and_no_state_of_widgets_is_stored(exec
     assert len(nbformat.writes(notebook)) < 200_000
 
 
-@pytest.mark.parametrize(
-    "environment", [{"LRP_STATIC": "0"}, {"VOILA_PREHEAT": "False"}], ids=["wanted", "Voila"]
-)
-def test_a_lab_is_a_widget_where_one_is_wanted(executed, environment):
-    notebook = executed(**environment)
-    assert WIDGET in data_of(notebook)
+def test_a_lab_is_a_widget_where_one_is_wanted_and_a_wrong_wish_is_told_with_the_right_ones(tmp_path):
+    lab = f"%%lrp m\n{TEXT}"
+    voila = ("%env LRP_STATIC=", "%env VOILA_PREHEAT=False")
+    notebook = executed(tmp_path, "%env LRP_STATIC=0", lab, *voila, lab, "%env LRP_STATIC=yes", lab)
+    for index in (2, 5):
+        assert WIDGET in data_of(notebook, index)
     assert "widgets" in notebook.metadata
-
-
-def test_a_wrong_value_is_told_with_the_right_ones(executed):
-    with pytest.raises(CellExecutionError, match=r"`yes` does not answer that\. Set it to `1` or `0`\."):
-        executed(LRP_STATIC="yes")
+    assert "`yes` does not answer that. Set it to `1` or `0`." in str(notebook.cells[7].outputs)
 
 
 @pytest.mark.parametrize(("value", "expected"), [(None, False), ("1", True), ("0", False)])
 def test_outside_of_a_kernel_only_what_is_set_counts(monkeypatch, value, expected):
-    monkeypatch.delenv("LRP_STATIC", raising=False)
     if value is not None:
         monkeypatch.setenv("LRP_STATIC", value)
     assert is_static() is expected
