@@ -1,0 +1,145 @@
+"""Robots that tests drive: a bare one, to which a test adds what it needs; one that is asked; one that tells.
+
+They connect nothing, and keep what reaches them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from lrp_jupyter.bridges.bridge import Bridge
+
+_QUIET = ("close_interface", "sense", "act", "on_start", "on_resume")  # hooks that do nothing by default
+
+
+class Bare(Bridge, offered=False):
+    """A robot with the members that a test gives it.
+
+    Parameters
+    ----------
+    members : callable
+        Adds members to the bridge, whenever it is opened.
+    hardware : bool
+    notes : str
+        Names of hooks whose calls are listed in `calls`, as in ``"open_interface stop"``.
+    **replaced
+        Hooks and attributes of the bridge.
+
+    Attributes
+    ----------
+    calls : list
+        The noted hooks, and the speeds that reached `move`, in their order.
+    failing : dict of str to BaseException
+        What a hook raises, by its name; of a noted hook, or of one that does nothing by default.
+    """
+
+    name = "test-bare"
+    stop_timeout = None  # nothing here blocks
+
+    def __init__(
+        self,
+        members: Callable[[Any], object] = lambda _: None,
+        *,
+        hardware: bool = False,
+        notes: str = "",
+        **replaced: Any,
+    ) -> None:
+        self.hardware, self.safety.armed = hardware, not hardware  # type: ignore[misc]
+        self.calls: list[Any] = []
+        self.failing: dict[str, BaseException] = {}
+        self._add, self._noted = members, notes.split()
+        for hook in (*_QUIET, *self._noted):
+            setattr(self, hook, partial(self._called, hook))
+        vars(self).update(replaced)
+
+    def _called(self, hook: str, *_: object) -> None:
+        if hook in self._noted:
+            self.calls.append(hook)
+        if hook in self.failing:
+            raise self.failing[hook]
+
+    def add_members(self) -> None:
+        """Add the members of the test."""
+        self._add(self)
+
+    def open_interface(self) -> None:
+        """There is nothing to connect."""
+
+    def move(self, linear: float = 0.0) -> None:
+        """Drive, for a member that the test adds."""
+        self.calls.append(linear)
+
+
+class Cart(Bare):
+    """A cart that is asked for its readings: about what a student writes.
+
+    Attributes
+    ----------
+    sent : list of tuple
+        The speeds that reached it, linear and angular.
+    light, battery : object
+        What its sensors measure.
+    reads : int
+        How often `light` was read.
+    """
+
+    name = "test-cart"
+
+    def __init__(self, members: Callable[[Any], object] = lambda _: None, **options: Any) -> None:
+        super().__init__(members, **{"hardware": True, **options})
+        self.sent: list[tuple[float, float]] = []
+        self.light: object = 7
+        self.battery: object = 0.5
+        self.reads = 0
+
+    def add_members(self) -> None:
+        """Add readings and commands."""
+        self.add_variable("light.data", self.read_light, doc="0 dark ... 255 bright")
+        self.add_variable("battery", lambda: self.battery, doc="what is left", unit="V")
+        self.add_method("move", self.move, doc="m/s and rad/s", limits={"linear": 0.5})
+        self.add_method("beep", self.beep)
+        super().add_members()
+
+    def read_light(self) -> object:
+        """Measure."""
+        self.reads += 1
+        return self.light
+
+    def move(self, linear: float = 0.0, angular: float = 0.0) -> None:
+        """Drive."""
+        self.sent.append((linear, angular))
+
+    def beep(self, seconds: float, *, tone: int = 440) -> str:
+        """Sound a tone.
+
+        It lasts for the given time.
+        """
+        return f"{tone} Hz for {seconds} s"
+
+
+class Buggy(Bare):
+    """A buggy that tells what it measures: the test feeds it, and moves its clock.
+
+    Attributes
+    ----------
+    time : float
+        By which its readings grow old.
+    """
+
+    name = "test-buggy"
+
+    def __init__(self, members: Callable[[Any], object] = lambda _: None, **options: Any) -> None:
+        super().__init__(members, **{"hardware": True, "notes": "stop", **options})
+        self.time = 100.0
+        if self.time_step is None:  # else it has the time of its world
+            self.fed.clock = lambda: self.time
+
+    def add_members(self) -> None:
+        """Add readings and commands."""
+        self.feed("light.data", doc="0 dark ... 255 bright", unit="lx", type=int)
+        self.feed("battery", doc="what is left", stale_after=None)
+        self.add_method("move", self.move, "drive, in m/s")
+        self.add_method("beep", lambda: self.calls.append("beep"), "sound a tone")
+        super().add_members()
