@@ -69,7 +69,7 @@ class Stopper:
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
     def as_json(self) -> str:
-        """Return a text in one line.
+        """Return a text in one line, with what else the process needs to know.
 
         Raises
         ------
@@ -84,7 +84,8 @@ class Stopper:
                 import cloudpickle
 
                 target["pickled"] = base64.b64encode(cloudpickle.dumps(self.target)).decode()
-            return json.dumps({**target, "arguments": dict(self.arguments), "parent": os.getpid()})
+            order = {"arguments": dict(self.arguments), "parent": os.getpid(), "silence": SILENCE}
+            return json.dumps({**target, **order})
         except Exception as error:  # whatever the objects to be pickled raise
             raise BridgeError(
                 f"The stopper cannot be sent to another process. {sentence_of(error)}"

@@ -1,8 +1,8 @@
 """The guard process: stops a robot whose program is dead or suspended; see `lrp_jupyter.bridges.guard`.
 
-Its standard input has a line, the JSON form of a `Stopper`, and then a byte for each beat: ``m``, the robot
-may move; ``s``, it stands; ``e``, the end. On its standard output it reports ``ready``, ``failed`` with a
-sentence, and ``stopped``. It ends with its parent.
+Its standard input has a line with the order, a `Stopper` as JSON, its parent, and how long that may be silent;
+then a byte for each beat: ``m``, the robot may move; ``s``, it stands; ``e``, the end. On its standard output
+it reports ``ready``, ``failed`` with a sentence, and ``stopped``. It ends with its parent.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from io import BufferedReader
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
-from lrp_jupyter.bridges.guard import SILENCE, now
+from lrp_jupyter.bridges.guard import now
 from lrp_jupyter.errors import BridgeError, sentence_of
 
 _EVERY = 0.1  # s between two stops
@@ -75,6 +75,8 @@ class _Watch:
 
     Attributes
     ----------
+    silence : float
+        Seconds without a beat after which the parent is taken for suspended.
     moves : bool
         Whether the robot may move.
     last : float
@@ -85,7 +87,8 @@ class _Watch:
         Set with every beat.
     """
 
-    def __init__(self, pipe: BufferedReader, parent: int) -> None:
+    def __init__(self, pipe: BufferedReader, parent: int, silence: float) -> None:
+        self.silence = silence
         self.moves = self.ended = self.over = False
         self.last = now()
         self.wake = threading.Event()
@@ -113,7 +116,7 @@ class _Watch:
         """Whether the parent is dead or suspended; a pipe that a child of it holds open does not close."""
         if not self.over and os.name == "posix" and os.getppid() != self._parent:
             self.finish()
-        return self.over or now() - self.last > SILENCE
+        return self.over or now() - self.last > self.silence
 
 
 def main() -> None:
@@ -131,7 +134,7 @@ def main() -> None:
     line = pipe.readline()
     if line.endswith(b"\n"):  # else the parent has ended already
         stopper = json.loads(line)
-        watch = _Watch(pipe, stopper["parent"])
+        watch = _Watch(pipe, stopper["parent"], stopper["silence"])
         signal.signal(signal.SIGTERM, watch.finish)
         _guard(stopper, watch, report)
 
@@ -153,7 +156,7 @@ def _guard(stopper: dict[str, Any], watch: _Watch, report: Callable[..., None]) 
         if trouble != reported:
             reported = trouble
             report("failed" if trouble else "ready", trouble)
-        overdue = watch.last + SILENCE - now()
+        overdue = watch.last + watch.silence - now()
         watch.wake.wait(min(_LOOK, overdue) if overdue > 0 else _LOOK)
         watch.wake.clear()
     if robot is not None:
