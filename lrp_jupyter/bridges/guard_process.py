@@ -1,7 +1,7 @@
 """The guard process: stops a robot whose program is dead or suspended; see `lrp_jupyter.bridges.guard`.
 
-Its standard input has a line with the order, a `Stopper` as JSON, its parent, and how long that may be silent;
-then a byte for each beat: ``m``, the robot may move; ``s``, it stands; ``e``, the end. On its standard output
+Its standard input has an order in a line: a `Stopper` as JSON, its parent, and how long that may be silent.
+Then a byte for each beat: ``m``, the robot may move; ``s``, it stands; ``e``, the end. On its standard output
 it reports ``ready``, ``failed`` with a sentence, and ``stopped``. It ends with its parent.
 """
 
