@@ -225,21 +225,24 @@ class BrickLink:
 
     def _run(self) -> None:
         while not self._closing.is_set():
-            pause = _PERIOD
-            try:
-                if self._connection is None:
-                    self._adopt(self._find(self._closing.is_set), again=self.snapshot.reading is not None)
-                else:
-                    self._read(self._connection)
-            except BridgeError as error:
-                pause = self._handle_trouble(str(error))
-            except Exception as error:  # of this bridge: better told than going on with old readings
-                trouble = f"The EV3 bridge itself failed: {sentence_of(error)}"
-                if (client := self.client) is not None:
-                    client.lost = client.lost or trouble
-                pause = self._handle_trouble(trouble)
-            self._closing.wait(pause)
+            self._closing.wait(self._turn())
         self._disconnect()
+
+    def _turn(self) -> float:
+        """Read the brick, or search for it; return the seconds until the next turn."""
+        try:
+            if self._connection is None:
+                self._adopt(self._find(self._closing.is_set), again=self.snapshot.reading is not None)
+            else:
+                self._read(self._connection)
+        except BridgeError as error:
+            return self._handle_trouble(str(error))
+        except Exception as error:  # of this bridge: better told than going on with old readings
+            trouble = f"The EV3 bridge itself failed: {sentence_of(error)}"
+            if (client := self.client) is not None:
+                client.lost = client.lost or trouble
+            return self._handle_trouble(trouble)
+        return _PERIOD
 
     def _handle_trouble(self, trouble: str) -> float:
         """Report a trouble, once; return the seconds until the next attempt."""
