@@ -1,4 +1,6 @@
-"""An emulated Lego EV3 brick on the loopback: beacon, TCP, a USB cable, motors that turn, sensors, faults.
+"""An emulated Lego EV3 brick: motors that turn, sensors, faults; beacon, TCP, a USB cable on the loopback.
+
+Its thread serves the loopback. A `Wire` needs none: what is sent by it has been answered when `send` returns.
 
 Written from the brick's documentation, not from the package's codec: the two check each other,
 and ev3-dc's classes check this one. It is strict: whatever a real brick would not take, or would
@@ -19,6 +21,8 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from io import FileIO
+
+from lrp_jupyter.bridges.ev3.lines import WAIT, Line
 
 NAN = float("nan")
 NO_DEVICE = 126
@@ -159,8 +163,60 @@ class Cable:
         self._end.close()
 
 
+class Wire(Line):
+    """A connection that takes no time; where nothing has arrived, the time of waiting for it has passed."""
+
+    def __init__(self, brick: Brick, clock: Hands) -> None:
+        super().__init__("127.0.0.1", brick.serial)
+        self.brick, self.clock = brick, clock
+        self.arrived: list[bytes] = []
+        self.is_cut = self.has_ended = False
+
+    def send(self, data: bytes) -> int:
+        if self.brick.plugged and not self.has_ended:
+            with self.brick.hearing:
+                self.brick.take(data)
+        return len(data)
+
+    def receive(self) -> bytes:
+        if self.arrived:
+            return self.arrived.pop(0)
+        if self.has_ended:
+            return b""
+        self.brick.waits()
+        self.clock.now += WAIT
+        raise TimeoutError
+
+    def cut(self) -> None:
+        self.is_cut = True
+
+    def close(self) -> None:
+        if not self.has_ended:
+            self.has_ended = True
+            self.brick.left(self.is_cut)
+
+    def sendall(self, data: bytes) -> None:
+        """Send, as the brick does."""
+        if data:
+            self.arrived.append(data)
+
+    def hang_up(self) -> None:
+        """Close it, as the brick does."""
+        self.has_ended = True
+
+
+class Hands:
+    """A clock that a test moves."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
 class Brick:
-    """The brick; its thread serves one connection at a time, as the real one does.
+    """The brick; it has one connection at a time, as the real one does.
 
     Parameters
     ----------
@@ -175,6 +231,8 @@ class Brick:
         0: any free one.
     locked : bool
         Whether TCP expects the unlocking text; otherwise it stands for Bluetooth.
+    serves : bool
+        Whether it is on the loopback; otherwise it is reached by a wire only.
     """
 
     def __init__(
@@ -184,6 +242,7 @@ class Brick:
         for_ev3_dc: bool = False,
         tcp_port: int = 0,
         locked: bool = True,
+        serves: bool = True,
     ) -> None:
         self.serial = "0016535a1b2c"
         self.name = "SLOWPOKE"
@@ -204,17 +263,22 @@ class Brick:
         self._beacon_port = beacon_port
         self._for_ev3_dc = for_ev3_dc
         self._closing = False
+        self.hearing = threading.Lock()
+        self.waits: Callable[[], object] = lambda: None  # called when somebody waits for it in vain
         self.port = tcp_port
-        self._door = self._hang_door()  # bound, but not listening: connections are refused
-        self._listener: socket.socket | None = None
+        self._thread: threading.Thread | None = None
         self._voice: socket.socket | None = None
-        self._connection: socket.socket | Cable | None = None
+        self._listener: socket.socket | None = None
+        self._connection: socket.socket | Cable | Wire | None = None
         self._buffer = b""
         self._unlocked = False
+        if not serves:
+            return
+        self._door = self._hang_door()  # bound, but not listening: connections are refused
         self._next_beacon = 0.0
         self._work: list[Callable[[], None]] = []
-        self._start_services()
         self._thread = threading.Thread(target=self._serve, name="emulated brick")
+        self._start_services()
         self._thread.start()
 
     # what a person does to it
@@ -246,12 +310,29 @@ class Brick:
         self._do(connect)
         return FileIO(ours.detach(), "r+")
 
+    def wire(self, clock: Hands) -> Wire:
+        """Connect to it without a network."""
+        self._drop()
+        wire = Wire(self, clock)
+        self._connection, self._unlocked = wire, True
+        self.connections += 1
+        return wire
+
+    def left(self, is_cut: bool) -> None:
+        """The other end of the wire has closed it."""
+        self.resets, self.goodbyes = self.resets + is_cut, self.goodbyes + (not is_cut)
+        self._drop()
+
     def close(self) -> None:
         self._closing = True
-        self._thread.join(60)
-        assert not self._thread.is_alive()
+        if self._thread is not None:
+            self._thread.join(60)
+            assert not self._thread.is_alive()
 
     def _do(self, work: Callable[[], None]) -> None:
+        if self._thread is None:
+            work()
+            return
         done = threading.Event()
         self._work += [work, done.set]
         assert done.wait(60)
@@ -283,6 +364,8 @@ class Brick:
     def _start_services(self) -> None:
         self._drop()
         self.plugged = True
+        if self._thread is None:
+            return
         if self._beacon_port:
             self._voice = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             self._voice.bind(("127.0.0.1", self.port if self._for_ev3_dc else 0))
@@ -312,7 +395,9 @@ class Brick:
             self._listener.listen(1)
 
     def _drop(self) -> None:
-        if self._connection is not None:
+        if isinstance(self._connection, Wire):
+            self._connection.hang_up()
+        elif self._connection is not None:
             self._connection.close()
         self._connection, self._buffer, self._unlocked = None, b"", False
 
@@ -343,7 +428,7 @@ class Brick:
         self.connections += 1
 
     def _receive(self) -> None:
-        assert self._connection is not None
+        assert isinstance(self._connection, (socket.socket, Cable))
         try:
             data = self._connection.recv(4096)
         except ConnectionResetError:
@@ -354,6 +439,10 @@ class Brick:
             self.goodbyes += 1
             self._drop()
             return
+        self.take(data)
+
+    def take(self, data: bytes) -> None:
+        """Hear some bytes."""
         self._buffer += data
         if not self._unlocked:
             self._unlock()

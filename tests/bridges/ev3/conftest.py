@@ -1,102 +1,79 @@
-"""An emulated brick and a bridge connected to it; what was opened is closed and checked."""
+"""An emulated brick, and a bridge that is connected to it by a wire: without threads, in the test's time.
+
+What needs the loopback makes a brick that serves it, by `make_brick`.
+"""
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import socket
-import sys
-import threading
-import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
-from bridges.bounded import PatientClock
+from bridges.ev3 import brick as bricks
+from bridges.ev3.brick import Brick, Hands
+from support.waiting import no_thread_left
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.bridges.ev3.client import BrickClient
-from lrp_jupyter.bridges.ev3.lines import open_tcp
+from lrp_jupyter.bridges.ev3.link import BrickLink
+from lrp_jupyter.errors import BridgeError
 
-
-def _load_emulation() -> ModuleType:
-    """Import brick.py, which is beside this file and in no package."""
-    name = "emulated_ev3_brick"
-    if name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name("brick.py"))
-        assert spec is not None
-        assert spec.loader is not None
-        sys.modules[name] = module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-    return sys.modules[name]
-
-
-class Hands:
-    """A clock that a test moves."""
-
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
+MODULES = ("bridge", "client", "finding", "lines", "link", "usb")
 
 
 @pytest.fixture(scope="session")
 def emulation() -> ModuleType:
-    return _load_emulation()
+    return bricks
 
 
 @pytest.fixture
 def clock() -> Hands:
+    """The time of the motors, and of the slices in which they turn on."""
+    return Hands()
+
+
+@pytest.fixture
+def air() -> Hands:
+    """The time in which a brick that is reached by a wire must answer, and in which a reading grows old."""
     return Hands()
 
 
 @pytest.fixture(autouse=True)
 def _nothing_is_left_behind() -> Iterator[None]:
-    before = set(threading.enumerate())
-    yield
-    left = [thread for thread in threading.enumerate() if thread not in before]
-    for thread in left:
-        thread.join(60)
-    assert not [thread for thread in left if thread.is_alive()]
-
-
-@pytest.fixture(autouse=True)
-def patient_clock(_nothing_is_left_behind: None, monkeypatch: pytest.MonkeyPatch) -> Iterator[PatientClock]:
-    """The time in which a brick must answer, and a reading grows old: not while this process is held up.
-
-    The thread of the emulated brick is held up with it, and cannot answer.
-    """
-    clock = PatientClock()
-    for name in ("bridge", "client", "finding", "lines", "link", "usb"):
-        time_here = SimpleNamespace(monotonic=clock, sleep=time.sleep)
-        monkeypatch.setattr(f"lrp_jupyter.bridges.ev3.{name}.time", time_here)
-    yield clock
-    clock.close()
+    with no_thread_left():
+        yield
 
 
 @pytest.fixture
-def make_brick(emulation: ModuleType) -> Iterator[Callable[..., Any]]:
-    """Make bricks; at the end each must have understood whatever it was sent."""
-    bricks = []
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a brick on the loopback that the machine holds up be waited for."""
+    monkeypatch.setattr(BrickClient.request, "__defaults__", (60.0,))
+    monkeypatch.setattr(BrickClient.command, "__defaults__", (60.0,))
+    monkeypatch.setattr("lrp_jupyter.bridges.ev3.lines._OPEN_TIME", 60.0)
+    monkeypatch.setattr(EV3Bridge, "stop_timeout", 60.0)
 
-    def make(*args: Any, **options: Any) -> Any:
-        bricks.append(emulation.Brick(*args, **options))
-        return bricks[-1]
+
+@pytest.fixture
+def make_brick() -> Iterator[Callable[..., Brick]]:
+    """Make bricks; at the end each must have understood whatever it was sent."""
+    made = []
+
+    def make(*args: Any, **options: Any) -> Brick:
+        made.append(Brick(*args, **options))
+        return made[-1]
 
     yield make
-    for brick in bricks:
+    for brick in made:
         brick.close()
-    for brick in bricks:
+    for brick in made:
         assert brick.violations == [], "the brick did not understand something"
 
 
-@pytest.fixture
-def brick(make_brick: Callable[..., Any], clock: Hands) -> Any:
-    """A brick that accepts TCP at once, with its motors in virtual time."""
-    brick = make_brick(clock=clock)
+def equip(brick: Brick) -> Brick:
+    """Plug in sensors."""
     brick.sensors[0].type, brick.sensors[0].values = 16, {0: 0.0, 1: 3.0}
     brick.sensors[1].type, brick.sensors[1].values = 29, {0: 42.0, 1: 7.0, 2: 5.0}
     brick.sensors[2].type, brick.sensors[2].values = 30, {0: 25.5}
@@ -104,8 +81,13 @@ def brick(make_brick: Callable[..., Any], clock: Hands) -> Any:
 
 
 @pytest.fixture
-def client(brick: Any) -> Iterator[BrickClient]:
-    client = BrickClient(open_tcp(("127.0.0.1", brick.port)))
+def brick(make_brick: Callable[..., Brick], clock: Hands) -> Brick:
+    return equip(make_brick(clock=clock, serves=False))
+
+
+@pytest.fixture
+def client(brick: Brick, wired: None, air: Hands) -> Iterator[BrickClient]:
+    client = BrickClient(brick.wire(air))
     yield client
     client.close()
 
@@ -118,26 +100,49 @@ def free_udp_port() -> int:
 
 
 @pytest.fixture
-def bridge(brick: Any, free_udp_port: int, clock: Hands) -> Iterator[EV3Bridge]:
-    """An open, armed bridge to the brick; its slices are in the time of the motors."""
-    bridge = EV3Bridge("127.0.0.1", port=brick.port, beacon_port=free_udp_port, patience=0.4)
-    bridge.clock = clock  # type: ignore[method-assign]
-    bridge.open()
-    bridge.arm()
-    yield bridge
-    bridge.close()
+def wired(brick: Brick, air: Hands, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the brick found at the end of a wire, and read in turns that a test makes."""
+
+    def connect(*_: object, **_options: object) -> BrickClient:
+        if not brick.plugged:
+            raise BridgeError("No EV3 brick was found. It refused.")
+        return BrickClient(brick.wire(air))
+
+    for name in MODULES:
+        monkeypatch.setattr(f"lrp_jupyter.bridges.ev3.{name}.time", SimpleNamespace(monotonic=air))
+    monkeypatch.setattr("lrp_jupyter.bridges.ev3.bridge.connect", connect)
+    monkeypatch.setattr(BrickLink, "_run", lambda _: None)
+    monkeypatch.setattr(EV3Bridge, "stop_timeout", None)
 
 
 @pytest.fixture
-def fresh(bridge: EV3Bridge, until: Callable[..., None]) -> Callable[[], None]:
-    """Wait for a reading that was asked for after now."""
+def make_bridge(wired: None, clock: Hands) -> Iterator[Callable[..., EV3Bridge]]:
+    """Make a bridge; its slices are in the time of the motors."""
+    made: list[EV3Bridge] = []
 
-    def fresh() -> None:
-        for _ in range(2):  # the first one may have been under way
-            before = bridge.link.snapshot.time
-            until(lambda: bridge.link.snapshot.time > before)  # noqa: B023
+    def make(host: str | None = "127.0.0.1", **options: Any) -> EV3Bridge:
+        made.append(EV3Bridge(host, **options))
+        made[-1].clock = clock  # type: ignore[method-assign]
+        return made[-1]
 
-    return fresh
+    yield make
+    for bridge in made:
+        bridge.close()
+
+
+@pytest.fixture
+def bridge(make_bridge: Callable[..., EV3Bridge]) -> EV3Bridge:
+    """An open, armed bridge to the brick."""
+    bridge = make_bridge()
+    bridge.open()
+    bridge.arm()
+    return bridge
+
+
+@pytest.fixture
+def fresh(bridge: EV3Bridge) -> Callable[[], None]:
+    """Read the brick."""
+    return lambda: (bridge.link._turn(), None)[1]
 
 
 @pytest.fixture
@@ -145,7 +150,6 @@ def passes(clock: Hands, fresh: Callable[[], None]) -> Callable[[float], None]:
     """Let the brick's time pass in steps of at most 0.3 s, each of which the bridge notices."""
 
     def passes(seconds: float) -> None:
-        fresh()
         steps = math.ceil(seconds / 0.3)
         for _ in range(steps):
             clock.now += seconds / steps
@@ -155,13 +159,14 @@ def passes(clock: Hands, fresh: Callable[[], None]) -> Callable[[float], None]:
 
 
 @pytest.fixture
-def until() -> Callable[..., None]:
-    """Wait until something is so; the limit only ends a test that hangs."""
+def until(bridge: EV3Bridge) -> Callable[[Callable[[], object]], None]:
+    """Read the brick until something is so."""
 
-    def until(holds: Callable[[], object], seconds: float = 60.0) -> None:
-        deadline = time.monotonic() + seconds
-        while not holds():
-            assert time.monotonic() < deadline, "it took too long"
-            threading.Event().wait(0.002)
+    def until(holds: Callable[[], object]) -> None:
+        for _ in range(100):
+            if holds():
+                return
+            bridge.link._turn()
+        raise AssertionError("it did not happen")
 
     return until

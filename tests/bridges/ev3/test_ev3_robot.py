@@ -207,31 +207,27 @@ def test_sensors_are_read_as_those_of_the_simulated_robot(bridge: EV3Bridge) -> 
     assert (robot.light.data, robot.bumper.data, robot.distance.data) == (107, False, 0.255)
 
 
-def test_sensors_in_other_ports_are_found_by_the_options(brick: Any, free_udp_port: int) -> None:
+def test_sensors_in_other_ports_are_found_by_the_options(
+    brick: Any, make_bridge: Callable[..., EV3Bridge]
+) -> None:
     brick.sensors[1], brick.sensors[2] = brick.sensors[2], brick.sensors[1]
     options = {"light": "2", "distance": "none", "left": "-A", "right": "D", "wheel": 28.0}
-    bridge = EV3Bridge("127.0.0.1", port=brick.port, beacon_port=free_udp_port, **options)  # type: ignore[arg-type]
+    bridge = make_bridge(**options)
     bridge.open()
-    try:
-        assert bridge.robot.light.data == 107
-        with pytest.raises(BridgeError, match="No port is named for it"):
-            bridge.robot.distance.data  # noqa: B018
-        assert bridge.vehicle.motors == (0, 3)
-    finally:
-        bridge.close()
+    assert bridge.robot.light.data == 107
+    with pytest.raises(BridgeError, match="No port is named for it"):
+        bridge.robot.distance.data  # noqa: B018
+    assert bridge.vehicle.motors == (0, 3)
 
 
 def test_a_sensor_left_in_another_mode_is_set_to_the_right_one(
-    brick: Any, free_udp_port: int, until: Callable[..., None]
+    brick: Any, make_bridge: Callable[..., EV3Bridge]
 ) -> None:
     brick.sensors[2].mode, brick.sensors[3].mode = 2, 1
-    bridge = EV3Bridge("127.0.0.1", port=brick.port, beacon_port=free_udp_port)
+    bridge = make_bridge()
     bridge.open()
-    try:
-        until(lambda: brick.sensors[2].mode == brick.sensors[3].mode == 0)
-        assert bridge.robot.light.data == 107
-    finally:
-        bridge.close()
+    assert brick.sensors[2].mode == brick.sensors[3].mode == 0
+    assert bridge.robot.light.data == 107
 
 
 def test_a_sensor_that_is_plugged_in_again_gets_its_mode_again(
@@ -261,19 +257,19 @@ def test_a_sensor_that_is_starting_has_no_value_yet(
 
 
 def test_a_robot_that_drives_on_readings_that_no_longer_come_is_stopped(
-    bridge: EV3Bridge, brick: Any, until: Callable[..., None]
+    bridge: EV3Bridge, brick: Any, air: Any, fresh: Callable[[], None]
 ) -> None:
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.move(linear=0.2)
     bridge.end_tick(0.0)
-    until(lambda: turning(brick) == FORWARD)
+    assert turning(brick) == FORWARD
     del brick.commands[:]
     brick.fault = "refuse"  # it answers, but with nothing
-    until(lambda: (bridge.describe("light.data").age or 0) > 1.0)
+    air.now += 1.01
+    fresh()
     bridge.begin_tick(0.1, 0.1)
     bridge.robot.move(linear=0.2)
     assert bridge.status.state == "stale"
-    until(lambda: brick.commands)
     assert [command[7:].hex(" ") for command in brick.commands] == ["a3 00 0f 01"]
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import errno
 import socket
-import threading
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.bounded import bounded
+from support.waiting import until
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge, lines, protocol, usb
 from lrp_jupyter.bridges.ev3.client import BrickClient
@@ -20,14 +19,16 @@ from lrp_jupyter.bridges.ev3.lines import open_bluetooth
 from lrp_jupyter.bridges.ev3.usb import open_usb
 from lrp_jupyter.errors import BridgeError
 
+pytestmark = pytest.mark.usefixtures("patient")
+
 NAME = protocol.brick_name()
 ADDRESS = "00:16:53:01:02:03"
 SERIAL = "0016535a1b2c"
-ANSWERS = [
-    ("half", "does not answer"),
-    ("silent", "does not answer"),
-    ("close", "closed the connection"),
-    ("noise", "not a reply"),
+ANSWERS = [  # with how long is waited for them: an answer that comes is always in time
+    ("half", "does not answer", 0.05),
+    ("silent", "does not answer", 0.05),
+    ("close", "closed the connection", 60),
+    ("noise", "not a reply", 60),
 ]
 
 
@@ -72,18 +73,18 @@ def test_replies_cut_or_joined_by_bluetooth_are_read(called: BrickClient, blueto
         assert name_of(called) == b"SLOWPOKE"
 
 
-@pytest.mark.parametrize(("fault", "sentence"), ANSWERS)
+@pytest.mark.parametrize(("fault", "sentence", "seconds"), ANSWERS)
 def test_a_brick_that_does_not_answer_by_bluetooth_is_lost(
-    called: BrickClient, bluetooth: Any, fault: str, sentence: str
+    called: BrickClient, bluetooth: Any, fault: str, sentence: str, seconds: float
 ) -> None:
     bluetooth.fault = fault
-    with bounded(1), pytest.raises(BridgeError, match=sentence):
-        called.request(*NAME)
+    with pytest.raises(BridgeError, match=sentence):
+        called.request(*NAME, timeout=seconds)
     assert sentence in called.lost
 
 
 def test_a_brick_that_left_the_reach_of_bluetooth_is_found_again_and_its_motors_are_stopped(
-    bluetooth: Any, until: Callable[..., None], clock: Any
+    bluetooth: Any, clock: Any
 ) -> None:
     bridge = EV3Bridge(ADDRESS)
     bridge.clock = clock
@@ -91,10 +92,8 @@ def test_a_brick_that_left_the_reach_of_bluetooth_is_found_again_and_its_motors_
     try:
         bridge.arm()
         bridge.robot.motorA.start_at_speed(50)
-        bluetooth.unplug()
-        until(lambda: bridge.status.state == "lost")
-        bluetooth.plug_in()
-        until(lambda: bridge.status.state == "connected")
+        bluetooth.hang_up()
+        until(lambda: bluetooth.connections == 2 and bridge.status.state == "connected")
         assert "its motors were stopped" in bridge.status.sentence
         assert ADDRESS in bridge.status.sentence
         assert bridge.panel().questions[0].default == ADDRESS
@@ -122,7 +121,7 @@ def test_a_call_by_bluetooth_that_fails_says_why_and_what_to_do(
             return code
 
     monkeypatch.setattr(lines, "_rfcomm", Refused)
-    with bounded(1), pytest.raises(BridgeError, match=f"No connection to the brick {ADDRESS} .*{sentence}"):
+    with pytest.raises(BridgeError, match=f"No connection to the brick {ADDRESS} .*{sentence}"):
         connect(ADDRESS)
 
 
@@ -148,25 +147,21 @@ def test_a_call_by_bluetooth_can_be_given_up(monkeypatch: pytest.MonkeyPatch) ->
             super().close()
 
     monkeypatch.setattr(lines, "_rfcomm", Mute)
-    over = threading.Event()
-    threading.Timer(0.2, over.set).start()
-    with bounded(1), pytest.raises(BridgeError, match="does not answer"):
-        open_bluetooth(ADDRESS, over.is_set)
+    asked = iter([False, False, True])
+    with pytest.raises(BridgeError, match="does not answer"):
+        open_bluetooth(ADDRESS, lambda: next(asked))
 
 
 def test_a_python_without_bluetooth_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr(socket, "AF_BLUETOOTH", raising=False)
-    with (
-        bounded(1),
-        pytest.raises(BridgeError, match=r"This Python was built without Bluetooth\. Use another"),
-    ):
+    with pytest.raises(BridgeError, match=r"This Python was built without Bluetooth\. Use another"):
         EV3Bridge(ADDRESS).open()
 
 
 def test_a_computer_without_bluetooth_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(socket, "AF_BLUETOOTH", 9999, raising=False)
     monkeypatch.setattr(socket, "BTPROTO_RFCOMM", 3, raising=False)
-    with bounded(1), pytest.raises(BridgeError, match=r"This computer has no Bluetooth: .*by USB or WiFi"):
+    with pytest.raises(BridgeError, match=r"This computer has no Bluetooth: .*by USB or WiFi"):
         connect(ADDRESS)
 
 
@@ -223,13 +218,13 @@ def test_a_brick_is_found_among_the_devices_and_answers_by_usb(client: BrickClie
     assert all(motor.braked for motor in plugged.motors)
 
 
-@pytest.mark.parametrize(("fault", "sentence"), ANSWERS[1:])  # a report is never halved
+@pytest.mark.parametrize(("fault", "sentence", "seconds"), ANSWERS[1:])  # a report is never halved
 def test_a_brick_that_does_not_answer_by_usb_is_lost(
-    client: BrickClient, plugged: Any, fault: str, sentence: str
+    client: BrickClient, plugged: Any, fault: str, sentence: str, seconds: float
 ) -> None:
     plugged.fault = fault
-    with bounded(1), pytest.raises(BridgeError, match=sentence):
-        client.request(*NAME)
+    with pytest.raises(BridgeError, match=sentence):
+        client.request(*NAME, timeout=seconds)
     assert sentence in client.lost
 
 
@@ -252,9 +247,7 @@ def test_an_answer_that_was_meant_for_another_program_is_dropped(
     client.close()
 
 
-def test_a_cable_that_is_pulled_and_plugged_in_again_stops_the_motors(
-    plugged: Any, until: Callable[..., None], clock: Any
-) -> None:
+def test_a_cable_that_is_pulled_and_plugged_in_again_stops_the_motors(plugged: Any, clock: Any) -> None:
     bridge = EV3Bridge("usb")
     bridge.clock = clock
     bridge.open()
@@ -276,7 +269,7 @@ def test_a_device_that_breaks_is_a_loss(client: BrickClient, monkeypatch: pytest
         raise OSError(errno.EIO, "Input/output error")
 
     monkeypatch.setattr(usb.os, "write", broken)
-    with bounded(1), pytest.raises(BridgeError, match="connection to the brick broke: input/output error"):
+    with pytest.raises(BridgeError, match="connection to the brick broke: input/output error"):
         client.request(*NAME)
 
 
@@ -288,7 +281,7 @@ def test_a_closed_client_says_so(client: BrickClient) -> None:
 
 def test_no_brick_at_usb_says_what_to_do(listed: Callable[..., None]) -> None:
     listed(0, vendor="0000046D")
-    with bounded(1), pytest.raises(BridgeError, match=r"No EV3 brick is plugged in by USB\. Plug it in"):
+    with pytest.raises(BridgeError, match=r"No EV3 brick is plugged in by USB\. Plug it in"):
         EV3Bridge("usb").open()
 
 

@@ -15,6 +15,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.bridges.ev3 import protocol
 
@@ -60,7 +61,7 @@ def wait_for_commands(theirs: Any) -> None:
     assert theirs.battery.percentage == 87
 
 
-def test_it_answers_the_beacon_as_we_do(theirs: Any, brick: Any, until: Callable[..., None]) -> None:
+def test_it_answers_the_beacon_as_we_do(theirs: Any, brick: Any) -> None:
     until(lambda: brick.answers == 1)
 
 
