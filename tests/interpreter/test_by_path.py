@@ -1,6 +1,7 @@
 """Variables by path, by text and by bare name: the same in frames, sessions and labs."""
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.by_path import ByPath
@@ -8,7 +9,7 @@ from lrp_jupyter.interpreter.by_path import ByPath
 VALUES = ByPath({("n",): 5, ("m", "k"): 2, ("m", "a", "inner", "same"): 3, ("m", "same"): 4, ("m", "n"): 6})
 
 
-@pytest.mark.parametrize(
+@every(
     ("key", "value"),
     [
         (("n",), 5),

@@ -4,6 +4,7 @@ import builtins
 
 import pytest
 from story import robot
+from support.tables import every
 
 from lrp_jupyter.errors import NoDataYet, UnknownElementError
 from lrp_jupyter.interpreter.events import EVENT_KINDS
@@ -125,8 +126,8 @@ def test_forcing_into_a_root_machine_that_does_not_run_starts_it():
     assert not patch.restarted
 
 
-@pytest.mark.parametrize("force", [Interpreter.transition_to, Interpreter.teleport_to])
-@pytest.mark.parametrize("path", ["m/nowhere", "nowhere/a", "m", "", "m/a/n/x"])
+@every("force", [Interpreter.transition_to, Interpreter.teleport_to])
+@every("path", ["m/nowhere", "nowhere/a", "m", "", "m/a/n/x"])
 def test_an_unknown_target_raises_and_changes_nothing(force, path):
     i = started()
     with pytest.raises(UnknownElementError, match="There is no state"):
@@ -140,8 +141,8 @@ def test_a_forced_state_can_be_named_by_its_path_as_spawned():
     assert active(i) == ["m/a/h/q"]
 
 
-@pytest.mark.parametrize("path", ["h/q", "m/a/h/q"])
-@pytest.mark.parametrize("force", [Interpreter.transition_to, Interpreter.teleport_to])
+@every("path", ["h/q", "m/a/h/q"])
+@every("force", [Interpreter.transition_to, Interpreter.teleport_to])
 def test_a_forced_state_is_reported_first_by_its_path_as_spawned(force, path):
     i = started("(machine h (state p) (state q))(machine m (state a (onentry (spawn h p))))(spawn m a)")
     seen = []
@@ -278,14 +279,14 @@ def test_a_variable_is_read_and_set_by_a_name_that_only_one_has():
         i.variables["m/kk"]
 
 
-@pytest.mark.parametrize("path", ["q", "m/n", "q/k", ""])
+@every("path", ["q", "m/n", "q/k", ""])
 def test_a_variable_that_does_not_live_cannot_be_set(path):
     i = started("(var n := [2])(machine m (var k := [5]) (state a))(spawn m a)")
     with pytest.raises(UnknownElementError):
         i.set_variable(path, "1")
 
 
-@pytest.mark.parametrize(
+@every(
     ("expression", "error"),
     [
         ("1 +", SyntaxError),
@@ -520,7 +521,7 @@ def test_a_reading_that_has_not_arrived_is_not_a_fault_of_a_condition():
     assert [(issue.code, issue.element.kind) for issue in i.issues] == [("LRP610", "running")]
 
 
-@pytest.mark.parametrize(
+@every(
     ("before", "after", "is_a_change"),
     [("0.5", "0.25 * 2", False), ("'ab'", "''.join('ab')", False), ("1", "1.0", True), ("1", "True", True)],
 )
@@ -590,7 +591,7 @@ def test_a_repeated_definition_is_an_issue_until_it_is_removed():
     assert all(issue.resolved for issue in i.issues)
 
 
-@pytest.mark.parametrize(
+@every(
     ("kind", "path", "new", "active_after"),
     [
         ("state", "m/b", "bee", ["m/bee/n/x", "m/bee/k/s", "other/o"]),

@@ -4,6 +4,7 @@ import re
 
 import pytest
 from story import HERE, read, robot, run_until
+from support.tables import every
 
 from lrp_jupyter.errors import LRPSyntaxError
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -13,7 +14,7 @@ EDITS = sorted((HERE / "edits").glob("*.lrp"))
 SEPARATOR = re.compile(r"^;;; (kept|restart|not applied|not a program)(?:: (.*))?\n", re.MULTILINE)
 
 
-@pytest.mark.parametrize("path", EDITS, ids=lambda path: path.stem)
+@every("path", EDITS)
 def test_an_edit_does_what_the_table_says(path):
     text = path.read_text(encoding="utf-8")
     policy = match[1] if (match := re.search(r"^;;; policy (\w+)\n", text)) else "restart"
@@ -56,7 +57,7 @@ def test_an_edit_does_what_the_table_says(path):
     assert {(issue.code, issue.line) for issue in i.issues if not issue.resolved} == story.issues
 
 
-@pytest.mark.parametrize("path", EDITS, ids=lambda path: path.stem)
+@every("path", EDITS)
 def test_an_edit_is_undone_by_going_back(path):
     text = path.read_text(encoding="utf-8")
     first, *rest = SEPARATOR.split(text)

@@ -2,6 +2,7 @@
 
 import pytest
 from story import active, started
+from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
@@ -126,7 +127,7 @@ def test_force_with_nothing_active_initialises_the_globals_first(force):
     assert (i.variables["n"], i.entered("m/a"), i.tick) == (3, 2.0, 0)
 
 
-@pytest.mark.parametrize(
+@every(
     "act",
     [
         lambda i: i.transition_to("m/b"),

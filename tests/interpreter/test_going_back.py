@@ -2,6 +2,7 @@
 
 import pytest
 from story import active, started
+from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.journal import SavedState
@@ -51,7 +52,7 @@ def test_a_timer_continues_from_where_it_was():
     assert active(i) == ["m/a/k/t"]
 
 
-@pytest.mark.parametrize(
+@every(
     "command",
     [
         lambda i: i.teleport_to("m/b", now=0.25),
@@ -272,8 +273,8 @@ LATE = """(var n := [0])(var hook := [None])
     (spawn before a)(spawn m a)(spawn after a)"""
 
 
-@pytest.mark.parametrize("before", [0, 1])
-@pytest.mark.parametrize("after", [0, 100])
+@every("before", [0, 1])
+@every("after", [0, 100])
 def test_what_a_function_of_a_state_entered_later_writes_is_undone_from_its_first_tick_on(before, after):
     i = started(LATE % ("n += 1" if before else "0", "n += 100" if after else "0"))
     values = [i.variables["n"]]
@@ -331,7 +332,7 @@ def test_what_an_expression_from_outside_writes_is_undone():
     assert dict(i.variables) == {("n",): 1, ("k",): 2}
 
 
-@pytest.mark.parametrize("undone", range(1, 10))
+@every("undone", range(1, 10))
 def test_a_journal_that_is_full_keeps_whole_ticks_after_going_back_and_elsewhere_again(undone):
     states = "(state a (running [n += 1] [n += 1] [n += 1])) (state b (running [n += 1]))"
     i = started(f"(var n := [0]) (machine m {states}) (spawn m a)", 10, journal=10)

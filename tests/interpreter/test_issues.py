@@ -2,6 +2,7 @@
 
 import pytest
 from story import active, started
+from support.tables import every
 
 from lrp_jupyter.language.parser import parse
 
@@ -14,7 +15,7 @@ def with_running(block):
     return f"(var n := [0])(machine m (state a (running [{block}])))(spawn m a)"
 
 
-@pytest.mark.parametrize("end", ["", "\n", "\r\n", "\r"])
+@every("end", ["", "\n", "\r\n", "\r"])
 def test_columns_are_counted_in_characters_whatever_precedes_in_the_line(end):
     line = "  (machine é (state ß)) (machine m (state a (running ['ü'; 1 / 0])))(spawn m a) "
     text = f"(var é := [0]){end}{line}{end}"
@@ -45,7 +46,7 @@ def test_a_fault_in_a_function_of_an_older_text_is_located_at_the_block_that_cal
     assert (issue.line, issue.element.kind) == (2, "transition")
 
 
-@pytest.mark.parametrize(
+@every(
     ("block", "code", "message"),
     [
         ("raise ValueError('first\\nsecond')", "LRP601", "ValueError: first"),
@@ -66,7 +67,7 @@ def test_the_message_is_the_kind_and_first_line_of_the_exception(block, code, me
     assert issue.message.startswith(message)
 
 
-@pytest.mark.parametrize(
+@every(
     ("how", "message"),
     [
         ("BridgeError('The cable: it is out.\\nLook.')", "The cable: it is out."),
@@ -117,7 +118,7 @@ def test_an_issue_is_located_correctly_when_a_comment_in_its_block_moves_it():
     assert (issue.line, issue.count, issue.first_tick) == (4, 2, 2)
 
 
-@pytest.mark.parametrize(
+@every(
     "text",
     [
         "(var bad := [1 / 0])(machine m (state a) (ontime bad a -> a))(spawn m a)",

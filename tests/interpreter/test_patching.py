@@ -1,7 +1,7 @@
 """Edits of a running program beyond the rows of the table: events, issues, pauses, roots, what is refused."""
 
-import pytest
 from story import active, started
+from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
@@ -53,7 +53,7 @@ def test_an_edit_while_paused_is_applied_at_once():
     assert active(i) == ["m/c"]
 
 
-@pytest.mark.parametrize("before", [lambda i: None, Interpreter.reset])
+@every("before", [lambda i: None, Interpreter.reset])
 def test_an_edit_while_nothing_runs_does_not_restart(before):
     i = started(TEXT, 0)
     before(i)

@@ -1,8 +1,8 @@
 """Every program of tests/programs does what its comments expect, in production and in the reference."""
 
-import pytest
 from reference import Reference
 from story import HERE, PERIOD, read, robot, run_until
+from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
@@ -11,15 +11,14 @@ PROGRAMS = sorted((HERE / "programs").glob("*.lrp"))
 ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
 
 
-@pytest.fixture(params=PROGRAMS, ids=lambda path: path.stem)
-def story(request):
-    return read(request.param.read_text(encoding="utf-8"))
+of_every_program = every("story", [read(path.read_text(encoding="utf-8")) for path in PROGRAMS])
 
 
 def words(paths):
     return tuple("/".join(path) for path in paths)
 
 
+@of_every_program
 def test_a_program_does_what_its_comments_expect(story):
     bot, seen = robot(), []
     i = Interpreter(parse(story.text), bot)
@@ -30,18 +29,21 @@ def test_a_program_does_what_its_comments_expect(story):
     assert {(issue.code, issue.line) for issue in i.issues} == story.issues
 
 
+@of_every_program
 def test_a_program_does_the_same_without_observers(story):
     bot = robot()
     i = Interpreter(parse(story.text), bot, journal=0)
     run_until(i.step, story, bot, lambda: (words(i.active), i.variables))
 
 
+@of_every_program
 def test_the_reference_interpreter_meets_the_expectations(story):
     bot = robot()
     i = Reference(parse(story.text), bot)
     run_until(i.step, story, bot, lambda: (words(i.active), i.variables))
 
 
+@of_every_program
 def test_production_and_reference_agree_at_every_tick(story):
     bots = robot(), robot()
     program = parse(story.text)
@@ -60,6 +62,7 @@ def test_production_and_reference_agree_at_every_tick(story):
         reference.events.clear()
 
 
+@of_every_program
 def test_going_back_restores_every_moment(story):
     bot = robot()
     i = Interpreter(parse(story.text), bot)

@@ -3,10 +3,10 @@
 from threading import Lock
 from types import SimpleNamespace
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from story import started
+from support.tables import every
 from wild import command, moment, obey, program
 
 from lrp_jupyter.errors import UnknownElementError
@@ -111,10 +111,6 @@ def test_what_cannot_be_copied_is_shared_and_named():
     assert copy.variables["n"] is not i.variables["n"]
 
 
-def kind(value):
-    return type(value).__name__
-
-
 class Odd:
     """Its reduction is not what Python asks for."""
 
@@ -138,12 +134,12 @@ def copied_with(value):
     return copy.variables["n"]
 
 
-@pytest.mark.parametrize("value", [Odd(), Hostile()], ids=kind)
+@every("value", [Odd(), Hostile()])
 def test_a_value_whose_copy_fails_is_shared_and_the_others_are_copied(value):
     assert copied_with(value) is value
 
 
-@pytest.mark.parametrize("value", [nested([]), nested({})], ids=kind)
+@every("value", [nested([]), nested({})])
 def test_a_value_nested_too_deeply_for_this_python_is_shared_and_any_other_is_copied(value):
     assert type(copied_with(value)) is type(value)
 
