@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.tables import every
 
 from lrp_jupyter.language import blocks
 from lrp_jupyter.language.blocks import (
@@ -50,12 +51,12 @@ def run(text: str, namespace: dict[str, Any] | None = None, **variables: Any) ->
 # Ends
 
 
-@pytest.mark.parametrize("case", CORPUS, ids=[case["name"] for case in CORPUS])
+@every("case", CORPUS)
 def test_a_block_ends_where_the_corpus_expects(case: dict[str, Any]) -> None:
     assert block_end(case["text"], 0) == case["end"]
 
 
-@pytest.mark.parametrize("case", CORPUS, ids=[case["name"] for case in CORPUS])
+@every("case", CORPUS)
 def test_a_block_ends_at_the_same_place_inside_a_text(case: dict[str, Any]) -> None:
     end = case["end"]
     assert block_end("rb" + case["text"], 2) == (end if end < 0 else end + 2)
@@ -106,7 +107,7 @@ LAYOUTS = [
 ]
 
 
-@pytest.mark.parametrize("text", LAYOUTS)
+@every("text", LAYOUTS)
 def test_any_layout_of_the_same_code_means_the_same(text: str) -> None:
     assert ast.dump(parse_block(text)) == ast.dump(parse_block(LAYOUTS[0]))
 
@@ -136,7 +137,7 @@ def test_blocks_without_code_are_empty() -> None:
 # Values and variables
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "value"),
     [
         ("1 + 1", 2),
@@ -159,7 +160,7 @@ def test_the_value_of_a_block_is_that_of_its_last_expression(text: str, value: o
     assert run(text)[0] == value
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "after"),
     [
         ("v = 2", 2),
@@ -228,7 +229,7 @@ def test_functions_and_classes_of_a_block_have_no_names_of_ours() -> None:
 # Places
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "line", "caret"),
     [
         ("1 / é", 3, "1 / é"),
@@ -261,7 +262,7 @@ def test_the_same_block_in_another_line_is_compiled_for_that_line() -> None:
 # Faults
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "at", "word"),
     [
         ("a +", "+", "Something is missing after `+`"),
@@ -320,7 +321,7 @@ def names(text: str) -> list[tuple[str, int, bool]]:
     return [(place.name, place.start - 1, place.writes) for place in found]
 
 
-@pytest.mark.parametrize(
+@every(
     "text",
     [
         "«w» = «v»",
@@ -415,7 +416,7 @@ SIMPLE = [
 ]
 
 
-@pytest.mark.parametrize("text", SIMPLE)
+@every("text", SIMPLE)
 def test_a_block_that_needs_no_compiler_to_be_judged_compiles(text):
     tree, suite = parse_suite(text)
     if blocks._is_simple(tree, suite.source(text)):
@@ -465,7 +466,7 @@ class Counted(str):
         return part
 
 
-@pytest.mark.parametrize("unit", ["x=1;", "é=1;"])
+@every("unit", ["x=1;", "é=1;"])
 def test_finding_the_places_of_one_long_line_costs_as_much_as_the_line_is_long(unit):
     source = Counted(unit * 500 + "\n")
     tree = ast.parse(str(source))

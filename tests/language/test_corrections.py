@@ -7,11 +7,13 @@ from itertools import pairwise
 
 import pytest
 from checking import start_of
+from seeds import seeds
+from support.tables import every
 
 from lrp_jupyter.errors import edited
 from lrp_jupyter.language import bracketing, draft
 from lrp_jupyter.language.checks import check
-from lrp_jupyter.language.parser import parse, scan
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Finding
 
 RIGHT = """\
@@ -38,162 +40,6 @@ RIGHT = """\
 def fixed(text: str, finding: Finding) -> str:
     assert finding.fix
     return finding.fix.apply(text)
-
-
-def only(wrong: str, right: str) -> tuple[str, Finding]:
-    """The one error of the program in which `right` is replaced."""
-    assert RIGHT.count(right) == 1
-    text = RIGHT.replace(right, wrong)
-    (finding,) = check(text)
-    return text, finding
-
-
-SLIPS = [
-    ("speed = [0.2]", "speed := [0.2]", "LRP104", "A variable gets its value with `:=`, not with `=`."),
-    ("speed == [0.2]", "speed := [0.2]", "LRP104", "not with `==`"),
-    ("speed: [0.2]", "speed := [0.2]", "LRP104", "not with `:`"),
-    ("speed <- [0.2]", "speed := [0.2]", "LRP104", "not with `<-`"),
-    ("speed [0.2]", "speed := [0.2]", "LRP108", "`:=` is missing"),
-    ("speed := 0.2", "speed := [0.2]", "LRP115", "Python is written in square brackets."),
-    ("speed := (0.2)", "speed := [0.2]", "LRP115", "not in `( )`"),
-    ("speed := {0.2}", "speed := [0.2]", "LRP115", "not in `{ }`"),
-    ("speed := [0.2", "speed := [0.2]", "LRP103", "This `[` is not closed."),
-    ("speed := 0.2]", "speed := [0.2]", "LRP103", "A `[` is missing here"),
-    ("speed := [0.2]]", "speed := [0.2]", "LRP104", "Unmatched `]`"),
-    ("speed := [[0.2]", "speed := [0.2]", "LRP103", "This `[` is one too many."),
-    ("500 have_rest > moving", "500 have_rest -> moving", "LRP104", "The arrow to the destination is `->`"),
-    ("500 have_rest => moving", "500 have_rest -> moving", "LRP104", "not `=>`"),
-    ("500 have_rest-moving", "500 have_rest -> moving", "LRP104", "not `-`"),
-    ("500 have_rest→moving", "500 have_rest -> moving", "LRP104", "not `→`"),
-    ("500 have_rest --> moving", "500 have_rest -> moving", "LRP104", "not `-->`"),
-    ("500 have_rest to moving", "500 have_rest -> moving", "LRP104", "not `to`"),
-    ("500 have_rest TO moving", "500 have_rest -> moving", "LRP104", "not `TO`"),
-    (
-        "bump have_rest moving} ->",
-        "bump {have_rest moving} ->",
-        "LRP108",
-        "Several sources are written in braces.",
-    ),
-    (
-        "bump {have_rest moving ->",
-        "bump {have_rest moving} ->",
-        "LRP108",
-        "Several sources are written in braces.",
-    ),
-    ("bump have_rest moving ->", "bump {have_rest moving} ->", "LRP108", "Write `{have_rest moving}`."),
-    ("bump (have_rest moving) ->", "bump {have_rest moving} ->", "LRP110", "Write `{have_rest moving}`."),
-    ("bump [have_rest moving] ->", "bump {have_rest moving} ->", "LRP110", "Write `{have_rest moving}`."),
-    ("*-moving ->", "*-{moving} ->", "LRP108", "Several sources are written in braces."),
-    ("var (speed)", "var speed", "LRP110", "Names are written without brackets here."),
-    ("event [bump]", "event bump", "LRP110", "Names are written without brackets here."),
-    ("ontime (500)", "ontime 500", "LRP110", "Delays are written without brackets. Write `500`."),
-    (
-        "[robot.move(linear=speed)] ;",
-        "(running [robot.move(linear=speed)]) ;",
-        "LRP117",
-        "Write `(running […])` or",
-    ),
-    ("500 have_rest moving", "500 have_rest -> moving", "LRP108", "The arrow `->` is missing"),
-    ("*-{moving} moving", "*-{moving} -> moving", "LRP108", "The arrow `->` is missing"),
-    ("(state[have_rest]", "(state have_rest", "LRP110", "Write `have_rest`."),
-    ("(state{have_rest}", "(state have_rest", "LRP110", "Write `have_rest`."),
-    ("spawn [inner first]", "spawn inner first", "LRP110", "Write `inner first`."),
-    ("spawn {inner\nfirst}", "spawn inner first", "LRP110", "Write `inner first`."),
-    ("onn 500 have_rest", "ontime 500 have_rest", "LRP106", "Did you mean `ontime`?"),
-    ("(State have_rest", "(state have_rest", "LRP106", "Keywords are written in lowercase."),
-    ("(ON bump", "(on bump", "LRP106", "Keywords are written in lowercase."),
-    ("(stat have_rest", "(state have_rest", "LRP106", "Did you mean `state`?"),
-    ("(onetry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
-    ("(on entry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
-    ("(on-entry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
-    ("(entry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
-    ("(run [robot.move", "(running [robot.move", "LRP106", "Did you mean `running`?"),
-    ("(run inner", "(spawn inner", "LRP106", "Did you mean `spawn`?"),
-    ("(after 500", "(ontime 500", "LRP106", "Did you mean `ontime`?"),
-    ("(transition 500", "(ontime 500", "LRP106", "Did you mean `ontime`?"),
-    ("(transition bump", "(on bump", "LRP106", "Did you mean `on`?"),
-    ("(have_rest\n", "(state have_rest\n", "LRP106", "The keyword is missing"),
-    ("(bump [", "(event bump [", "LRP106", "The keyword is missing"),
-    (
-        "(state 'moving'",
-        "(state moving",
-        "LRP110",
-        "Names are written without quotation marks. Write `moving`.",
-    ),
-    ('-> "moving")\n  (on [', "-> moving)\n  (on [", "LRP110", "Names are written without quotation marks."),
-    ("-> {moving})\n  (on [", "-> moving)\n  (on [", "LRP110", "Names are written without brackets here."),
-    ("(state have-rest", "(state have_rest", "LRP110", "A name has letters, digits and `_`."),
-    ("(state have rest", "(state have_rest", "LRP110", "A name is one word. Write `have_rest`."),
-    ("(state 2moving", "(state moving", "LRP110", "A name begins with a letter or `_`."),
-    ("(state moving!", "(state moving", "LRP110", "Write `moving`."),
-    ("{have_rest, moving}", "{have_rest moving}", "LRP104", "not by commas. Remove the comma."),
-    ("(ontime 0.5s", "(ontime 500", "LRP108", "`0.5s` is not a whole number of milliseconds. Write `500`."),
-    ("(ontime 0.5 ", "(ontime 500 ", "LRP108", "`0.5` is not a whole number"),
-    ("(ontime 500ms", "(ontime 500", "LRP108", "Write `500`."),
-    ("(ontime 500 ms", "(ontime 500", "LRP108", "Write `500`."),
-    ("// ahead (slowly)", "; ahead", "LRP114", "Comments begin with `;`, not with `//`."),
-    ("/* ahead */", "; ahead", "LRP114", "Comments begin with `;`, not with `/*`."),
-    ("(var speed := [0.2]", "(var speed := [0.2])", "LRP101", "This `(var` is not closed."),
-    ("speed := [0.2]))", "speed := [0.2])", "LRP102", "This `)` is one too many."),
-    ("((event bump", "(event bump", "LRP102", "This `(` is one too many."),
-    ("\nevent bump", "\n(event bump", "LRP101", "A `(` is missing before `event`."),
-    ("(spawn drive moving]", "(spawn drive moving)", "LRP104", "This form ends with `)`, not with `]`."),
-    ("[spawn drive moving]", "(spawn drive moving)", "LRP104", "A form is written in round brackets."),
-    ("{spawn drive moving}", "(spawn drive moving)", "LRP104", "A form is written in round brackets."),
-    ("linear=speed)) ]", "linear=speed)])", "LRP103", "`]` comes before `)`"),
-    ("(running (robot.move(linear=speed)))", "(running [robot.move(linear=speed)])", "LRP115", "`( )`"),
-    ("(running robot.move(linear=speed))", "(running [robot.move(linear=speed)])", "LRP115", "around this"),
-    ("speed := [0.2 # slow])", "speed := [0.2])", "LRP116", "This comment hides the `]`"),
-    ('print("here)', 'print("here")', "LRP514", "This string is not closed."),
-    ('print(here")', 'print("here")', "LRP514", "This string has no quote at its beginning."),
-    ("speed := (0.2]", "speed := [0.2]", "LRP115", "This block begins with `(` and ends with `]`."),
-    ("linear=speed))) ;", "linear=speed)]) ;", "LRP103", "A block ends with `]`, not with `)`."),
-    ("linear=speed)) ;", "linear=speed)]) ;", "LRP103", "This `[` is not closed."),
-    ('print("stops")))', 'print("stops")]))', "LRP103", "The `[` in line 11 is not closed."),
-    ("(onexit      \n", "(onexit [\n", "LRP103", "A `[` is missing here"),
-    ("[[robot.stop()] ", "[robot.stop()] ", "LRP103", "This `[` is one too many."),
-    ("(onentry robot.stop() ", "(onentry [robot.stop()] ", "LRP115", "Write `[…]` around this."),
-    ('"robot.move(linear=speed)"', "[robot.move(linear=speed)]", "LRP115", "not in quotation marks"),
-    ("(on {have_rest moving} -> have_rest bump)", "(on bump {have_rest moving} -> have_rest tbump)", "", ""),
-    (
-        "(ontime have_rest -> moving 500)",
-        "(ontime 500 have_rest -> moving)",
-        "LRP108",
-        "The delay comes before",
-    ),
-    ("(on 500 have_rest", "(ontime 500 have_rest", "LRP108", "A delay belongs in `ontime`."),
-    (
-        "(event [robot.bumper.data == 1] bump)",
-        "(event bump [robot.bumper.data == 1])",
-        "LRP108",
-        "The name comes",
-    ),
-    ("(spawn drive(moving))", "(spawn drive moving)", "LRP110", "Names are written without brackets here."),
-    ("spawn drive moving\n", "(spawn drive moving)\n", "LRP101", "This form has no brackets."),
-    ("running [robot.move(linear=speed)]", "(running [robot.move(linear=speed)])", "LRP101", "no brackets"),
-    ("(spawn drive.moving)", "(spawn drive moving)", "LRP110", "The machine and its state are two words."),
-    ("(ontime '500' ", "(ontime 500 ", "LRP108", "Delays are written without quotation marks."),
-    ("(import robot)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
-    ("(export speed)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
-]
-
-
-@pytest.mark.parametrize(("wrong", "right", "code", "words"), [row for row in SLIPS if row[2]])
-def test_a_slip_is_one_error_and_its_fix_takes_it_back(wrong: str, right: str, code: str, words: str) -> None:
-    text, finding = only(wrong, right)
-    assert finding.code == code
-    assert words in finding.message
-    assert parse(fixed(text, finding)) == parse(RIGHT)
-
-
-@pytest.mark.parametrize(("wrong", "right", "code", "words"), SLIPS)
-def test_a_slip_in_a_text_with_windows_line_ends_is_as_certain(
-    wrong: str, right: str, code: str, words: str
-) -> None:
-    text = RIGHT.replace(right, wrong).replace("\n", "\r\n")
-    assert [finding.code for finding in check(text)] == [
-        finding.code for finding in check(text.replace("\r\n", "\n"))
-    ]
 
 
 def test_a_wrong_name_is_one_error_wherever_it_is_and_its_fix_changes_all() -> None:
@@ -244,35 +90,10 @@ def test_where_the_remedy_is_not_certain_there_is_no_fix() -> None:
         assert all(finding.fix is None for finding in findings)
 
 
-def test_half_a_million_stray_characters_are_one_error() -> None:
-    assert len(scan("%" * 500_000)[1]) == 1
+PIECES = [*"()[]{}=-,#;→\n'\"", "->", ":=", "//", "/*", "2s"]
 
 
-PIECES = [
-    "(",
-    ")",
-    "[",
-    "]",
-    "{",
-    "}",
-    "->",
-    ":=",
-    "=",
-    "-",
-    ",",
-    "'",
-    '"',
-    "#",
-    ";",
-    "//",
-    "/*",
-    "\n",
-    "→",
-    "2s",
-]
-
-
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", seeds(8, 40))
 def test_fixes_of_any_text_can_be_applied_and_come_to_an_end(seed: int) -> None:
     chance = random.Random(seed)
     for _ in range(10):
@@ -340,7 +161,7 @@ def test_the_name_of_a_transition_is_not_a_delay_in_the_wrong_place() -> None:
     assert finding.message.startswith("The delay comes before")
 
 
-@pytest.mark.parametrize(
+@every(
     ("changes", "line", "words"),
     [
         (
@@ -370,7 +191,7 @@ def test_a_block_without_its_end_does_not_end_in_a_comment_or_another_form() -> 
     assert fixed(text, finding).count("linear=speed)])") == 1
 
 
-@pytest.mark.parametrize(
+@every(
     ("wrong", "right"),
     [
         ('print("on, speed)', 'print("on", speed)'),

@@ -2,7 +2,7 @@
 
 import pickle
 
-import pytest
+from support.tables import every
 
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Block, Element, Name, Span
@@ -10,7 +10,7 @@ from lrp_jupyter.language.program import Block, Element, Name, Span
 TEXT = "(var é := [1])\r\n(machine ü (state a (running [1 / 0])))\r(spawn ü a)\n"
 
 
-@pytest.mark.parametrize("word", ["é", "(machine", "1 / 0", "(spawn", "a)\n"])
+@every("word", ["é", "(machine", "1 / 0", "(spawn", "a)\n"])
 def test_a_place_is_a_line_and_a_column_in_characters(word):
     offset = TEXT.index(word)
     lines = TEXT.replace("\r\n", "\n").replace("\r", "\n").split("\n")
@@ -58,7 +58,7 @@ def test_elements_read_as_words():
     assert str(Element("onpause", ())) == "onpause"
 
 
-@pytest.mark.parametrize("noun", [parse(TEXT), parse(TEXT).machines[0]], ids=["program", "machine"])
+@every("noun", [parse(TEXT), parse(TEXT).machines[0]])
 def test_a_program_and_a_machine_show_themselves(noun):
     shown = noun._repr_mimebundle_()
     assert "ü" in shown["text/plain"]
