@@ -5,50 +5,96 @@ import subprocess
 import sys
 from collections import Counter
 from pathlib import Path
+from typing import NamedTuple
+
+import pytest
 
 import lrp_jupyter
 
 PROJECT = Path(__file__).parents[1]
 PACKAGE = Path(lrp_jupyter.__file__).parent
+AS_PYTHON = {"AttributeError", "IndentationError", "SyntaxError"}  # worded as Python words them
+BEGINNINGS = ("`", "'", '"', "{", "-", "%", "lrp: ")
 
 
+class Package(NamedTuple):
+    """What its modules define, call and raise."""
+
+    classes: list[str]
+    writing: set[str]
+    messages: list[tuple[str, int, str]]
+
+
+@pytest.fixture(scope="module")
+def package() -> Package:
+    found = Package([], set(), [])
+    for path in sorted(PACKAGE.rglob("*.py")):
+        name = path.relative_to(PACKAGE).as_posix()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                found.classes.append(node.name)
+            elif isinstance(node, ast.Call) and writes(node.func):
+                found.writing.add(name)
+            elif isinstance(node, ast.Raise) and (text := message(node)):
+                found.messages.append((name, node.lineno, text))
+    return found
+
+
+def writes(function: ast.expr) -> bool:
+    """Whether a call is one that writes a file."""
+    if isinstance(function, ast.Name):
+        return function.id in ("open", "write_text", "write_bytes", "fdopen")
+    return isinstance(function, ast.Attribute) and (
+        function.attr in ("write_text", "write_bytes", "fdopen") or ast.unparse(function) == "os.open"
+    )
+
+
+def message(node: ast.Raise) -> str:
+    """The text with which a module raises, with ``{}`` for what is inserted."""
+    if not isinstance(node.exc, ast.Call) or not node.exc.args:
+        return ""
+    by = node.exc.func
+    return "" if isinstance(by, ast.Name) and by.id in AS_PYTHON else literal(node.exc.args[-1])
+
+
+def literal(node: ast.expr) -> str:
+    if isinstance(node, ast.Constant):
+        return node.value if isinstance(node.value, str) else ""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(literal(part) if isinstance(part, ast.Constant) else "{}" for part in node.values)
+    return ""
+
+
+def is_sentence(text: str) -> bool:
+    begins = text[0].isupper() or text.startswith(BEGINNINGS)
+    return begins and text.rstrip("`").endswith((".", "?", ":", "…", "{}"))
+
+
+@pytest.mark.slow  # as `lint-imports` itself
 def test_every_import_points_down_and_none_goes_in_a_circle():
     command = [Path(sys.executable).with_name("lint-imports"), "--no-cache", "--no-logo"]
     done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_a_class_name_has_one_meaning():
-    homes = Counter(
-        node.name
-        for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ClassDef)
-    )
-    assert [name for name, count in homes.items() if count > 1] == []
+def test_a_class_name_has_one_meaning(package: Package):
+    assert [name for name, count in Counter(package.classes).items() if count > 1] == []
 
 
-def test_two_modules_write_the_files_of_a_user_whole_ones_and_lines():
-    writing = {
-        path.relative_to(PACKAGE).as_posix()
-        for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if (
-            isinstance(node, ast.Call)
-            and ast.unparse(node.func).rpartition(".")[2] in ("write_text", "write_bytes", "fdopen")
-        )
-        or (isinstance(node, ast.Call) and ast.unparse(node.func) in ("open", "os.open"))
-    }
-    writing = {name for name in writing if not name.startswith("site/")}  # which fills a new folder
+def test_two_modules_write_the_files_of_a_user_whole_ones_and_lines(package: Package):
+    writing = {name for name in package.writing if not name.startswith("site/")}  # which fills a new folder
     pipes = {"bridges/guard_process.py", "cli/run.py", "grading/worker.py"}
     assert writing == {"files.py", "logs.py"} | pipes
 
 
-def test_a_session_without_a_simulated_robot_does_not_import_the_physics():
-    program = (
-        "import sys; from lrp_jupyter import Session; Session().run(1); sys.exit('pymunk' in sys.modules)"
-    )
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+def test_messages_that_are_raised_are_sentences(package: Package):
+    assert len(package.messages) > 200
+    assert [each for each in package.messages if not is_sentence(each[2])] == []
+
+
+def test_a_fragment_is_not_a_sentence():
+    fragments = ("there is no state `a`.", "There is no state `a`", "cannot go back")
+    assert not any(map(is_sentence, fragments))
 
 
 def test_no_text_of_the_language_names_a_module_above_it():

@@ -1,6 +1,7 @@
 import math
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter import programs
 from lrp_jupyter.errors import LRPError
@@ -75,12 +76,12 @@ def test_the_bundled_programs_are_known_by_name():
     assert programs.names() == NAMES
 
 
-@pytest.mark.parametrize("name", NAMES)
+@every("name", NAMES)
 def test_a_bundled_program_has_no_findings(name):
     assert check(programs.load(name)) == ()
 
 
-@pytest.mark.parametrize("name", NAMES)
+@every("name", NAMES)
 def test_a_bundled_program_describes_what_it_does_and_where(name):
     heading = programs.heading(programs.load(name))
     assert heading.description.endswith(".")
@@ -88,7 +89,7 @@ def test_a_bundled_program_describes_what_it_does_and_where(name):
     assert heading.world == "none" or load_world(heading.world)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@every("name", NAMES)
 def test_a_bundled_program_survives_printing(name):
     program = parse(programs.load(name))
     assert parse(to_source(program)) == program

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from support.tables import every
 from typer.testing import CliRunner
 
 import lrp_jupyter
@@ -45,7 +46,7 @@ def test_every_code_has_a_text_and_every_text_has_a_code():
     assert produced() == set(CODES)
 
 
-@pytest.mark.parametrize("code", CODES.values(), ids=list(CODES))
+@every("code", CODES.values())
 def test_a_text_has_all_its_parts(code: Code):
     assert code.title[0].isupper() or code.title[0] == "`"
     assert code.title[-1] not in ".?:"
@@ -93,12 +94,12 @@ RUNNING = [
 ]
 
 
-@pytest.mark.parametrize("code", RUNNING)
+@every("code", RUNNING)
 def test_its_program_brings_it(code: str, impatient: None):
     assert code in brought_by(CODES[code].script, CODES[code].example)
 
 
-@pytest.mark.parametrize("code", [code for code in RUNNING if CODES[code].repaired])
+@every("code", [code for code in RUNNING if CODES[code].repaired])
 def test_its_repaired_program_does_not_bring_it(code: str, impatient: None):
     assert code not in brought_by(CODES[code].script, CODES[code].repaired)
 
@@ -114,7 +115,7 @@ def test_the_codes_of_findings_are_brought_by_checks_or_runs():
 # -- it is found ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@every(
     ("word", "found"),
     [
         ("LRP301", ["LRP301"]),
@@ -131,9 +132,7 @@ def test_a_code_is_found_by_its_name_or_the_end_of_it(word: str, found: list[str
     assert [code.code for code in explain(word)] == found
 
 
-@pytest.mark.parametrize(
-    ("word", "hint"), [("LPR301", " Did you mean `LRP301`?"), ("", ""), ("quince", ""), ("01", "")]
-)
+@every(("word", "hint"), [("LPR301", " Did you mean `LRP301`?"), ("", ""), ("quince", ""), ("01", "")])
 def test_a_wrong_code_is_a_sentence(word: str, hint: str):
     with pytest.raises(LRPError) as raised:
         explain(word)

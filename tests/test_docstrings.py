@@ -4,7 +4,7 @@ import doctest
 import inspect
 import pydoc
 
-import pytest
+from support.tables import every
 
 import lrp_jupyter
 
@@ -13,7 +13,7 @@ WITH_EXAMPLES = [
 ]
 
 
-@pytest.mark.parametrize("name", WITH_EXAMPLES)
+@every("name", WITH_EXAMPLES)
 def test_the_examples_of_a_docstring_work(name):
     public = getattr(lrp_jupyter, name)
     module = inspect.getmodule(public)
@@ -31,7 +31,7 @@ def test_what_newcomers_call_first_has_an_example():
     )
 
 
-@pytest.mark.parametrize("name", lrp_jupyter.__all__)
+@every("name", lrp_jupyter.__all__)
 def test_every_public_name_has_help(name):
     assert inspect.getdoc(getattr(lrp_jupyter, name))
 

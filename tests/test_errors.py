@@ -4,7 +4,7 @@ import copy
 import pickle
 from collections.abc import Iterator
 
-import pytest
+from support.tables import every
 
 import lrp_jupyter.bridges.ev3
 import lrp_jupyter.bridges.ros
@@ -38,10 +38,8 @@ def kinds(base: type[LRPError] = LRPError) -> Iterator[type[LRPError]]:
         yield from kinds(kind)
 
 
-@pytest.mark.parametrize(
-    "travel", [lambda error: pickle.loads(pickle.dumps(error)), copy.copy, copy.deepcopy]
-)
-@pytest.mark.parametrize("kind", list(kinds()), ids=lambda kind: kind.__name__)
+@every("travel", [lambda error: pickle.loads(pickle.dumps(error)), copy.copy, copy.deepcopy])
+@every("kind", list(kinds()))
 def test_an_exception_survives_pickle_and_copy_with_its_fields(kind, travel):
     error = kind(FINDINGS if kind is LRPSyntaxError else "There is no state `a`.")
     if kind is UnknownElementError:
@@ -59,7 +57,7 @@ def test_the_message_of_a_syntax_error_lists_its_findings():
     )
 
 
-@pytest.mark.parametrize(
+@every(
     ("name", "known", "meant"),
     [
         ("ligth", ["name", "light"], " Did you mean `light`?"),

@@ -24,24 +24,17 @@ def test_an_unknown_name_is_an_attribute_error():
     assert not hasattr(lrp_jupyter, "Manager")
 
 
-def imports(statement):
-    code = f"import sys; {statement}; print(*sorted(sys.modules))"
-    return set(
-        subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True
-        ).stdout.split()
+def test_no_import_brings_more_than_is_needed():
+    statements = (
+        "import lrp_jupyter",
+        "from lrp_jupyter import Interpreter, parse",
+        "from lrp_jupyter import Session; Session().run(1)",
     )
-
-
-def test_importing_the_package_imports_no_module_of_jupyter():
-    loaded = imports("import lrp_jupyter")
-    assert not {
-        name
-        for name in loaded
-        if name.split(".")[0] in ("IPython", "ipywidgets", "anywidget", "pymunk", "lark")
-    }
-
-
-def test_the_bare_interpreter_imports_neither_clock_nor_thread_nor_physics():
-    loaded = imports("from lrp_jupyter import Interpreter, parse")
-    assert not loaded & {"IPython", "ipywidgets", "anywidget", "traitlets", "networkx", "pymunk"}
+    code = "import sys\nfor each in sys.argv[1:]:\n    exec(each)\n    print(*sys.modules)"
+    command = [sys.executable, "-c", code, *statements]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    package, interpreter, session = map(set, map(str.split, done.stdout.splitlines()))
+    jupyter = {"IPython", "ipywidgets", "anywidget"}
+    assert not package & {*jupyter, "pymunk", "lark"}
+    assert not interpreter & {*jupyter, "traitlets", "networkx", "pymunk"}
+    assert "pymunk" not in session, "without a simulated robot"

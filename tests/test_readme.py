@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter import Session, check, programs
 from lrp_jupyter.cli import app
@@ -138,7 +139,7 @@ def test_it_has_two_commands_that_create_an_environment():
 # -- what it links to ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@every("page", PAGES)
 def test_every_link_and_picture_leads_to_a_file(page: Path):
     text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
     links = re.findall(r"\]\(([^)#\s]+)[^)]*\)", text)
