@@ -70,7 +70,7 @@ def is_sentence(text: str) -> bool:
     return begins and text.rstrip("`").endswith((".", "?", ":", "…", "{}"))
 
 
-@pytest.mark.slow  # as `lint-imports` itself
+@pytest.mark.slow  # it reads every module, in some seconds
 def test_every_import_points_down_and_none_goes_in_a_circle():
     command = [Path(sys.executable).with_name("lint-imports"), "--no-cache", "--no-logo"]
     done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True)

@@ -1,7 +1,9 @@
 import random
+from typing import Any
 
 import pytest
 
+from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 
@@ -124,9 +126,14 @@ def programs() -> dict[str, Program]:
     return {name: parse(text) for name, text in TEXTS.items()}
 
 
-@pytest.fixture(params=TEXTS)
-def program(request: pytest.FixtureRequest, programs: dict[str, Program]) -> Program:
-    return programs[request.param]
+@pytest.fixture(scope="session")
+def drawn(programs: dict[str, Program]) -> dict[str, list[dict[str, Any]]]:
+    """The first layouts of all machines of each program."""
+    return {name: drawings(program) for name, program in programs.items()}
+
+
+def drawings(program: Program) -> list[dict[str, Any]]:
+    return [layout(machine, program=program, path=path) for path, machine in program.walk()]
 
 
 @pytest.fixture(scope="session")

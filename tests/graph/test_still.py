@@ -22,12 +22,12 @@ def with_attribute(root, name):
     return [element.get(name) for element in root.iter() if element.get(name) is not None]
 
 
-def test_a_picture_is_well_formed_and_has_a_title_and_a_description(program):
-    root = picture(program)
-    ids = root.get("aria-labelledby").split()
-    assert root.get("role") == "img"
-    assert [root.find(f"{NS}title").get("id"), root.find(f"{NS}desc").get("id")] == ids
-    assert root.find(f"{NS}title").text
+def test_a_picture_is_well_formed_and_has_a_title_and_a_description(programs):
+    for root in map(picture, programs.values()):
+        ids = root.get("aria-labelledby").split()
+        assert root.get("role") == "img"
+        assert [root.find(f"{NS}title").get("id"), root.find(f"{NS}desc").get("id")] == ids
+        assert root.find(f"{NS}title").text
 
 
 def test_the_description_describes_the_picture(follower):
@@ -146,8 +146,9 @@ def test_dot_quotes_what_it_must():
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
-def test_graphviz_reads_the_dot_text(program):
-    subprocess.run(["dot", "-Tcanon"], input=dot(program), text=True, check=True, capture_output=True)
+def test_graphviz_reads_the_dot_text(programs):
+    texts = "\n".join(map(dot, programs.values()))
+    subprocess.run(["dot", "-Tcanon"], input=texts, text=True, check=True, capture_output=True)
 
 
 def test_mermaid_nests_machines_in_their_states(follower):

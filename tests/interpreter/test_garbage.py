@@ -60,30 +60,30 @@ def test_a_replaced_program_is_gone_without_a_collection():
 def test_the_journal_keeps_the_text_of_earlier_programs_and_not_their_objects():
     i = Interpreter(parse(edited(1)))
     i.step(0.0)
-    for number in range(10):
+    for number in range(8):
         edit(i, number)
     gc.collect()
     before = len(gc.get_objects())
-    for number in range(10, 60):
+    for number in range(8, 20):
         edit(i, number)
     gc.collect()
-    assert len(gc.get_objects()) - before < 50 * 300  # a program and its plan have some 4,000
-    i.rewind(49)
-    assert i.program.text == edited(10)
-    assert i.program == parse(edited(10))
+    assert len(gc.get_objects()) - before < 12 * 300  # a program and its plan have some 4,000
+    i.rewind(11)
+    assert i.program.text == edited(8)
+    assert i.program == parse(edited(8))
     i.rewind(5)
     i.step(i.now + 0.1)
-    assert i.program.text == edited(5)
+    assert i.program.text == edited(3)
 
 
 def test_after_the_last_edit_that_the_journal_keeps_nothing_grows():
-    i = Interpreter(parse(edited(1)), journal=40)
+    i = Interpreter(parse(edited(1)), journal=12)
     i.step(0.0)
-    for number in range(60):
+    for number in range(18):
         edit(i, number)
     gc.collect()
     before = len(gc.get_objects())
-    for number in range(60):  # the same blocks again: what is known of their texts stays
+    for number in range(18):  # the same blocks again: what is known of their texts stays
         edit(i, number)
     gc.collect()
     assert len(gc.get_objects()) - before < 100

@@ -5,6 +5,7 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.interpreter import journal
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -26,7 +27,7 @@ def ran(make, ticks, text=TEXT):
     return i
 
 
-@pytest.mark.parametrize(
+@every(
     "make",
     [
         lambda n: bytes(LARGE),
@@ -37,7 +38,6 @@ def ran(make, ticks, text=TEXT):
         lambda n: bytes(LARGE) if n > 1000 else n,
         lambda n: bytes(LARGE) if n % 2 else n,
     ],
-    ids=["bytes", "text", "list", "tuple", "object", "from a later tick", "in every second tick"],
 )
 def test_large_values_shorten_what_can_be_undone(make):
     i = ran(make, 2000)
@@ -61,9 +61,7 @@ def test_what_was_undone_no_longer_counts():
     assert i.journal == 10
 
 
-@pytest.mark.parametrize(
-    "make", [lambda n: n, lambda n: f"value {n}", lambda n: [n] * 5], ids=["int", "text", "list"]
-)
+@every("make", [lambda n: n, lambda n: f"value {n}", lambda n: [n] * 5])
 def test_small_values_do_not(make, monkeypatch):
     monkeypatch.setattr(journal, "MOST", 10_000_000)
     assert ran(make, 5000).journal == 5000
@@ -100,7 +98,7 @@ def test_values_whose_size_cannot_be_known_do_no_harm():
     assert ran(lambda n: odd(), 300).journal == 300
 
 
-@pytest.mark.parametrize("error", [RuntimeError, SystemExit])
+@every("error", [RuntimeError, SystemExit])
 def test_a_proxy_is_weighed_without_being_asked_for_attributes(error):
     def never(self, name):
         raise error
@@ -117,12 +115,12 @@ def test_a_proxy_is_weighed_without_being_asked_for_attributes(error):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
-def test_three_thousand_large_values_fit_into_memory():
+def test_six_hundred_large_values_fit_into_memory():
     program = f"""
 from lrp_jupyter import Session
-session = Session({TEXT!r}, namespace={{"make": lambda n: bytes([n % 256]) * 300_000}})
-session.run(300)
-assert session.frame.tick == 3000
+session = Session({TEXT!r}, namespace={{"make": lambda n: bytes([n % 256]) * 1_500_000}})
+session.run(60)
+assert session.frame.tick == 600
 assert session.frame.issues == ()
 with open("/proc/self/status") as status:  # `getrusage` counts what the parent had before the fork
     print(next(line.split()[1] for line in status if line.startswith("VmHWM")))

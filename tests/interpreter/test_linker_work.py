@@ -49,13 +49,13 @@ def memory(function, *arguments) -> int:
 
 def test_a_machine_four_times_as_long_is_at_most_six_times_the_work():
     link(parse(chain(20)))  # imports
-    short, long = parse(chain(200)), parse(chain(800))
+    short, long = parse(chain(100)), parse(chain(400))
     assert calls(link, long) < 6 * calls(link, short)
 
 
 def test_four_times_as_many_variables_occupy_at_most_six_times_the_memory():
-    link(parse(variables(1600)))  # compiles the blocks, which are cached
-    short, long = parse(variables(400)), parse(variables(1600))
+    link(parse(variables(800)))  # compiles the blocks, which are cached
+    short, long = parse(variables(200)), parse(variables(800))
     assert memory(link, long) < 6 * memory(link, short)
 
 
