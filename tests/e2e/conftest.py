@@ -178,8 +178,6 @@ def open_lab(open_notebook):
         notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp {line}\n{program}", *more)
         notebook.run_cell(0)
         notebook.begin_cell(1)
-        lab = notebook.lab().ready()
-        lab.notebook = notebook
-        return lab
+        return notebook.lab().ready()
 
     return open_lab

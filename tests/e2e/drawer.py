@@ -16,20 +16,7 @@ class Drawer:
     def box(self, state):
         """The frame of a state that has come to rest."""
         self.lab.state(state)
-        return self.at_rest(f'[data-lrp-state="{state}"] .lrp-box')
-
-    def at_rest(self, selector):
-        """The frame of what has come to rest. (Playwright's own clicks scroll the page if it moves.)"""
-        self.lab.sees(selector)
-        return self.page.evaluate(
-            "async ([root, selector]) => { let last = ''; for (;;) {"
-            " const {x, y, width, height} = root.querySelector(selector).getBoundingClientRect();"
-            " const now = JSON.stringify({x, y, width, height});"
-            " if (now === last) return {x, y, width, height};"
-            " last = now; await new Promise(done => setTimeout(done, 120));"
-            " for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame); } }",
-            [self.lab.root.element_handle(), selector],
-        )
+        return self.lab.at_rest(f'[data-lrp-state="{state}"] .lrp-box')
 
     def middle(self, state):
         return middle(self.box(state))
@@ -95,7 +82,7 @@ class Drawer:
 
     def edit(self, transition, text):
         """Write a transition in another way, in the field that a double click on its arrow opens."""
-        label = self.at_rest(f'.lrp-layer-labels [data-of="{transition}"]')
+        label = self.lab.at_rest(f'.lrp-layer-labels [data-of="{transition}"]')
         self.mouse.dblclick(*middle(label))
         self.fill(text)
 

@@ -2,6 +2,33 @@
 
 APP = "window.jupyterapp?.shell?.currentWidget"
 WAS_RELOADED = "performance.getEntriesByType('navigation')[0].type === 'reload'"
+KERNEL = """async code => {
+  const kernel = jupyterapp.shell.currentWidget.sessionContext.session.kernel;
+  const future = kernel.requestExecute({ code, store_history: false });
+  let text = "";
+  future.onIOPub = ({ header, content }) => { if (header.msg_type === "stream") text += content.text; };
+  await future.done;
+  return text;
+}"""
+END_ALL = """\
+from lrp_jupyter.widgets import registry
+for each in list(registry.running()):
+    registry.forget(each)
+"""
+AT_REST = """async ([root, selector]) => {
+  let last = "";
+  for (let frame = 0, same = 0; same < 10; frame++) {
+    if (frame > 2000) throw new Error(`${selector} does not come to rest: ${last}`);
+    const node = root.querySelector(selector);
+    const { x, y, width, height } = node?.getBoundingClientRect() ?? {};
+    const now = JSON.stringify([x, y, width, height, node?.dataset.view]);
+    same = width > 0 && now === last ? same + 1 : 0;
+    last = now;
+    await new Promise(requestAnimationFrame);
+  }
+  const { x, y, width, height } = root.querySelector(selector).getBoundingClientRect();
+  return { x, y, width, height };
+}"""
 
 
 def close_all(page):
@@ -67,6 +94,19 @@ class NotebookPage:
             "async ([name, args]) => { await jupyterapp.commands.execute(name, args); }", [name, arguments]
         )
 
+    def kernel(self, code):
+        """Run code in the kernel, unseen, and return what it prints."""
+        return self.page.evaluate(KERNEL, code)
+
+    def open(self, program, line="m"):
+        """End what runs, and open another program in the second cell."""
+        self.kernel(END_ALL)
+        old = self.lab().root.element_handle()
+        self.write_cell(1, f"%%lrp {line}\n{program}")
+        self.begin_cell(1)
+        self.page.wait_for_function("old => !old.isConnected", arg=old)
+        return self.lab().ready()
+
     def begin_cell(self, index):
         """Run a cell, and do not wait for its end."""
         self.page.evaluate(
@@ -112,7 +152,9 @@ class NotebookPage:
         self.ready()
 
     def lab(self, index=0):
-        return LabPage(self.page, index)
+        lab = LabPage(self.page, index)
+        lab.notebook = self
+        return lab
 
 
 class LabPage:
@@ -163,6 +205,11 @@ class LabPage:
             " return width > 0 && { x, y, width, height }; }",
             selector,
         )
+
+    def at_rest(self, selector):
+        """Wait until something has not moved for ten frames; return its rectangle in the window, in px."""
+        self.sees(selector)
+        return self.page.evaluate(AT_REST, [self.root.element_handle(), selector])
 
     def reads(self, selector, text):
         """Wait until something has this text."""
@@ -250,16 +297,8 @@ class LabPage:
         self.until(  # what was painted is of the present size
             "canvas => Math.abs(canvas.dataset.view?.split(' ')[3] - canvas.clientHeight) < 1", ".lrp-canvas"
         )
-        self.page.evaluate(  # and stays so: a legend that appears makes the world smaller
-            "async canvas => { let last = ''; for (let turn = 0; turn < 10; turn++) {"
-            " const {x, y, width, height} = canvas.getBoundingClientRect();"
-            " const now = JSON.stringify([x, y, width, height, canvas.dataset.view]);"
-            " if (now === last) return;"
-            " last = now; await new Promise(done => setTimeout(done, 200)); } }",
-            self.find(".lrp-canvas").element_handle(),
-        )
+        frame = self.at_rest(".lrp-canvas")  # a legend that appears makes the world smaller
         left, base, scale, _ = map(float, self.find(".lrp-canvas").get_attribute("data-view").split())
-        frame = self.box(".lrp-canvas")
         return frame["x"] + left + x * scale, frame["y"] + base - y * scale
 
     def drag_robot(self, start, end):
