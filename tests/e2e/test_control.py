@@ -1,11 +1,37 @@
-"""The program is controlled by buttons, menus, keys, fields and the mouse."""
+"""A program is controlled, and asked why, by buttons, menus, keys, fields and the mouse."""
 
 from e2e.programs import COUNTER, EYE, FOLLOWER, LONG, VISITS
 
+LONG_NAME = "a_name_that_is_much_too_long_to_be_read_at_a_glance_" * 2
+LONG_NAMES = COUNTER.replace(" tfull", "").replace("rest", LONG_NAME)
 
-def test_pause_step_step_back_and_reset(open_lab):
-    lab = open_lab(COUNTER)
+
+def test_a_run_is_stepped_asked_and_stopped_while_a_cell_runs_for_long(open_lab):
+    lab = open_lab(COUNTER, "m", LONG, "1")
     lab.goes_on()
+    ask_about_a_transition(lab)
+    step(lab)
+    count_an_issue(lab)
+    obey_beside_a_cell(lab)
+
+
+def test_states_values_and_the_robot_are_changed_and_asked_about(open_lab):
+    lab = open_lab(VISITS)
+    enter_states_by_menu(lab)
+    enter_states_by_keys(lab)
+    change_a_variable(lab)
+    drag_the_robot(lab.notebook.open(EYE, "eye --world line"))
+    ask_a_state_and_the_robot(lab.notebook.open(FOLLOWER, "follower --world line"))
+    ask_where_there_is_little_room(lab.notebook.open(LONG_NAMES, "long"))
+
+
+def card(lab):
+    """The open card."""
+    lab.sees(".lrp-why .lrp-why-sentence code")
+    return lab.find(".lrp-why")
+
+
+def step(lab):
     lab.pause()
     tick, n = lab.tick, int(lab.value("m/n"))
     lab.do("step")
@@ -23,8 +49,7 @@ def test_pause_step_step_back_and_reset(open_lab):
     lab.goes_on()
 
 
-def test_a_state_is_gone_to_and_teleported_to_by_its_menu(open_lab):
-    lab = open_lab(VISITS)
+def enter_states_by_menu(lab):
     lab.state("m/there").click(button="right")
     lab.choose("transition")
     lab.is_active("m/there")
@@ -38,8 +63,7 @@ def test_a_state_is_gone_to_and_teleported_to_by_its_menu(open_lab):
     assert lab.value("visits") == "1", "a teleport runs no action"
 
 
-def test_a_state_is_gone_to_and_a_transition_fired_by_keys_alone(open_lab):
-    lab = open_lab(VISITS)
+def enter_states_by_keys(lab):
     press = lab.page.keyboard.press
     lab.sees('[data-lrp-state="m/here"]').focus()
     press("ArrowDown")
@@ -48,7 +72,7 @@ def test_a_state_is_gone_to_and_a_transition_fired_by_keys_alone(open_lab):
     press("m")
     lab.sees('[role="menu"]')
     press("Enter")  # the first entry: transition here
-    lab.has_value("visits", "1")
+    lab.has_value("visits", "2")
     press("Shift+F10")
     lab.sees('[role="menu"]')
     press("Escape")
@@ -63,11 +87,10 @@ def test_a_state_is_gone_to_and_a_transition_fired_by_keys_alone(open_lab):
     press("m")
     press("Enter")  # fire now
     lab.is_active("m/there")
-    lab.has_value("visits", "2")
+    lab.has_value("visits", "3")
 
 
-def test_a_variable_is_changed_in_place_and_a_mistake_is_shown_at_its_field(open_lab):
-    lab = open_lab(VISITS)
+def change_a_variable(lab):
     row = lab.sees('[data-lrp-variable="visits"]')
     row.locator(".lrp-value").click()
     field = row.locator("input")
@@ -79,8 +102,7 @@ def test_a_variable_is_changed_in_place_and_a_mistake_is_shown_at_its_field(open
     lab.has_value("visits", "42")
 
 
-def test_the_robot_is_dragged_onto_the_line_and_sees_it(open_lab):
-    lab = open_lab(EYE, "m --world line")
+def drag_the_robot(lab):
     lab.is_active("m/on")  # it begins on the line
     lab.drag_robot((0.7, 0.5), (0.7, 0.9))
     lab.page.mouse.move(0, 0)
@@ -91,8 +113,7 @@ def test_the_robot_is_dragged_onto_the_line_and_sees_it(open_lab):
     lab.is_active("m/on")
 
 
-def test_stop_pause_and_edits_are_obeyed_while_a_cell_runs_for_long(open_lab):
-    lab = open_lab(COUNTER, "m", LONG, "1")
+def obey_beside_a_cell(lab):
     notebook = lab.notebook
     folder = notebook.path.parent
     notebook.begin_cell(2)
@@ -109,23 +130,60 @@ def test_stop_pause_and_edits_are_obeyed_while_a_cell_runs_for_long(open_lab):
     assert (folder / "over").exists()
 
 
-def test_a_nested_machine_opens_on_double_click_and_the_tree_leads_back(open_lab):
-    lab = open_lab(FOLLOWER, "follower --world line")
-    lab.state("follower/looking").dblclick()
-    lab.sees('[data-lrp-state="follower/looking/lookalgo/lookleft"]')
-    lab.sees('[data-lrp-variable="follower/looking/lookalgo/time"]')
-    lab.sees('[data-lrp-machine="follower"]').click()
-    lab.sees('[data-lrp-state="follower/moving"]')
-    lab.sees('[data-lrp-machine="follower"][aria-selected="true"][data-active]')
-
-
-def test_an_issue_of_the_run_is_counted_at_its_place_and_resolved(open_lab):
-    lab = open_lab(COUNTER)
-    lab.replace("[n = n + 1]", "[n = n + 1 / (n < 0)]")
+def count_an_issue(lab):
+    lab.replace("n = n + 1", "n = n + 1 / (n < 0)")
     lab.sees('[data-lrp-issue^="LRP6"]')
     lab.reads('[data-lrp-issue^="LRP6"]', "×")
     lab.goes_on()
-    lab.replace("[n = n + 1 / (n < 0)]", "[n = n + 1]")
+    lab.replace("n = n + 1 / (n < 0)", "n = n + 1")
     lab.sees('[data-lrp-issue^="LRP6"][data-resolved]')
     lab.do("clear")
     lab.misses('[data-lrp-issue^="LRP6"]')
+
+
+def ask_about_a_transition(lab):
+    lab.find('[data-lrp-transition="m:tfull"]').first.focus()
+    lab.page.keyboard.press("?")
+    answer = card(lab)
+    assert "tfull (line 7) did not fire at" in answer.inner_text()
+    assert "n > limit (line 4) was False" in answer.inner_text()
+    before = answer.locator(".lrp-why-sentence").inner_text()
+    lab.until("(element, text) => element.textContent !== text", ".lrp-why-sentence", before)
+    answer.locator(".lrp-why-line", has_text="event full").click()
+    lab.sees(".cm-activeLine:has-text('event full')")
+    lab.find(".lrp-why").focus()
+    lab.page.keyboard.press("Escape")
+    lab.misses(".lrp-why")
+
+
+def ask_a_state_and_the_robot(lab):
+    lab.is_active("follower/moving")
+    lab.pause()
+    lab.state("follower/moving").click(button="right")
+    lab.choose("why")
+    assert "moving was entered at" in card(lab).inner_text()
+    lab.page.keyboard.press("Escape")
+    lab.do("menu")
+    lab.choose("why-robot")
+    assert "The last command was robot." in card(lab).inner_text()
+    assert "(line " in lab.find(".lrp-why-sentence").inner_text()
+    lab.page.keyboard.press("Escape")
+
+
+def ask_where_there_is_little_room(lab):
+    lab.find("[data-lrp-transition]").first.focus()
+    lab.page.keyboard.press("?")
+    lab.reads(".lrp-why .lrp-title", "Why not full:count->")  # called as in the sentence
+    lab.page.keyboard.press("Escape")
+    lab.page.set_viewport_size({"width": 700, "height": 900})
+    lab.find(f'[data-lrp-state="m/{LONG_NAME}"]').first.focus()
+    lab.page.keyboard.press("?")
+    card(lab)
+    answer, button = lab.box(".lrp-why"), lab.box('[data-lrp-action="close-why"]')
+    assert answer["x"] <= button["x"]
+    assert button["x"] + button["width"] <= answer["x"] + answer["width"]
+    title = lab.box(".lrp-why .lrp-title")
+    assert title["x"] + title["width"] <= button["x"]
+    assert lab.find(".lrp-why .lrp-title").inner_text().endswith(" s")  # of which moment
+    lab.do("close-why")
+    lab.misses(".lrp-why")
