@@ -1,18 +1,25 @@
-"""The lab and its hosts: `lrp lab`, the cell that holds the program, and notebooks without a kernel."""
+"""The lab and its hosts: `lrp lab`, JupyterLab and Notebook 7, the cell that holds the program, no kernel."""
 
+import base64
 import json
+import re
+import subprocess
+import sys
 from urllib.request import urlopen
+from xml.etree import ElementTree
 
 import pytest
 
 from e2e.conftest import WAIT
-from e2e.jupyter import jupyter
+from e2e.jupyter import jupyter, private, write_notebook
 from e2e.pages import APP
 from e2e.programs import COUNTER, FOLLOWER
 from lrp_jupyter import programs
 from lrp_jupyter.cli.lab import FIRST
 
 NEWS = "lab/api/settings/@jupyterlab/apputils-extension:notification"
+STORED = 'img[alt^="State graph"]'
+LARGEST = 100_000  # bytes of a notebook with one lab
 
 
 @pytest.fixture
@@ -38,13 +45,22 @@ def test_lrp_lab_shows_pictures_and_neither_a_side_bar_nor_a_question(first_visi
     assert page.locator(".Toastify__toast").count() == 0
 
 
-# -- the cell above the lab ------------------------------------------------------------------------
-
-
-@pytest.fixture
-def input_of(page):
-    """The drawn text of a cell."""
-    return lambda index=1: page.locator(".jp-CodeCell").nth(index).locator(".jp-InputArea-editor")
+@pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
+def test_a_cell_holds_the_program_and_a_picture_stands_where_no_kernel_runs(open_notebook, server, app):
+    notebook = open_notebook(
+        "%load_ext lrp_jupyter", f"%%lrp m\n{COUNTER}", "%lrp new stopwatch", "'last'", app=app
+    )
+    notebook.run_cell(0)
+    notebook.begin_cell(1)
+    lab = notebook.lab().ready()
+    show_one_text_once_and_two_texts_both(lab)
+    if app == "lab/tree":
+        edit_the_folded_cell(lab)
+        write_and_use_the_cell(lab)
+    lose_the_kernel(lab)
+    see_the_picture(lab, server, app)
+    if app == "lab/tree":
+        write_a_new_cell(lab)
 
 
 def source_of(notebook, index=1):
@@ -70,12 +86,8 @@ def is_whole(page):
     has_height(page, "> 100")
 
 
-@pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
-def test_one_text_is_shown_once_and_two_texts_are_both_shown(open_notebook, page, app):
-    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp m\n{COUNTER}", app=app)
-    notebook.run_cell(0)
-    notebook.begin_cell(1)
-    lab = notebook.lab().ready()
+def show_one_text_once_and_two_texts_both(lab):
+    page = lab.page
     is_one_line(page)
     lab.type_after("(state rest)", " (state third)")
     lab.sees('[data-lrp-state="m/third"]')
@@ -91,10 +103,9 @@ def test_one_text_is_shown_once_and_two_texts_are_both_shown(open_notebook, page
     is_one_line(page)
 
 
-def test_a_folded_cell_is_edited_as_any_other(open_lab, input_of):
-    lab = open_lab(COUNTER)
-    is_one_line(lab.page)
-    input_of().click(position={"x": 60, "y": 10})
+def edit_the_folded_cell(lab):
+    """It is edited as any other."""
+    lab.page.locator(".jp-CodeCell").nth(1).locator(".jp-InputArea-editor").click(position={"x": 60, "y": 10})
     is_whole(lab.page)
     lab.page.keyboard.press("Control+End")
     lab.page.keyboard.type("; edited")
@@ -106,100 +117,95 @@ def test_a_folded_cell_is_edited_as_any_other(open_lab, input_of):
     is_one_line(lab.page)
 
 
-def test_the_text_is_written_into_the_cell_which_is_then_no_other_text(open_lab):
-    lab = open_lab(COUNTER)
+def write_and_use_the_cell(lab):
+    """The cell's text is used again, and that undone; the lab's is written into it, and is no other then."""
+    before = lab.text
     lab.type_after("(state rest)", " (state third)")
+    lab.sees('[data-lrp-state="m/third"]')
+    lab.do("menu")
+    lab.choose("use-cell")
+    lab.misses('[data-lrp-state="m/third"]')
+    assert lab.text.rstrip("\n") == before.rstrip("\n")
+    lab.find(".cm-content").press("Control+z")
     lab.sees('[data-lrp-state="m/third"]')
     lab.do("menu")
     lab.choose("write-cell")
     is_one_line(lab.page)
     assert source_of(lab.notebook) == f"%%lrp m\n{lab.text}".rstrip("\n")
     lab.notebook.save()
+
+
+def lose_the_kernel(lab):
+    """A lab whose kernel was restarted says so, and asks nothing when its cell runs again."""
     lab.notebook.restart_kernel()
+    lab.ready("dead")
+    lab.reads(".lrp-verdict", "no kernel")
     lab.notebook.run_cell(0)
     lab.notebook.run_cell(1)
-    lab.ready()
-    lab.sees('[data-lrp-state="m/third"]')
-    lab.goes_on()
+    lab.ready().goes_on()
     assert lab.find('[role="alertdialog"]').is_hidden()
 
 
-def test_the_cells_text_is_used_again_and_that_can_be_undone(open_lab):
-    lab = open_lab(COUNTER)
-    lab.type_after("(state rest)", " (state third)")
-    lab.sees('[data-lrp-state="m/third"]')
-    lab.do("menu")
-    lab.choose("use-cell")
-    lab.misses('[data-lrp-state="m/third"]')
-    assert lab.text == COUNTER
-    lab.find(".cm-content").press("Control+z")
-    lab.sees('[data-lrp-state="m/third"]')
-
-
-def test_a_lab_without_a_cell_of_its_own_writes_its_text_into_a_new_one(open_notebook, page):
-    notebook = open_notebook("%load_ext lrp_jupyter", "%lrp new stopwatch", "'last'")
-    notebook.run_cell(0)
-    notebook.begin_cell(1)
-    lab = notebook.lab().ready()
-    lab.do("menu")
-    assert not lab.find('[data-lrp-action="use-cell"]').is_enabled()
-    lab.choose("write-cell")
-    page.wait_for_function(f"{APP}.content.widgets.length === 4")
-    assert source_of(notebook, 2) == f"%%lrp stopwatch\n{programs.load('stopwatch')}".rstrip("\n")
-
-
-# -- without a kernel ------------------------------------------------------------------------------
-
-STORED = 'img[alt^="State graph"]'
-LARGEST = 100_000  # bytes of a notebook with one lab
-
-
-def has_a_picture(page):
-    """Wait until the stored picture is drawn, and nothing in its place."""
-    page.locator(STORED).wait_for(state="attached")
-    page.wait_for_function(f"document.querySelector('{STORED}').naturalWidth > 100")
-    assert "model not found" not in page.locator(".jp-Notebook").inner_text()
-
-
-@pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
-def test_a_saved_notebook_shows_the_picture_where_its_kernel_has_ended(open_lab, server, app):
-    lab = open_lab(FOLLOWER)
+def write_a_new_cell(lab):
+    """A lab without a cell of its own writes its text into a new one."""
     notebook = lab.notebook
+    notebook.begin_cell(2)
+    other = notebook.lab(1).ready()
+    other.do("menu")
+    assert not other.find('[data-lrp-action="use-cell"]').is_enabled()
+    other.choose("write-cell")
+    lab.page.wait_for_function(f"{APP}.content.widgets.length === 5")
+    assert source_of(notebook, 3) == f"%%lrp stopwatch\n{programs.load('stopwatch')}".rstrip("\n")
+
+
+def see_the_picture(lab, server, app):
+    """A saved notebook shows it where its kernel has ended, and stores one, as often as it runs."""
+    notebook, page = lab.notebook, lab.page
     notebook.save()
     assert notebook.path.stat().st_size < LARGEST
     notebook.close()
     server.end_kernels()
     notebook.show(app)
-    has_a_picture(lab.page)
-    for _ in range(2):  # as often as it runs, one picture is stored
-        notebook.run_cell(0)
-        notebook.run_cell(1)
-        notebook.lab().ready()
-        assert lab.page.locator(STORED).count() == 0
-        notebook.save()
-        stored = json.loads(notebook.path.read_text())["metadata"]["widgets"]
-        assert len(stored["application/vnd.jupyter.widget-state+json"]["state"]) == 1
-        notebook.restart_kernel()
-
-
-@pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
-def test_a_lab_whose_kernel_was_restarted_says_that_no_program_runs(open_notebook, app):
-    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp m\n{COUNTER}", app=app)
-    notebook.run_cell(0)
-    notebook.begin_cell(1)
-    lab = notebook.lab().ready()
-    notebook.restart_kernel()
-    lab.ready("dead")
-    lab.reads(".lrp-verdict", "no kernel")
+    page.locator(STORED).wait_for(state="attached")
+    page.wait_for_function(f"document.querySelector('{STORED}').naturalWidth > 100")
+    assert "model not found" not in page.locator(".jp-Notebook").inner_text()
     notebook.run_cell(0)
     notebook.run_cell(1)
-    lab.ready().goes_on()
+    lab.ready()
+    assert page.locator(STORED).count() == 0
+    notebook.save()
+    stored = json.loads(notebook.path.read_text())["metadata"]["widgets"]
+    assert len(stored["application/vnd.jupyter.widget-state+json"]["state"]) == 1
 
 
-def test_a_page_that_is_loaded_again_shows_the_lab_while_its_kernel_runs(open_lab):
-    lab = open_lab(COUNTER)
+def test_a_notebook_shows_graph_and_text_on_paper_and_without_a_network(open_lab, context, tmp_path):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    lab.goes_on()
     lab.notebook.save()
-    lab.page.reload()
-    lab.notebook.ready()
-    lab.ready().goes_on()
-    assert lab.page.locator(STORED).count() == 0
+    bundle = json.loads(lab.notebook.path.read_text())["cells"][1]["outputs"][0]["data"]
+    assert "".join(bundle["text/plain"]) == FOLLOWER
+    still = "--ClearMetadataPreprocessor.enabled=True"  # without the widget that shows the same picture
+    html = converted(lab.notebook.path, tmp_path / "saved", still).read_text()
+    (picture,) = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', html)
+    shown = "".join(ElementTree.fromstring(base64.b64decode(picture)).itertext())
+    for word in ("follower", "moving", "looking", "tlooking"):
+        assert word in shown
+
+    executed = write_notebook(tmp_path / "demo.ipynb", ["%load_ext lrp_jupyter", f"%%lrp m\n{FOLLOWER}"])
+    offline = context.browser.new_context(offline=True)
+    offline.set_default_timeout(WAIT)
+    page = offline.new_page()
+    page.goto(converted(executed, tmp_path / "executed", "--execute").as_uri())
+    image = page.locator(".jp-OutputArea-output img")
+    image.wait_for()
+    assert image.evaluate("image => image.naturalWidth") > 100
+    assert image.is_visible()
+    offline.close()
+
+
+def converted(notebook, home, *options):
+    """Convert a notebook to HTML."""
+    home.mkdir()
+    command = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--to", "html", *options]
+    subprocess.run([*command, "--output-dir", home, notebook], env=private(home), check=True)
+    return home / f"{notebook.stem}.html"
