@@ -1,4 +1,4 @@
-"""The world in the page: it is looked at, and edited by mouse and keyboard."""
+"""The world in the page: edited by mouse and keyboard, saved, watched; what will be, and what was."""
 
 import json
 import math
@@ -6,32 +6,72 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from e2e.axe import choose_theme, finds_nothing_serious
+from e2e import axe
 
 STILL = "(machine m (state waiting)) (spawn m waiting)"
 DRIVER = """\
 (machine m
-  (state ahead (running [robot.move(0.3, 0.8)]))
+  (state ahead (running [robot.move(linear=0.3)]))
   (state aside (running [robot.move(0.2, 0.8)]))
   (ontime 1000 ahead -> aside)
   (ontime 1000 aside -> ahead))
 (spawn m ahead)
 """
+STANDS = """\
+(machine m
+  (state ahead (running [robot.move(linear=0.0)])))
+(spawn m ahead)
+"""
+CURVES = """\
+(machine m
+  (state bend (running [robot.move(linear=0.2, angular=1.0)]))
+  (state back (running [robot.move(linear=0.2, angular=-1.0)]))
+  (ontime 1000 bend -> back)
+  (ontime 1000 back -> bend))
+(spawn m bend)
+"""
+DRIVES = STANDS.replace("0.0", "0.2")
+WORLD = ".lrp-world-body"
+AHEAD = ".lrp-world-ahead"
+WORLDS = '[data-lrp-action="world"]'
+THING = ".lrp-thing"
 
 
-@pytest.fixture
-def open_world(open_lab):
-    """Open a lab with a world, and see the world well."""
+def test_a_world_is_edited_by_mouse_and_keyboard_saved_and_opened(open_lab):
+    lab = edited(open_lab(STILL, "m --world empty"))
+    move_the_start(lab)
+    edit_by_mouse(lab)
+    for theme in ("dark", "light"):
+        axe.choose_theme(lab, theme)
+        axe.finds_nothing_serious(lab)
+    lab = edited(lab.notebook.open(STILL, "undo --world empty"))
+    undo_where_the_last_act_was(lab)
+    magnify(lab)
+    open_worlds(lab)
+    edit_by_keyboard(edited(lab.notebook.open(STILL, "keys --world empty")))
 
-    def open_world(program=STILL, world="empty"):
-        lab = open_lab(program, f"m --world {world}")
-        lab.sees(".lrp-canvas[data-view]").scroll_into_view_if_needed()
-        lab.do("world-zoom-fit")
-        lab.do("edit-world")
-        lab.place(0, 0)  # the tools have taken some room: wait until what was painted is of that size
-        return lab
 
-    return open_world
+def test_a_world_is_watched_and_tells_what_will_be_and_what_was(open_lab):
+    lab = seen(open_lab(DRIVER, "m --world crossing"))
+    save_pictures(lab)
+    clear_the_trail(lab)
+    see_a_collision_ahead(seen(lab.notebook.open(STANDS, "stands --world line")))
+    see_a_preview_end(seen(lab.notebook.open(CURVES, "curves --world empty")))
+    look_back_along_the_trail(seen(lab.notebook.open(DRIVES, "drives --world line")))
+
+
+def seen(lab):
+    """See all of the world."""
+    lab.sees(".lrp-canvas[data-view]").scroll_into_view_if_needed()
+    lab.do("world-zoom-fit")
+    return lab
+
+
+def edited(lab):
+    """Open the tools, and see all of the world."""
+    seen(lab).do("edit-world")
+    lab.place(0, 0)  # the tools have taken some room: wait until what was painted is of that size
+    return lab
 
 
 def choose(lab, action):
@@ -63,75 +103,81 @@ def press(lab, *keys):
         lab.page.keyboard.press(key)
 
 
-def test_things_are_placed_moved_resized_turned_and_removed_with_the_mouse(open_world):
-    lab = open_world()
-    lab.do("tool-wall")
-    lab.drag_robot((0.5, 0.5), (1.1, 0.5))
-    lab.reads(".lrp-thing", "Wall")
-    lab.do("tool-box")
-    lab.drag_robot((2.0, 1.5), (2.4, 1.3))
-    lab.reads(".lrp-thing", "Box")
-    lab.do("tool-zone")
-    lab.drag_robot((2.4, 0.5), (2.7, 0.5))
-    lab.reads(".lrp-thing", "Zone")
-    field = lab.sees('[data-lrp-action="thing-name"]')
-    field.fill("harbour")
-    field.press("Enter")
-    world = saved(lab, "first")
-    wall, box = world["solids"]
-    assert wall["box"] == pytest.approx([0.8, 0.5, 0.64, 0.04], abs=0.02)
-    assert "push" not in wall
-    assert box["box"] == pytest.approx([2.2, 1.4, 0.4, 0.2], abs=0.02)
-    assert box["push"] > 0
-    assert world["zones"] == {"harbour": {"circle": pytest.approx([2.4, 0.5, 0.3], abs=0.02)}}
-
-    lab.do("tool-move")
-    lab.drag_robot((0.8, 0.5), (0.8, 0.8))  # it is selected now, with its handles
-    lab.reads(".lrp-thing", "Wall")
-    lab.drag_robot((1.12, 0.82), (1.42, 0.92))  # a corner
-    lab.drag_robot((2.4, 0.8), (2.5, 1.0))  # the rim of the zone
-    click(lab, 2.2, 1.4)
-    lab.reads(".lrp-thing", "Box")
-    press(lab, "Delete")
-    lab.until("strip => strip.hidden", ".lrp-thing")
-    world = saved(lab, "second")
-    (wall,) = world["solids"]
-    assert wall["box"] == pytest.approx([0.95, 0.85, 0.94, 0.14], abs=0.03)
-    assert world["zones"]["harbour"]["circle"] == pytest.approx([2.5, 0.7, 0.3], abs=0.03)
+# -- edited ----------------------------------------------------------------------------------------
 
 
-def test_the_start_is_moved_and_the_robot_returns_to_it_whenever_the_world_is_reset(open_world):
-    lab = open_world()
+def move_the_start(lab):
+    """The robot returns to its start whenever the world is reset."""
     lab.drag_robot((1.5, 1.0), (0.6, 0.6))
-    click(lab, 0.6, 0.6)
+    lab.reads(THING, "Robot")
     lab.do("start-here")
     is_edited(lab)
     lab.drag_robot((0.6, 0.6), (2.0, 1.5))
     lab.drag_robot((0.6, 0.6), (1.0, 0.4))  # the outline that stays at the start
     lab.do("reset-world")
     lab.goes_on()
-    lab.drag_robot((1.0, 0.4), (1.3, 0.4))  # it was there, or nothing would be dragged
-    click(lab, 1.3, 0.4)
-    lab.reads(".lrp-thing", "Robot")
+    lab.sees(".lrp-canvas").focus()
+    press(lab, "Escape")
+    lab.until("strip => strip.hidden", THING)
+    lab.drag_robot((1.0, 0.4), (1.3, 1.7))  # it was there, or nothing would be selected
+    lab.reads(THING, "Robot")
     assert saved(lab, "start")["robots"][0]["pose"][:2] == pytest.approx([1.0, 0.4], abs=0.02)
 
 
-def test_everything_can_be_edited_by_keyboard(open_world):
-    lab = open_world()
+def edit_by_mouse(lab):
+    """Place things, move, resize, turn and remove them."""
+    lab.do("tool-wall")
+    lab.drag_robot((0.5, 0.9), (1.1, 0.9))
+    lab.reads(THING, "Wall")
+    lab.do("tool-box")
+    lab.drag_robot((2.0, 1.5), (2.4, 1.3))
+    lab.reads(THING, "Box")
+    lab.do("tool-zone")
+    lab.drag_robot((2.4, 0.5), (2.7, 0.5))
+    lab.reads(THING, "Zone")
+    field = lab.sees('[data-lrp-action="thing-name"]')
+    field.fill("harbour")
+    field.press("Enter")
+    world = saved(lab, "first")
+    wall, box = world["solids"]
+    assert wall["box"] == pytest.approx([0.8, 0.9, 0.64, 0.04], abs=0.02)
+    assert "push" not in wall
+    assert box["box"] == pytest.approx([2.2, 1.4, 0.4, 0.2], abs=0.02)
+    assert box["push"] > 0
+    assert world["zones"] == {"harbour": {"circle": pytest.approx([2.4, 0.5, 0.3], abs=0.02)}}
+
+    lab.do("tool-move")
+    lab.drag_robot((0.8, 0.9), (0.8, 1.2))  # it is selected now, with its handles
+    lab.reads(THING, "Wall")
+    lab.drag_robot((1.12, 1.22), (1.42, 1.32))  # a corner
+    lab.drag_robot((2.4, 0.8), (2.5, 1.0))  # the rim of the zone
+    click(lab, 2.2, 1.4)
+    lab.reads(THING, "Box")
+    press(lab, "Delete")
+    lab.until("strip => strip.hidden", THING)
+    world = saved(lab, "second")
+    (wall,) = world["solids"]
+    assert wall["box"] == pytest.approx([0.95, 1.25, 0.94, 0.14], abs=0.03)
+    assert world["zones"]["harbour"]["circle"] == pytest.approx([2.5, 0.7, 0.3], abs=0.03)
+    click(lab, 0.95, 1.25)
+    lab.reads(THING, "Wall")
+
+
+def edit_by_keyboard(lab):
     lab.pause()  # or the wall, which is put in the same place, would push the box away
     canvas = lab.sees(".lrp-canvas")
     for tool, kind in ("wall", "Wall"), ("box", "Box"), ("zone", "Zone"):
         lab.sees(f'[data-lrp-action="tool-{tool}"]').focus()
         press(lab, "Space", "Enter")  # the focus is in the world now
         press(lab, "ArrowRight", "ArrowRight", "Shift+ArrowUp", "[")
-        lab.until("(strip, kind) => !strip.hidden && strip.textContent.startsWith(kind)", ".lrp-thing", kind)
+        lab.until("(strip, kind) => !strip.hidden && strip.textContent.startsWith(kind)", THING, kind)
     press(lab, "Escape")
     lab.until("button => button.ariaPressed === 'true'", '[data-lrp-action="tool-move"]')
     canvas.focus()
     press(lab, "n", "n", "n", "ArrowUp")
-    lab.reads(".lrp-thing", "Box")
+    lab.reads(THING, "Box")
     press(lab, "n", "Delete")  # the wall
-    lab.until("strip => strip.hidden", ".lrp-thing")
+    lab.until("strip => strip.hidden", THING)
     world = saved(lab, "keys")
     (box,) = world["solids"]
     assert box["box"] == pytest.approx([1.54, 1.02, 0.2, 0.22])
@@ -139,10 +185,9 @@ def test_everything_can_be_edited_by_keyboard(open_world):
     assert world["zones"]["goal"]["circle"] == pytest.approx([1.54, 1.0, 0.26])
 
 
-def test_undo_acts_where_the_last_act_was(open_world):
-    lab = open_world()
+def undo_where_the_last_act_was(lab):
     lab.replace("waiting))", "waiting) (state other))")
-    lab.until("(root, text) => root.querySelectorAll('[data-lrp-state]').length === 2")
+    lab.until("root => root.querySelectorAll('[data-lrp-state]').length === 2")
     text = lab.text
     lab.do("tool-wall")
     lab.drag_robot((0.5, 0.5), (1.1, 0.5))
@@ -160,14 +205,38 @@ def test_undo_acts_where_the_last_act_was(open_world):
     press(lab, "Control+z")
     lab.until("root => root.querySelectorAll('[data-lrp-state]').length === 1")
     assert len(saved(lab, "walls again")["solids"]) == 1
+    lab.do("tool-move")
 
 
-def test_a_saved_world_is_offered_and_a_file_is_opened(open_world):
-    lab = open_world()
+def magnify(lab):
+    """The world is magnified where the pointer is, and the robot can be followed."""
+    before = lab.place(2.5, 1.5)
+    lab.page.mouse.move(*before)
+    changing(lab, lambda: lab.page.mouse.wheel(0, -300), "Control")
+    assert lab.place(2.5, 1.5) == pytest.approx(before, abs=1.5)
+    lab.do("world-zoom-fit")
+    lab.do("world-follow")
+    lab.sees('[data-lrp-action="world-follow"][aria-pressed="true"]')
+    changing(lab, lambda: lab.drag_robot((1.5, 1.0), (1.5, 1.4)))
+    lab.do("world-zoom-fit")
+
+
+def changing(lab, act, *held):
+    """Act with some keys held, and wait until something else of the world is shown."""
+    before = lab.sees(".lrp-canvas").get_attribute("data-view")
+    for key in held:
+        lab.page.keyboard.down(key)
+    act()
+    lab.until("(canvas, before) => canvas.dataset.view !== before", ".lrp-canvas", before)
+    for key in held:
+        lab.page.keyboard.up(key)
+
+
+def open_worlds(lab):
+    """A saved world is offered, and a file is opened."""
     lab.do("tool-draw")
     lab.drag_robot((0.3, 0.3), (1.3, 0.3))
-    is_edited(lab)
-    lab.reads('[data-lrp-action="world"]', "empty (edited)")
+    lab.reads(WORLDS, "empty (edited)")
     world = saved(lab, "mine")
     assert world["floor"]["strokes"][0]["path"][0] == pytest.approx([0.3, 0.3], abs=0.02)
     world["name"] = "theirs"
@@ -176,33 +245,31 @@ def test_a_saved_world_is_offered_and_a_file_is_opened(open_world):
     chooser.value.set_files(
         {"name": "their.json", "mimeType": "application/json", "buffer": json.dumps(world).encode()}
     )
-    lab.until("select => select.selectedOptions[0]?.text === 'theirs'", '[data-lrp-action="world"]')
-    lab.notebook.begin_cell(1)  # the lab opens again
-    again = lab.notebook.lab()
-    again.sees('[data-lrp-action="world"] option[value="mine.world.json"]')
+    lab.until("select => select.selectedOptions[0]?.text === 'theirs'", WORLDS)
+    lab.notebook.run_cell(1)  # the lab opens again
+    lab.sees(f'{WORLDS} option[value="mine.world.json"]')
 
 
-def test_the_world_is_saved_as_a_picture_and_as_a_drawing(open_world):
-    lab = open_world(world="boxes")
+# -- watched ---------------------------------------------------------------------------------------
+
+
+def save_pictures(lab):
+    """The world is saved as a picture and a drawing, and a run as an animation that plays."""
+    for state in ("ahead", "aside"):
+        lab.sees(f'.lrp-legend li[title="m/{state}"]')
+    lab.pause()
     with lab.page.expect_download() as png:
         choose(lab, "world-png")
     assert png.value.path().read_bytes().startswith(b"\x89PNG")
-    assert png.value.suggested_filename == "m-boxes.png"
+    assert png.value.suggested_filename == "m-crossing.png"
     with lab.page.expect_download() as svg:
         choose(lab, "world-svg")
     assert "goal" in "".join(ElementTree.fromstring(svg.value.path().read_bytes()).itertext())
-
-
-def test_a_run_beside_moving_things_is_saved_as_an_animation_that_plays(open_world):
-    lab = open_world(DRIVER.replace("robot.move(0.3, 0.8)", "robot.move(linear=0.3)"), world="crossing")
-    lab.sees('.lrp-legend li[title="m/aside"]')
-    lab.pause()
-    with lab.page.expect_download() as saved:
+    with lab.page.expect_download() as run:
         choose(lab, "world-animation")
-    assert saved.value.suggested_filename == "m-crossing-run.svg"
-    picture = saved.value.path().read_text(encoding="utf-8")
+    assert run.value.suggested_filename == "m-crossing-run.svg"
     page = lab.page.context.new_page()
-    page.set_content(picture)
+    page.set_content(run.value.path().read_text(encoding="utf-8"))
     places = [
         page.evaluate(
             """seconds => {
@@ -224,45 +291,76 @@ def test_a_run_beside_moving_things_is_saved_as_an_animation_that_plays(open_wor
     assert all(math.dist(before, after) > 5 for before, after in zip(*places, strict=True)), places
 
 
-def test_the_trail_shows_the_states_and_names_them(open_world):
-    lab = open_world(DRIVER)
-    for state in ("ahead", "aside"):
-        lab.sees(f'.lrp-legend li[title="m/{state}"]')
-    lab.pause()
+def clear_the_trail(lab):
     lab.do("reset-world")
     choose(lab, "trail")
     lab.misses(".lrp-legend li")
+    choose(lab, "trail")
 
 
-def test_the_world_is_magnified_where_the_pointer_is_and_the_robot_can_be_followed(open_world):
-    lab = open_world()
-    before = lab.place(2.5, 1.5)
-    lab.page.mouse.move(*before)
-    changing(lab, lambda: lab.page.mouse.wheel(0, -300), "Control")
-    assert lab.place(2.5, 1.5) == pytest.approx(before, abs=1.5)
+def drive_into_the_wall(lab, old="0.0", new="-0.1"):
+    """Turn the robot, which stands before a wall, into a robot that drives against it."""
+    revision = lab.revision
+    lab.replace(f"linear={old}", f"linear={new}")
+    lab.until("(root, revision) => Number(root.dataset.lrpRevision) > revision", argument=revision)
+
+
+def see_a_collision_ahead(lab):
+    """An edit shows where it leads, and the collision before it happens; without previews, nothing."""
+    lab.goes_on()
+    lab.pause()
+    lab.misses(f"{WORLD}[data-what-if]")
+    choose(lab, "preview")
+    drive_into_the_wall(lab)
+    tick = lab.tick
+    lab.do("step")
+    lab.until("(root, tick) => Number(root.dataset.lrpTick) > tick", argument=tick)
+    assert lab.find(f"{WORLD}[data-what-if]").count() == 0
+    assert lab.find(AHEAD).inner_text() == ""
+    choose(lab, "preview")
+    drive_into_the_wall(lab, "-0.1", "-0.11")
+    lab.sees(f"{WORLD}[data-what-if]")
+    lab.reads(AHEAD, "The robot touches near wall")
+    axe.finds_nothing_serious(lab)
+    tick = lab.tick
+    lab.do("run")
+    lab.misses(f"{WORLD}[data-what-if]")
+    lab.until("sentence => sentence.textContent === ''", AHEAD)
+    assert lab.tick > tick + 20  # it was told seconds before
+
+
+def see_a_preview_end(lab):
+    """A preview of a running program is shown until its end."""
+    lab.goes_on()
+    lab.select("angular=-1.0")
+    lab.page.keyboard.press("Alt+ArrowUp")
+    lab.sees(f"{WORLD}[data-what-if]")
+    lab.misses(f"{WORLD}[data-what-if]")
+
+
+def look_back_along_the_trail(lab):
+    """A click on the trail shows that moment, and a drag the present again."""
+    lab.goes_on()
+    lab.pause()
+    lab.sees(WORLDS).select_option(label="empty")  # where time begins again
+    lab.until("list => list.selectedOptions[0]?.text === 'empty'", WORLDS)
     lab.do("world-zoom-fit")
-    lab.do("world-follow")
-    lab.sees('[data-lrp-action="world-follow"][aria-pressed="true"]')
-    changing(lab, lambda: lab.drag_robot((1.5, 1.0), (1.5, 1.4)))
+    begin = lab.tick
+    lab.do("run")
+    lab.until("(root, tick) => Number(root.dataset.lrpTick) >= tick", argument=begin + 25)
+    lab.pause()
+    mouse, now = lab.page.mouse, lab.tick
+    mouse.move(*lab.place(1.7, 1.0))
+    lab.reads(".lrp-tip", "click to look")
+    mouse.click(*lab.place(1.7, 1.0))
+    lab.sees(f"{WORLD}[data-looking]")
+    assert 8 <= lab.tick - begin <= 14  # it drives 2 cm in a tick, once it has started
+    mouse.click(*lab.place(1.7, 1.0))
+    lab.reads(THING, "Robot")  # as it was
 
-
-def changing(lab, act, *held):
-    """Act with some keys held, and wait until something else of the world is shown."""
-    before = lab.sees(".lrp-canvas").get_attribute("data-view")
-    for key in held:
-        lab.page.keyboard.down(key)
-    act()
-    lab.until("(canvas, before) => canvas.dataset.view !== before", ".lrp-canvas", before)
-    for key in held:
-        lab.page.keyboard.up(key)
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_has_nothing_serious_against_the_world_while_it_is_edited(open_world, theme):
-    lab = open_world()
-    choose_theme(lab, theme)
-    lab.do("tool-wall")
-    lab.drag_robot((0.5, 0.5), (1.1, 0.5))
-    lab.reads(".lrp-thing", "Wall")
-    finds_nothing_serious(lab)
-    choose_theme(lab, "light")
+    lab.drag_robot((1.7, 1.0), (1.7, 1.6))
+    lab.misses(f"{WORLD}[data-looking]")
+    assert lab.tick == now
+    lab.page.keyboard.press("Escape")
+    mouse.click(*lab.place(1.5 + 0.02 * (now - begin - 1), 1.0))
+    lab.reads(THING, "Robot")  # as it is: nothing has moved it
