@@ -3,15 +3,15 @@
 import json
 from pathlib import Path
 
-import pytest
+from support.tables import every
 
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.live.reason import EXPLANATIONS
 
-REFERENCE = Path(__file__).parents[2] / "notebooks" / "reference" / "language.ipynb"
+REFERENCE = Path(__file__).parents[3] / "notebooks" / "reference" / "language.ipynb"
 
 
-@pytest.mark.parametrize(
+@every(
     ("code", "said"),
     [
         ("transition-raised", "its condition is `1 / 0 > 1`. ZeroDivisionError: division by zero."),

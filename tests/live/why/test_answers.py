@@ -1,6 +1,7 @@
 """What an answer says, and what it does not say: it never guesses."""
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.message import Twist
@@ -113,7 +114,7 @@ def test_what_does_not_exist_is_named_with_what_was_probably_meant():
             live.why_not("full", at=99)
 
 
-@pytest.mark.parametrize(
+@every(
     ("ask", "sentence"),
     [
         (lambda s: s.explain("seen"), "`seen` is a variable, not a transition, state or command. "),
@@ -170,7 +171,7 @@ def test_a_moment_is_a_tick_or_a_time_for_every_question():
         assert live.at(0.55).tick == 6
 
 
-@pytest.mark.parametrize(
+@every(
     ("at", "sentence"),
     [
         ("x", "must be the number of a tick, or a time in seconds, not str."),
@@ -216,7 +217,7 @@ class Drawing(Bridge):
         self.add_method("pen", lambda down=True: None)
 
 
-@pytest.mark.parametrize(
+@every(
     ("call", "told"),
     [
         ("robot.move(linear=0.2)", "`robot.move(linear=0.2)`"),
@@ -293,7 +294,7 @@ def test_what_a_notebook_changed_later_does_not_change_an_answer():
             live.run(1)
 
 
-@pytest.mark.parametrize(
+@every(
     ("condition", "told"),
     [
         ("not a", "`a` was True. The whole condition was never true before."),
@@ -543,7 +544,7 @@ def test_a_moment_in_a_question_is_a_tick_or_a_time_that_is_remembered():
                 ask("go", at=1.5)
 
 
-@pytest.mark.parametrize(
+@every(
     ("ask", "name", "told"),
     [
         ("why", "go", "`go` is a transition, not a state. Ask `why_not` about it."),
@@ -601,7 +602,7 @@ def test_a_command_by_hand_was_given_by_no_block():
         )
 
 
-@pytest.mark.parametrize(
+@every(
     ("running", "where"),
     [
         ("[n = 1; robot.move(0.1)]", "It appears in line 4."),
@@ -630,7 +631,7 @@ def test_a_number_of_numpy_is_told_as_a_number():
         assert "`yes` was True." in str(live.why_not("no"))
 
 
-@pytest.mark.parametrize(
+@every(
     ("condition", "told"),
     [
         ("a and n > 2 and b is a or b", "`a and n > 2 and b is a or b` was False"),
