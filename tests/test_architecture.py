@@ -66,6 +66,7 @@ def literal(node: ast.expr) -> str:
 
 
 def is_sentence(text: str) -> bool:
+    text = text.lstrip()  # a second sentence
     begins = text[0].isupper() or text.startswith(BEGINNINGS)
     return begins and text.rstrip("`").endswith((".", "?", ":", "…", "{}"))
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.sim import (
     Draw,
@@ -100,7 +101,7 @@ def test_zones_are_added_renamed_changed_and_removed_in_their_places():
     assert list(RemoveZone("far").edited(world).zones) == ["start", "middle"]
 
 
-@pytest.mark.parametrize(
+@every(
     ("edit", "message"),
     [
         (RemoveSolid(9), "There is no solid 9: the world has 2."),
@@ -184,7 +185,7 @@ def test_a_stroke_on_a_floor_with_many_enters_only_its_own_pieces(monkeypatch):
     assert len(entered) == 2 * 19
 
 
-@pytest.mark.parametrize("grey", [255, 100])
+@every("grey", [255, 100])
 def test_a_floor_that_was_painted_step_by_step_is_like_one_painted_at_once(grey):
     strokes = [PathStroke(((0.1, 0.1 * n), (1.0, 0.2)), 0.05, 20 * n) for n in range(1, 8)]
     spec = FloorSpec(grey, tuple(strokes))

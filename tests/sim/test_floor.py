@@ -3,6 +3,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.tables import every
 
 from lrp_jupyter.sim.floor import SPOT, LiveFloor, Paint
 from lrp_jupyter.sim.world import ArcStroke, CircleStroke, FloorSpec, PathStroke
@@ -58,7 +59,7 @@ def test_one_point_is_a_dot():
     assert light(1, 1.11, PathStroke(((1, 1),), width=0.2)) == 255
 
 
-@pytest.mark.parametrize("angles", [(0.5, 2.5), (2.5, 0.5)])
+@every("angles", [(0.5, 2.5), (2.5, 0.5)])
 def test_an_arc_is_seen_between_its_angles_only(angles):
     arc = ArcStroke((1, 1, 0.5, *angles))
     on = [light(1 + 0.5 * math.cos(angle), 1 + 0.5 * math.sin(angle), arc) for angle in (0.6, 1.5, 2.4)]

@@ -1,6 +1,6 @@
 from xml.etree import ElementTree
 
-import pytest
+from support.tables import every
 
 from lrp_jupyter.sim import BUNDLED, Simulation, World, load
 from lrp_jupyter.sim.sketch import sketch
@@ -10,7 +10,7 @@ from lrp_jupyter.sim.world import BoxSolid, DiscSolid, FloorSpec, PathStroke, Ro
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-@pytest.mark.parametrize("name", BUNDLED)
+@every("name", BUNDLED)
 def test_every_world_has_a_self_contained_picture(name):
     picture = svg(load(name))
     root = ElementTree.fromstring(picture)

@@ -73,7 +73,7 @@ def drive_and_stop(world, seed):
     return seen
 
 
-@pytest.mark.parametrize("seed", seeds(2, 4))
+@pytest.mark.parametrize("seed", seeds(1, 4))
 @pytest.mark.parametrize("world", ["line", "boxes", "walls"])
 def test_steps_that_are_left_out_would_have_changed_nothing(world, seed, monkeypatch):
     short = drive_and_stop(load(world), seed)

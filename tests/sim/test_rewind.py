@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from seeds import seeds
+from support.tables import every
 
 from lrp_jupyter.sim import (
     Draw,
@@ -88,7 +89,7 @@ def drive_about(simulation, random, loops):
         simulation.step(10)
 
 
-@pytest.mark.parametrize("seed", seeds(6, 15))
+@pytest.mark.parametrize("seed", seeds(2, 30))
 def test_rewinding_and_going_on_is_the_straight_run_though_things_touch(seed):
     simulation = Simulation(crowded(), seed)
     simulation.drive(0.4)
@@ -211,7 +212,7 @@ def test_rewinding_undoes_drawings():
     assert simulation.floor.light(1.5, 1) == 255
 
 
-@pytest.mark.parametrize("step", [-1, 11])
+@every("step", [-1, 11])
 def test_only_what_has_been_can_be_gone_back_to(step):
     simulation = Simulation("empty")
     simulation.step(10)
@@ -259,7 +260,7 @@ def test_many_inputs_are_bounded_too(monkeypatch):
     assert seen(simulation) == straight
 
 
-@pytest.mark.parametrize("seed", seeds(4, 10))
+@pytest.mark.parametrize("seed", seeds(2, 20))
 def test_a_fork_is_the_run_as_it_was_and_goes_on_as_it_did(seed):
     simulation = Simulation(crowded(), seed)
     simulation.drive(0.4)

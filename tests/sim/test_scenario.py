@@ -92,7 +92,7 @@ def test_it_goes_there_and_back_with_the_constants_of_the_paper():
     assert 170 <= back <= 235
 
 
-@pytest.mark.parametrize("seed", seeds(2, 6))
+@pytest.mark.parametrize("seed", seeds(1, 6))
 @pytest.mark.parametrize("search", [1.0, 0.2])
 def test_noise_does_not_lead_it_astray(seed, search):
     world = load("line")

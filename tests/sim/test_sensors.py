@@ -2,6 +2,7 @@ import math
 import statistics
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.sim import Simulation, World
 from lrp_jupyter.sim.world import BoxSolid, DiscSolid, FloorSpec, Noise, PathStroke, RobotSpec
@@ -24,7 +25,7 @@ def test_readings_are_plain_numbers():
     assert [type(value) for value in (*readings.distances, readings.gyro, *readings.odom)] == [float] * 5
 
 
-@pytest.mark.parametrize(("heading", "distance"), [(0, 0.42), (math.pi, 0.92), (math.pi / 4, math.inf)])
+@every(("heading", "distance"), [(0, 0.42), (math.pi, 0.92), (math.pi / 4, math.inf)])
 def test_the_distance_is_from_the_rim_to_the_next_solid_in_range(heading, distance):
     simulation = room(
         (1, 1, heading), solids=[DiscSolid((1.6, 1, 0.1)), BoxSolid((3, 1, 0.1, 2))], distance=((0, 1.0),)

@@ -3,6 +3,7 @@ import math
 import threading
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.sim import Draw, Drive, Lamp, Pen, PlaceRobot, PlaceSolid, Simulation, World, load
 from lrp_jupyter.sim.robot import Body
@@ -54,7 +55,7 @@ def test_speeds_are_limited_to_what_the_robot_can_do():
     assert simulation.drive(9, -9) == (0.5, -4.0)
 
 
-@pytest.mark.parametrize("speeds", [(math.nan, 0), (0, math.inf)])
+@every("speeds", [(math.nan, 0), (0, math.inf)])
 def test_a_speed_must_be_a_number(speeds):
     with pytest.raises(ValueError, match="Expected a finite number"):
         room().drive(*speeds)
@@ -77,9 +78,7 @@ def test_the_edge_of_the_world_is_a_wall():
     assert simulation.robot.memory.touched == {-1}
 
 
-@pytest.mark.parametrize(
-    "solid", [BoxSolid((1.4, 1, 0.2, 0.2), push=0.3), DiscSolid((1.4, 1, 0.1), push=0.3)]
-)
+@every("solid", [BoxSolid((1.4, 1, 0.2, 0.2), push=0.3), DiscSolid((1.4, 1, 0.1), push=0.3)])
 def test_a_box_is_pushed_and_does_not_slide_on(solid):
     simulation = room(solid)
     simulation.drive(0.3)
@@ -177,7 +176,7 @@ def test_a_pushable_box_is_put_elsewhere():
     assert simulation.solids[0].pose == (1.5, 1, 0.3)
 
 
-@pytest.mark.parametrize(
+@every(
     "what",
     [
         Drive(robot=1),

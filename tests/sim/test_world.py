@@ -4,6 +4,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.tables import every
 
 from lrp_jupyter.sim import BUNDLED, Simulation, World, WorldError, load
 from lrp_jupyter.sim.reading import read_world
@@ -92,7 +93,7 @@ def test_the_documented_form_is_read():
     assert load(world.to_dict()) == world
 
 
-@pytest.mark.parametrize("name", BUNDLED)
+@every("name", BUNDLED)
 def test_a_bundled_world_has_a_small_json_form_and_runs(name):
     world = load(name)
     assert world.name == name
@@ -115,7 +116,7 @@ def test_an_existing_world_is_used_as_it_is():
     assert load(world) is world
 
 
-@pytest.mark.parametrize(
+@every(
     ("change", "message"),
     [
         (
@@ -225,7 +226,7 @@ def test_a_bad_world_is_refused_with_the_place_of_the_mistake(change, message):
     assert str(caught.value).startswith(message)
 
 
-@pytest.mark.parametrize("key", ["version", "size", "robots"])
+@every("key", ["version", "size", "robots"])
 def test_what_a_world_needs_must_be_there(key):
     with pytest.raises(WorldError, match=f"`world`: The key `{key}` is missing"):
         load({other: value for other, value in SMALLEST.items() if other != key})
@@ -249,7 +250,7 @@ def test_what_is_not_a_world_at_all_is_refused():
         read_world([])
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "message"),
     [
         ("{", " is not valid JSON: line 1, column 2: Expecting property name"),
