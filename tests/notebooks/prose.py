@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -23,6 +24,7 @@ _NAMED = re.compile(
 )
 
 
+@cache
 def named_in_the_lab() -> set[str]:
     """Every name under which a person finds something in the lab: labels, and titles up to a colon."""
     names: set[str] = set()

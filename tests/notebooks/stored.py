@@ -9,6 +9,7 @@ import json
 import re
 import shlex
 from collections.abc import Mapping
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -39,6 +40,7 @@ def paths() -> list[Path]:
     return sorted(found, key=lambda path: (len(path.parts), path))
 
 
+@cache
 def read(path: Path) -> Node:
     notebook: Node = json.loads(path.read_text(encoding="utf-8"), object_hook=Node)
     return notebook

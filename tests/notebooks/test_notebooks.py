@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 from prose import bold, links, minutes, named_in_the_lab, prose, solution
 from stored import NOTEBOOKS, WIDGET, Node, data_of, opened_program, paths, read, sources, texts_of
+from support.tables import every
 
 from lrp_jupyter.language.checks import CODES
 from lrp_jupyter.language.deviations import DEVIATIONS
@@ -27,8 +28,8 @@ ALL = paths()
 LESSONS = [path for path in ALL if path.parent == NOTEBOOKS]
 TEACHERS = NOTEBOOKS / "teachers"
 REFERENCE = NOTEBOOKS / "reference" / "language.ipynb"
-all_notebooks = pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
-all_lessons = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
+all_notebooks = every("path", ALL)
+all_lessons = every("path", LESSONS)
 
 
 class Run(NamedTuple):
@@ -240,7 +241,7 @@ def test_every_lesson_has_a_plan():
         assert times[-1][1] == "45"
 
 
-@pytest.mark.parametrize("path", sorted(TEACHERS.glob("*.md")), ids=lambda path: path.stem)
+@every("path", sorted(TEACHERS.glob("*.md")))
 def test_what_teachers_read_names_what_there_is(path: Path):
     text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
     assert not set(bold(text)) - named_in_the_lab()
@@ -248,7 +249,7 @@ def test_what_teachers_read_names_what_there_is(path: Path):
         assert (TEACHERS / link.partition("#")[0]).exists(), link
 
 
-@pytest.mark.parametrize("path", sorted((NOTEBOOKS / "projects").glob("*.ipynb")), ids=lambda path: path.stem)
+@every("path", sorted((NOTEBOOKS / "projects").glob("*.ipynb")))
 def test_a_project_tells_its_students_by_which_rows_it_is_judged(path: Path):
     rubrics = (TEACHERS / "rubrics.md").read_text(encoding="utf-8")
     name = _headings(prose(read(path)), 1)[0].removeprefix("Project: ").removeprefix("the ")
