@@ -380,7 +380,7 @@ def unchanging(texts):
 
 
 TestAnything = Anything.TestCase
-TestAnything.settings = settings(max_examples=settings().max_examples // 2, stateful_step_count=25)
+TestAnything.settings = settings(stateful_step_count=25)
 
 
 @given(wild.damaged)

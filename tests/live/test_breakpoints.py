@@ -191,7 +191,10 @@ def defined_in(session):
     return lambda path: (*resolve(session.program).defined(path[:-1]), path[-1])
 
 
-@settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@settings(
+    max_examples=settings().max_examples // 2,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
 @given(program, st.data())
 def test_it_pauses_exactly_when_the_state_is_entered(text, data):
     states = [element for element in resolve(parse(text)).elements() if element.kind == "state"]
@@ -207,12 +210,12 @@ def test_it_pauses_exactly_when_the_state_is_entered(text, data):
                 else None
             )
         )
-        watched.run(2)
+        watched.run(1.5)
     with Session(text, clock=VirtualClock(), namespace=robot) as live:
         live.pause_when(wanted.path)
         assert element_of(live.program, "state", wanted.path) == wanted
         paused = []
-        for _ in range(20):
+        for _ in range(15):
             live.step()
             if live.frame.paused_by is not None:
                 paused.append(live.frame.tick)

@@ -1,9 +1,9 @@
 """Whatever foreign code does, the loop lives on, and says what happened."""
 
 import threading
-from time import monotonic
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError
@@ -252,10 +252,7 @@ def test_a_fault_that_cannot_even_be_published_breaks_the_session_visibly(sessio
     with monkeypatch.context() as fault:
         fault.setattr(type(counting._loop), "publish", fail)
         fault.setattr(counting.bridge, "stop_all", fail)
-        deadline = monotonic() + LONG
-        while counting.status != "broken" and monotonic() < deadline:
-            pass
-        assert counting.status == "broken"
+        until(lambda: counting.status == "broken")
         assert "RuntimeError" in counting.frame.reason
     assert motor.ident is not None, "its thread lives"
     counting.start()

@@ -19,8 +19,9 @@ FOLLOWER = programs.load("follower")
 INTO_THE_WALL = "(machine m (state go (running [robot.move(linear=0.2)]))) (spawn m go)"
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def session():
+    """What if changes nothing: one session for all."""
     with Session(FOLLOWER, "sim", world="line") as session:
         session.run(20)
         yield session

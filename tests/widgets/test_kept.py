@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from seeds import seeds
 
 from lrp_jupyter import files
 from lrp_jupyter.errors import LRPError
@@ -318,7 +319,7 @@ def test_revisions_of_a_long_text_cost_no_memory(bench):
     tracemalloc.start()
     try:
         before = tracemalloc.get_traced_memory()[0]
-        for number in range(60):
+        for number in range(20):
             lab.connection.texts.write(f"{long}{number}")
             lab.publish()
         gc.collect()
@@ -432,7 +433,7 @@ def test_other_names_are_usable(name):
 # -- anything in any order -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(8, 60))
 def test_whatever_happens_no_text_is_lost(cell, tmp_path, seed):
     """Each text is present, asked about, or a version; those of cells are in their cells."""
     chance = random.Random(seed)

@@ -5,6 +5,7 @@ import threading
 import pytest
 
 from lrp_jupyter.errors import BridgeError, LRPError
+from lrp_jupyter.live.monitor import Monitor
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import registry, saver
 
@@ -250,6 +251,11 @@ def test_a_cell_that_is_run_again_starts_a_session_again_that_failed_itself(cell
 HANGS = "(machine m (state a (running [while True: pass]))) (spawn m a)"
 
 
+@pytest.fixture
+def impatient(monkeypatch):
+    monkeypatch.setattr(Monitor, "hung_after", 0.05)
+
+
 def hung(cell):
     connection = cell(HANGS)
     connection.session.wait_for(lambda frame: frame.status == "hung", 60)
@@ -258,7 +264,7 @@ def hung(cell):
 
 
 @pytest.mark.parametrize("text", [HANGS, None])
-def test_a_text_that_hung_is_not_started_again_by_itself(cell, restart_kernel, text):
+def test_a_text_that_hung_is_not_started_again_by_itself(cell, restart_kernel, impatient, text):
     hung(cell)
     restart_kernel()
     session = cell(text).session
@@ -268,7 +274,7 @@ def test_a_text_that_hung_is_not_started_again_by_itself(cell, restart_kernel, t
     session.wait_for(lambda frame: frame.status == "hung", 60)
 
 
-def test_another_text_than_the_one_that_hung_is_started(cell, restart_kernel):
+def test_another_text_than_the_one_that_hung_is_started(cell, restart_kernel, impatient):
     hung(cell).texts.write(A)
     registry.find("mine").session.wait_for(lambda frame: frame.program.text == A, 60)
     registry.find("mine").publish()
@@ -278,7 +284,7 @@ def test_another_text_than_the_one_that_hung_is_started(cell, restart_kernel):
     assert cell(HANGS).session.status == "paused"
 
 
-def test_a_text_that_hung_is_started_again_once_it_has_run_well(cell, restart_kernel, monkeypatch):
+def test_a_text_that_hung_is_started_again_once_it_has_run_well(cell, restart_kernel, impatient, monkeypatch):
     text = "(machine m (state a (running [while not done: pass]))) (spawn m a)"
     names = {"done": []}
     monkeypatch.setattr(saver, "_WELL", 0.5)
