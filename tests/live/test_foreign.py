@@ -46,22 +46,11 @@ def ticks_on(running):
 
 
 @EVERY
-def test_a_listener_that_raises_is_reported_once_and_the_loop_lives_on(session, reported, raises):
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
-    counting.listen(raises)
-    assert ticks_on(counting).status == "running"
-    counting.stop()  # a frame can be seen before its subscribers are called
-    assert reported() == [REPORT, "Traceback (most recent call last):", raises.kind.__name__]
-
-
-@EVERY
-def test_an_observer_that_raises_is_reported_once_and_the_loop_lives_on(session, reported, raises):
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
-    counting.observe(raises)
+@pytest.mark.parametrize("subscribe", ["listen", "observe"])
+def test_a_subscriber_that_raises_is_reported_once_and_the_loop_lives_on(
+    counting, reported, raises, subscribe
+):
+    getattr(counting, subscribe)(raises)
     assert ticks_on(counting).status == "running"
     counting.stop()  # a frame can be seen before its subscribers are called
     assert reported() == [REPORT, "Traceback (most recent call last):", raises.kind.__name__]
@@ -88,6 +77,24 @@ def test_a_hook_that_raises_loses_the_robot_and_the_loop_lives_on(session, raise
     else:
         assert counting.bridge.status.state == "lost"
         assert faults[0] in counting.frame.bridge
+
+
+@pytest.fixture
+def counting(session):
+    """A program that counts."""
+    made = session(COUNT, rate=100)
+    made.start()
+    ticks_on(made)
+    return made
+
+
+@pytest.fixture
+def impatient(session):
+    """A program that counts, and hangs soon."""
+    made = session(COUNT, rate=100, hung_after=0.1)
+    made.start()
+    ticks_on(made)
+    return made
 
 
 def endless(*_):
@@ -124,34 +131,25 @@ def test_a_hook_that_does_not_return_is_interrupted_for_an_edit(session, hook):
     assert counting.bridge.status.state == "connected", "it is found again as soon as the hook returns"
 
 
-def test_an_observer_that_does_not_return_is_named_and_interrupted_for_an_edit(session, reported):
-    counting = session(COUNT, rate=100, hung_after=0.2)
-    counting.start()
-    ticks_on(counting)
-    counting.observe(endless)
-    assert hung(counting).startswith("An observer has not returned for")
-    counting.edit(COUNT.replace("n + 1", "n + 2"))
-    assert "n + 2" in ticks_on(counting).program.text
+def test_an_observer_that_does_not_return_is_named_and_interrupted_for_an_edit(impatient, reported):
+    impatient.observe(endless)
+    assert hung(impatient).startswith("An observer has not returned for")
+    impatient.edit(COUNT.replace("n + 1", "n + 2"))
+    assert "n + 2" in ticks_on(impatient).program.text
     assert reported()[0] == REPORT
 
 
-def test_a_function_called_between_two_ticks_that_does_not_return_is_interrupted_for_an_edit(session):
-    counting = session(COUNT, rate=100, hung_after=0.2)
-    counting.start()
-    ticks_on(counting)
-    answer = counting.submit(Call(endless))
-    assert hung(counting).startswith("A command has not returned for")
-    counting.edit(COUNT.replace("n + 1", "n + 2"))
-    assert "n + 2" in ticks_on(counting).program.text
+def test_a_function_called_between_two_ticks_that_does_not_return_is_interrupted_for_an_edit(impatient):
+    answer = impatient.submit(Call(endless))
+    assert hung(impatient).startswith("A command has not returned for")
+    impatient.edit(COUNT.replace("n + 1", "n + 2"))
+    assert "n + 2" in ticks_on(impatient).program.text
     with pytest.raises(LRPError, match="did not return"):
         answer.result(LONG)
 
 
-def test_an_observer_is_removed_on_the_thread_of_the_loop_and_between_two_ticks(session, monkeypatch):
+def test_an_observer_is_removed_on_the_thread_of_the_loop_and_between_two_ticks(counting, monkeypatch):
     threads = []
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
     loop = counting._loop
     end = counting.observe(lambda event: None)
     rebind = Run.rebind
@@ -186,49 +184,37 @@ def test_an_observer_that_raises_before_observe_has_returned_is_removed(session,
     assert reported() == [REPORT, "Traceback (most recent call last):", "RuntimeError"]
 
 
-def test_a_listener_that_returns_on_no_thread_is_interrupted_for_an_edit(session, reported):
+def test_a_listener_that_returns_on_no_thread_is_interrupted_for_an_edit(impatient, reported):
     gate = threading.Event()
-    counting = session(COUNT, rate=100, hung_after=0.2)
-    counting.start()
-    ticks_on(counting)
 
     def wait():
         while not gate.wait(0.01):
             pass
 
-    end = counting.listen(wait)
-    assert hung(counting).startswith("A listener has not returned for")
-    counting.edit(COUNT.replace("n + 1", "n + 2"))
-    assert "n + 2" in ticks_on(counting).program.text
+    end = impatient.listen(wait)
+    assert hung(impatient).startswith("A listener has not returned for")
+    impatient.edit(COUNT.replace("n + 1", "n + 2"))
+    assert "n + 2" in ticks_on(impatient).program.text
     assert reported()[0] == REPORT
     end()
     gate.set()
 
 
-def test_a_listener_may_edit_the_program(session):
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
+def test_a_listener_may_edit_the_program(counting):
     end = counting.listen(lambda: counting.edit(COUNT.replace("n + 1", "n + 2")))
     assert "n + 2" in counting.wait_for(lambda frame: "n + 2" in frame.program.text, LONG).program.text
     assert ticks_on(counting).status == "running"
     end()
 
 
-def test_an_expression_that_exits_is_refused_and_the_loop_lives_on(session):
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
+def test_an_expression_that_exits_is_refused_and_the_loop_lives_on(counting):
     with pytest.raises(LRPError, match="SystemExit"):
         counting.set_variable("n", "exit()")
     assert ticks_on(counting).status == "running"
 
 
 @EVERY
-def test_what_escapes_everywhere_else_breaks_the_session_visibly(session, monkeypatch, raises):
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
+def test_what_escapes_everywhere_else_breaks_the_session_visibly(counting, monkeypatch, raises):
     monkeypatch.setattr(type(counting._loop), "turn", raises)
     counting.submit(Pause())
     assert counting.wait_for(lambda frame: frame.status == "broken", LONG)
@@ -240,10 +226,7 @@ def test_what_escapes_everywhere_else_breaks_the_session_visibly(session, monkey
     assert motor.ident is not None, "its thread lives"
 
 
-def test_a_fault_that_cannot_even_be_published_breaks_the_session_visibly(session, monkeypatch):
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
+def test_a_fault_that_cannot_even_be_published_breaks_the_session_visibly(counting, monkeypatch):
     motor = counting._driver._motor
 
     def fail(*_, **__):
@@ -303,10 +286,7 @@ def test_a_broken_session_starts_again_with_the_last_text(session, monkeypatch):
     assert counting.wait_for("a", LONG)
 
 
-def test_a_broken_session_that_is_reset_is_ready_to_start(session, monkeypatch):
-    counting = session(COUNT, rate=100)
-    counting.start()
-    ticks_on(counting)
+def test_a_broken_session_that_is_reset_is_ready_to_start(counting, monkeypatch):
     broken_by(counting, monkeypatch)
     counting.edit("(machine")
     counting.reset()

@@ -3,7 +3,7 @@ from dataclasses import FrozenInstanceError
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from story import robot
+from story import robot, started
 
 from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -42,9 +42,7 @@ def test_machines_and_other_states_are_not_active_states(state):
 
 
 def test_counts_continue_over_restarts_and_rewinds():
-    i = Interpreter(parse("(machine m (state a) (on [True] a -> a t))(spawn m a)"))
-    for tick in range(3):
-        i.step(tick / 10)
+    i = started("(machine m (state a) (on [True] a -> a t))(spawn m a)", 3)
     i.reset()
     i.step(0.3)
     i.rewind(1)
@@ -57,9 +55,7 @@ def test_counts_continue_over_restarts_and_rewinds():
 
 def test_a_state_that_an_edit_removed_has_its_count_again_when_the_edit_is_taken_back():
     two = "(machine m (state a) (state b) (ontime 100 a -> b) (ontime 100 b -> a))(spawn m a)"
-    i = Interpreter(parse(two))
-    for tick in range(8):
-        i.step(tick / 10)
+    i = started(two, 8)
     before = make_frame(i, 0.7).visits["m", "b"]
     i.patch(parse("(machine m (state a))(spawn m a)"))
     i.patch(parse(two))
@@ -71,47 +67,37 @@ def test_a_state_that_an_edit_removed_has_its_count_again_when_the_edit_is_taken
 
 
 def test_a_frame_records_in_which_tick_a_state_was_entered_last_however_late_it_is_made():
-    i = Interpreter(parse("(machine m (state a) (state b) (ontime 200 a -> b t))(spawn m a)"))
-    for tick in range(10):
-        i.step(tick / 10)
+    i = started("(machine m (state a) (state b) (ontime 200 a -> b t))(spawn m a)", 10)
     frame = make_frame(i, 0.9)
     assert frame.visited_at == {("m", "a"): 1, ("m", "b"): 3}
     assert frame.fired_at == {("m", "t"): 3}
 
 
 def test_a_state_was_entered_last_by_whichever_transition_fired_last():
-    i = Interpreter(
-        parse(
-            "(var n := [0])(machine m (state a (onentry [n = n + 1])) (state b) (state c)"
-            " (on [n == 2] a -> c u) (eps a -> b t) (eps c -> a) (eps b -> a))(spawn m a)"
-        )
+    i = started(
+        "(var n := [0])(machine m (state a (onentry [n = n + 1])) (state b) (state c)"
+        " (on [n == 2] a -> c u) (eps a -> b t) (eps c -> a) (eps b -> a))(spawn m a)",
+        6,
     )
-    for tick in range(6):
-        i.step(tick / 10)
     frame = make_frame(i, 0.5)
     assert frame.visited_at == {("m", "a"): 5, ("m", "b"): 6, ("m", "c"): 4}
     assert frame.visits == {("m", "a"): 3, ("m", "b"): 2, ("m", "c"): 1}
 
 
 def test_what_was_never_entered_and_never_fired_is_not_in_a_frame():
-    i = Interpreter(parse("(machine m (state a) (state b) (on [False] a -> b t))(spawn m a)"))
-    i.step(0.0)
-    i.step(0.1)
+    i = started("(machine m (state a) (state b) (on [False] a -> b t))(spawn m a)", 2)
     assert (make_frame(i, 0.1).visits, make_frame(i, 0.1).fired) == ({("m", "a"): 1}, {})
 
 
 def test_counts_belong_to_the_definition_and_are_found_by_a_path_as_spawned_too():
-    i = Interpreter(
-        parse(
-            "(machine k (state s (onentry (spawn l u)) (machine l (state u))))"
-            "(machine l (state u))"
-            "(machine m (state a (onentry (spawn k s))) (state b (onentry (spawn k s)))"
-            " (on [True] a -> b) (on [True] b -> a))"
-            "(spawn m a)"
-        )
+    i = started(
+        "(machine k (state s (onentry (spawn l u)) (machine l (state u))))"
+        "(machine l (state u))"
+        "(machine m (state a (onentry (spawn k s))) (state b (onentry (spawn k s)))"
+        " (on [True] a -> b) (on [True] b -> a))"
+        "(spawn m a)",
+        4,
     )
-    for tick in range(4):
-        i.step(tick / 10)
     frame = make_frame(i, 0.3)
     assert frame.active == (("m", "b", "k", "s", "l", "u"),)
     assert frame.visits == {("m", "a"): 2, ("m", "b"): 2, ("k", "s"): 4, ("k", "s", "l", "u"): 4}
@@ -122,9 +108,7 @@ def test_counts_belong_to_the_definition_and_are_found_by_a_path_as_spawned_too(
 
 
 def test_a_renamed_state_keeps_its_count_and_so_does_a_renamed_transition():
-    i = Interpreter(parse("(machine m (state a) (state b) (on [True] a -> b t) (eps b -> a))(spawn m a)"))
-    for tick in range(3):
-        i.step(tick / 10)
+    i = started("(machine m (state a) (state b) (on [True] a -> b t) (eps b -> a))(spawn m a)", 3)
     i.rename("state", "m/b", "c")
     i.rename("machine", "m", "n")
     i.step(0.3)
@@ -137,9 +121,7 @@ COUNTED = "(machine m (state a) (state b) (ontime 100 a -> b) (eps b -> a))(spaw
 
 
 def test_a_transition_keeps_its_count_when_its_delay_is_edited():
-    i = Interpreter(parse(COUNTED))
-    for tick in range(4):
-        i.step(tick / 10)
+    i = started(COUNTED, 4)
     before = make_frame(i, 0.3).fired
     i.patch(parse(COUNTED.replace("100", "300")))
     assert len(before) == 2
@@ -150,9 +132,7 @@ def test_a_transition_keeps_its_count_when_its_delay_is_edited():
 
 
 def test_what_an_edit_removes_loses_its_counts():
-    i = Interpreter(parse(COUNTED))
-    for tick in range(3):
-        i.step(tick / 10)
+    i = started(COUNTED, 3)
     i.patch(parse(COUNTED.replace(" (ontime 100 a -> b)", "")))
     frame = make_frame(i, 0.2)
     assert (len(frame.fired), frame.visits) == (1, {("m", "a"): 2, ("m", "b"): 1})
@@ -164,8 +144,7 @@ def test_what_an_edit_removes_loses_its_counts():
 
 
 def test_a_restart_by_an_edit_drops_the_counts_of_what_is_gone():
-    i = Interpreter(parse(COUNTED))
-    i.step(0.0)
+    i = started(COUNTED)
     patch = i.patch(parse("(machine m (state b))(spawn m b)"))
     i.step(0.1)
     assert patch.restarted
@@ -173,9 +152,7 @@ def test_a_restart_by_an_edit_drops_the_counts_of_what_is_gone():
 
 
 def test_going_back_over_a_rename_restores_old_names_and_keeps_counts():
-    i = Interpreter(parse(COUNTED))
-    for tick in range(3):
-        i.step(tick / 10)
+    i = started(COUNTED, 3)
     i.rename("state", "m/b", "c")
     i.step(0.3)
     i.step(0.4)
@@ -186,9 +163,7 @@ def test_going_back_over_a_rename_restores_old_names_and_keeps_counts():
 
 def test_going_back_over_renames_maps_elements_and_keeps_their_issues():
     text = "(machine m (state a (running [1 / 0])) (state b) (on [False] a -> b t)) (spawn m a)"
-    i = Interpreter(parse(text))
-    i.step(0.0)
-    i.step(0.1)
+    i = started(text, 2)
     i.rename("machine", "m", "n")
     i.rename("state", "n/a", "c")
     i.step(0.2)
@@ -222,9 +197,7 @@ def test_going_back_over_an_edit_twice_undoes_only_the_newer_renames():
 
 def test_a_fault_and_an_edit_elsewhere_leave_the_counts_as_they_are():
     text = "(var n := [0])(machine m (state a (onentry [1 / n])) (state b) (eps a -> b) (eps b -> a))"
-    i = Interpreter(parse(text + "(spawn m a)"))
-    for tick in range(4):
-        i.step(tick / 10)
+    i = started(text + "(spawn m a)", 4)
     i.patch(parse(text + "(spawn m a)(machine other (state x))"))
     i.step(0.4)
     assert make_frame(i, 0.4).visits == {("m", "a"): 3, ("m", "b"): 2}
@@ -259,8 +232,7 @@ def test_a_frame_shows_a_moment_of_a_run_and_what_happened_since_the_beginning()
 
 
 def test_applied_edits_are_counted_and_others_have_a_reason():
-    i = Interpreter(parse(PROGRAM), robot())
-    i.step(0.0)
+    i = started(PROGRAM), robot()
     i.patch(parse(PROGRAM + "; the same"))
     i.rename("state", "m/b", "c")
     assert (i.revision, i.patch_reason, i.restarts) == (2, "", 0)

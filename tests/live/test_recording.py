@@ -18,6 +18,8 @@ from lrp_jupyter import logs
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import FileError, LRPError, NoDataYet, UnknownElementError
+from lrp_jupyter.interpreter import journal
+from lrp_jupyter.live import reproduction
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.plain import plain, unplain
 from lrp_jupyter.live.recording import read_recording
@@ -25,6 +27,21 @@ from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
+
+
+@pytest.fixture
+def record(tmp_path):
+    """Record a run."""
+
+    def of(*arguments, seconds=1, **options):
+        path = tmp_path / "run.lrplog"
+        with Session(*arguments, clock=VirtualClock(), **options) as session, session.record(path):
+            session.run(seconds)
+        return path
+
+    return of
+
+
 AGAIN = """
 import sys; sys.path.insert(0, {tests!r})
 from hashlib import sha256
@@ -54,10 +71,8 @@ def test_a_session_is_reproduced_in_another_process(tmp_path):
     assert (done.stdout, done.stderr) == (f"None {there}\n", "")
 
 
-def test_a_recording_of_another_program_tells_the_first_difference(tmp_path):
-    path = tmp_path / "run.lrplog"
-    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
-        session.run(1)
+def test_a_recording_of_another_program_tells_the_first_difference(record):
+    path = record(COUNTER)
     again = reproduce(read_recording(path), program=COUNTER.replace("n += 1", "n += 1 + (n > 4)"))
     assert again.difference.tick == 7
     assert again.difference.recorded == {
@@ -79,10 +94,8 @@ DRIVER_OF_TWO = """(var speed := [0.2]) (var n := [0])
 (spawn m a)"""
 
 
-def test_what_another_program_does_otherwise_tells_more_than_its_variables(tmp_path):
-    path = tmp_path / "run.lrplog"
-    with Session(DRIVER_OF_TWO, "sim", clock=VirtualClock()) as session, session.record(path):
-        session.run(2)
+def test_what_another_program_does_otherwise_tells_more_than_its_variables(record):
+    path = record(DRIVER_OF_TWO, "sim", seconds=2)
     told = {
         "[0.2]": "at 0.6 s (tick 7)",  # and not at the start, where `speed` has another value
         "n += 1": "at 0.3 s (tick 4), in the machine `m`",
@@ -111,11 +124,10 @@ def test_a_replay_knows_what_a_notebook_had_assigned_when(tmp_path):
         assert str(again.timeline()) == told
 
 
-def test_a_run_that_depends_on_something_else_is_told_where(tmp_path):
-    path, names = tmp_path / "run.lrplog", {"clock": iter(range(100)).__next__}
+def test_a_run_that_depends_on_something_else_is_told_where(record):
+    names = {"clock": iter(range(100)).__next__}
     text = COUNTER.replace("n += 1", "n = clock()")
-    with Session(text, clock=VirtualClock(), namespace=names) as session, session.record(path):
-        session.run(1)
+    path = record(text, namespace=names)
     recording = read_recording(path)
     assert recording.start.names == ["clock"]
     again = reproduce(recording, namespace={"clock": iter([0, 1, 2, 7, 8]).__next__})
@@ -144,10 +156,8 @@ def test_what_a_notebook_defined_and_changed_is_recorded(tmp_path):
         read_recording(path)
 
 
-def test_a_recording_can_be_run_again_up_to_a_time(tmp_path):
-    path = tmp_path / "run.lrplog"
-    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
-        session.run(3)
+def test_a_recording_can_be_run_again_up_to_a_time(record):
+    path = record(COUNTER, seconds=3)
     again = reproduce(read_recording(path), until=1.25)
     assert (again.session.frame.tick, again.difference) == (13, None)
     assert str(again.session.why_not) is not None
@@ -169,10 +179,9 @@ def test_a_compressed_and_a_cut_off_file_are_read_up_to_the_last_whole_line(tmp_
     assert read_recording(tmp_path / "plain.lrplog").cut
 
 
-def test_what_a_program_prints_is_compared(tmp_path):
-    path, text = tmp_path / "run.lrplog", "(machine m (state a (running [print('on')])))(spawn m a)"
-    with Session(text, clock=VirtualClock()) as session, session.record(path):
-        session.run(1)
+def test_what_a_program_prints_is_compared(record):
+    text = "(machine m (state a (running [print('on')])))(spawn m a)"
+    path = record(text)
     assert reproduce(read_recording(path)).difference is None
     other = reproduce(read_recording(path), program=text.replace("on'", "off'"))
     assert str(other.difference).endswith(r"Recorded: 'on\n' was printed. Replay: 'off\n' was printed.")
@@ -550,11 +559,9 @@ def test_a_session_can_be_closed_while_it_is_recorded(tmp_path):
     assert reproduce(read_recording(path)).difference is None
 
 
-def test_random_numbers_are_reproduced_though_nobody_seeded_them(tmp_path):
-    path = tmp_path / "run.lrplog"
+def test_random_numbers_are_reproduced_though_nobody_seeded_them(record):
     text = "(var r := [0]) (machine m (state a (running [import random; r = random.random()])))(spawn m a)"
-    with Session(text, clock=VirtualClock()) as session, session.record(path):
-        session.run(1)
+    path = record(text)
     before = random.getstate()
     again = reproduce(read_recording(path))
     assert again.difference is None
@@ -627,10 +634,8 @@ def test_what_is_wrong_in_a_recording_is_told_with_its_line(tmp_path, fields, li
         {"input": "command", "name": "move", "arguments": 5},
     ],
 )
-def test_an_input_that_cannot_be_repeated_is_told_with_its_line(tmp_path, line):
-    path = tmp_path / "run.lrplog"
-    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
-        session.run(0.5)
+def test_an_input_that_cannot_be_repeated_is_told_with_its_line(record, line):
+    path = record(COUNTER, "sim", world="empty", seconds=0.5)
     *rows, end = path.read_text(encoding="utf-8").splitlines()
     rows.append(json.dumps({"tick": 5, "time": 0.5, **line}))
     path.write_text("\n".join([*rows, end, ""]), encoding="utf-8")
@@ -640,10 +645,8 @@ def test_an_input_that_cannot_be_repeated_is_told_with_its_line(tmp_path, line):
     reproduce(recording, program=COUNTER.replace("1", "2")).session.close()
 
 
-def test_a_simulated_run_without_end_is_refused(tmp_path):
-    path = tmp_path / "run.lrplog"
-    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
-        session.run(0.5)
+def test_a_simulated_run_without_end_is_refused(record):
+    path = record(COUNTER, "sim", world="empty", seconds=0.5)
     with open(path, "a", encoding="utf-8") as stream:
         stream.write('{"tick":6,"time":1e6,"readings":{}}\n')
     with pytest.raises(FileError, match=r"`time` is 1e\+06, and it is 0.5 in the line before"):
@@ -665,22 +668,23 @@ def test_what_was_refused_is_no_part_of_the_recording(tmp_path):
     assert reproduce(read_recording(path)).difference is None
 
 
-def test_a_run_at_full_speed_is_reproduced(tmp_path):
-    path = tmp_path / "run.lrplog"
-    with Session(COUNTER, clock=VirtualClock(), rate=0) as session, session.record(path):
-        session.run(0.5)
+def test_a_run_at_full_speed_is_reproduced(record):
+    path = record(COUNTER, rate=0, seconds=0.5)
     assert reproduce(read_recording(path)).difference is None
 
 
-def test_a_run_that_was_rewound_by_more_than_is_usually_kept_is_reproduced(tmp_path):
+def test_a_run_that_was_rewound_by_more_than_is_usually_kept_is_reproduced(tmp_path, monkeypatch):
+    for module in (journal, reproduction):
+        monkeypatch.setattr(module, "TICKS", 100)
+    monkeypatch.setattr(journal, "SECONDS", 10.0)
     path = tmp_path / "run.lrplog"
-    with Session(COUNTER, clock=VirtualClock(), journal=20_000) as session, session.record(path):
-        session.run(1200)
-        session.rewind(6000)
-        session.rewind(5500)
+    with Session(COUNTER, clock=VirtualClock(), journal=2000) as session, session.record(path):
+        session.run(120)
+        session.rewind(600)
+        session.rewind(550)
         session.run(1)
         count = session.frame.values["n"]
-    assert read_recording(path).reach == 11_500
+    assert read_recording(path).reach == 1150
     with reproduce(read_recording(path)).session as again:
         assert again.frame.values["n"] == count
 
@@ -707,10 +711,8 @@ def test_a_value_that_no_file_can_hold_is_told(tmp_path):
         read_recording(path)
 
 
-def test_a_tick_without_readings_is_told(tmp_path):
-    path = tmp_path / "run.lrplog"
-    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
-        session.run(0.5)
+def test_a_tick_without_readings_is_told(record):
+    path = record(COUNTER, "sim", world="empty", seconds=0.5)
     rows = path.read_text(encoding="utf-8").splitlines()
     rows = [row.partition('"readings"')[0] + '"readings":{}}' if '"readings"' in row else row for row in rows]
     path.write_text("\n".join([*rows, ""]), encoding="utf-8")
@@ -734,10 +736,9 @@ def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
         read_recording(packed)
 
 
-def test_every_part_of_a_compressed_recording_is_read_and_it_is_bounded(tmp_path, monkeypatch):
-    path, packed = tmp_path / "run.lrplog", tmp_path / "run.lrplog.gz"
-    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
-        session.run(1)
+def test_every_part_of_a_compressed_recording_is_read_and_it_is_bounded(tmp_path, monkeypatch, record):
+    packed = tmp_path / "run.lrplog.gz"
+    path = record(COUNTER)
     first, *rows = path.read_bytes().splitlines(keepends=True)
     packed.write_bytes(gzip.compress(first) + gzip.compress(b"".join(rows)))
     assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, False)

@@ -51,7 +51,7 @@ def test_two_runs_give_bit_identical_poses_and_traces(session, trace):
     for _ in range(2):
         bouncing = session(BOUNCE, "sim", world="boxes", seed=7, noise={"motor": 0.1, "light": 10})
         written = trace(bouncing)
-        bouncing.run(60)
+        bouncing.run(20)
         runs.append((poses(bouncing), written()))
         bouncing.close()
     assert runs[0][0] == runs[1][0]
@@ -62,7 +62,7 @@ def test_another_seed_is_another_run(session):
     runs = []
     for seed in range(2):
         bouncing = session(BOUNCE, "sim", world="boxes", seed=seed, noise={"motor": 0.1})
-        bouncing.run(20)
+        bouncing.run(5)
         runs.append(poses(bouncing))
     assert runs[0] != runs[1]
 

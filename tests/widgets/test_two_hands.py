@@ -176,7 +176,7 @@ STEPS = st.one_of(
     st.tuples(st.just("edit"), st.sampled_from(["; edited\n", "(", ""])),
     st.tuples(st.just("lose"), NAMES),
 )
-MANY = settings(deadline=None, max_examples=max(100, settings.default.max_examples))
+MANY = settings(deadline=None, max_examples=max(60, settings.default.max_examples))
 
 
 def perform(lab, typists, step):
