@@ -129,6 +129,7 @@ def programs(draw):
 program = programs()
 path = st.lists(st.sampled_from([*MACHINES, *STATES]), min_size=1, max_size=4).map(tuple)
 place = st.tuples(machine, state) | st.tuples(machine, state, machine, state) | path
+arrow = st.sampled_from(["t", "u", "on:a->b", "eps:a->b", "ontime:b->c", "exit:a->b"])
 renaming = st.one_of(
     st.tuples(st.just("state"), place, st.sampled_from([*STATES, "d"])),
     st.tuples(st.just("machine"), st.tuples(machine), st.sampled_from([*MACHINES, "p"])),
@@ -147,6 +148,7 @@ command = st.one_of(
     st.tuples(st.just("change"), change),
     st.tuples(st.just("transition_to"), place),
     st.tuples(st.just("teleport_to"), place),
+    st.tuples(st.just("fire"), st.tuples(machine, arrow) | st.tuples(machine, state, machine, arrow)),
     st.tuples(st.just("set_variable"), st.tuples(path, st.sampled_from(["n", "k", "1", "nope", "("]))),
     st.tuples(st.just("rename"), renaming),
     st.tuples(st.just("reset"), st.none()),

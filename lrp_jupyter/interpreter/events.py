@@ -61,8 +61,8 @@ class TraceEvent(NamedTuple):
     data : object
         fired: a :class:`Firing`; changed: the new value or
         :data:`UNSET`; issue: the :class:`Issue`; patched: the :class:`Patch`; restarted: the
-        reason, a sentence; forced: ``"transition"`` or ``"teleport"``; commanded: the command of the robot;
-        printed: the text; else None.
+        reason, a sentence; forced: ``"transition"``, ``"teleport"`` or ``"fire"``; commanded: the command
+        of the robot; printed: the text; else None.
     """
 
     kind: str

@@ -107,7 +107,7 @@ class Commanded(NamedTuple):
     kind : str
         ``patched``, ``renamed``, ``restarted``, ``forced``, ``assigned``, ``paused`` or ``resumed``.
     text : str
-        The reason of a restart, ``transition`` or ``teleport``, the variable that was assigned, …
+        The reason of a restart, ``transition``, ``teleport`` or ``fire``, the variable that was assigned, …
     state : path
         The state that was forced, by path of definition.
     """

@@ -1,6 +1,6 @@
-"""Forced states: *transition here* and *teleport here*. Paper: §6.4.
+"""Forced states: *transition here*, *teleport here* and *fire now*. Paper: §6.4.
 
-Both touch only what lies below the innermost running machine that contains the target. What is
+All touch only what lies below the innermost running machine that contains the target. What is
 missing on the path down is created: enclosing states become active without their spawns, so that
 only the path to the target is created.
 """
@@ -14,9 +14,10 @@ from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Row
-from lrp_jupyter.language.program import Path, not_found
+from lrp_jupyter.language.program import Element, Path, not_found
+from lrp_jupyter.language.resolution import resolve
 
-How = Literal["transition", "teleport"]
+How = Literal["transition", "teleport", "fire"]
 
 
 def find_state(run: Run, path: Path) -> StatePlan:
@@ -39,11 +40,38 @@ def find_state(run: Run, path: Path) -> StatePlan:
     return state
 
 
+def find_destination(run: Run, path: Path) -> StatePlan:
+    """Return the state to which a transition leads from the active state of its machine.
+
+    Raises
+    ------
+    UnknownElementError
+        If there is no such transition.
+    ValueError
+        If it does not leave the active state, or leads nowhere.
+    """
+    names = resolve(run.program)
+    element = Element("transition", (*names.defined(path[:-1]), path[-1]))
+    known = {arrow.element: arrow.noun for arrows in names.arrows.values() for arrow in arrows}
+    if element not in known:
+        raise not_found("transition", path, [each.path for each in known])
+    act = run.live.get(element.path[:-1])
+    edge = act.row.edge if isinstance(act, Activation) else None
+    while edge is not None and edge.plan.site.element != element:
+        edge = edge.next
+    if edge is None:
+        noun = known[element]
+        raise ValueError(f"None of the states that `{noun.label}` leaves is active: {noun.source_text}.")
+    if edge.target is None:
+        raise ValueError(edge.missing)
+    return edge.target
+
+
 def force(run: Run, target: StatePlan, how: How) -> None:
-    """Make `target` active; a transition runs the onexit and onentry actions on the path."""
+    """Make `target` active; all but a teleport run the onexit and onentry actions on the path."""
     run.remember()
     before = len(run.events)
-    _go(run, target, blocks=how == "transition")
+    _go(run, target, blocks=how != "teleport")
     if run.observers:  # only now is the target's path as spawned known
         where = (*run.live[target.path[:-1]].path, target.name)
         run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))

@@ -40,11 +40,11 @@ from typing import Any, Literal
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.facts import Commanded
-from lrp_jupyter.interpreter.forcing import How, find_state, force
+from lrp_jupyter.interpreter.forcing import How, find_destination, find_state, force
 from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.interpreter.journal import EDITS, note, undo_write
-from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
+from lrp_jupyter.interpreter.linker import BlockPlan, StatePlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
@@ -523,7 +523,7 @@ class Interpreter:
         UnknownElementError
             If there is no such state; nothing changes.
         """
-        self._force("transition", path, now)
+        self._force("transition", find_state(self._run, as_path(path)), now)
 
     def teleport_to(self, path: Path | str, now: float | None = None) -> None:
         """Make a state active without running any action; its spawns are executed. Paper: §6.4.
@@ -533,12 +533,30 @@ class Interpreter:
         UnknownElementError
             If there is no such state; nothing changes.
         """
-        self._force("teleport", path, now)
+        self._force("teleport", find_state(self._run, as_path(path)), now)
 
-    def _force(self, how: How, path: Path | str, now: float | None) -> None:
+    def fire(self, path: Path | str, now: float | None = None) -> None:
+        """Go where a transition leads, with the actions on the way, whatever its condition. Paper: §6.4.
+
+        The destination is forced: the transition is not counted as one that the program has fired.
+
+        Parameters
+        ----------
+        path : tuple of str or str
+            Path of definition, or as spawned: that of the machine, then the id of the transition.
+
+        Raises
+        ------
+        UnknownElementError
+            If there is no such transition; nothing changes.
+        ValueError
+            If no state that it leaves is active, or it leads nowhere; nothing changes.
+        """
+        self._force("fire", find_destination(self._run, as_path(path)), now)
+
+    def _force(self, how: How, target: StatePlan, now: float | None) -> None:
         run = self._run
         self._advance(now)
-        target = find_state(run, as_path(path))
         force(run, target, how)
         self._note("forced", how, target.path)
         self._done()

@@ -89,6 +89,20 @@ class Force(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class Fire(Command):
+    """Go where a transition leads that leaves an active state. Paper: §6.4."""
+
+    recorded: ClassVar[bool] = True
+    interrupts: ClassVar[bool] = True
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
+    path: Path
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.interpreter.fire(self.path, loop.timing.now)
+
+
+@dataclass(frozen=True, slots=True)
 class SetVariable(Command):
     """Evaluate an expression in a variable's scope and assign the value."""
 

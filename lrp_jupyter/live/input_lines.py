@@ -43,6 +43,8 @@ def input_line(what: object, loop: Loop) -> Line:
             return {"input": "rename", "kind": kind, "path": path, "name": new_name}
         case do.Force(path, teleport):
             return {"input": "force", "path": path, "teleport": teleport}
+        case do.Fire(path):
+            return {"input": "fire", "path": path}
         case do.SetVariable(path, expression):
             return {"input": "set", "path": path, "expression": expression}
         case do.Assign(path, value) if (text := literal(value)) is not None:
@@ -118,6 +120,8 @@ def input_of(line: Line, program: Callable[[str], Program]) -> object:
             return do.Rename(line["kind"], tuple(line["path"]), line["name"])
         case "force":
             return do.Force(tuple(line["path"]), line["teleport"])
+        case "fire":
+            return do.Fire(tuple(line["path"]))
         case "set":
             return do.SetVariable(tuple(line["path"]), line["expression"])
         case "assign":

@@ -103,6 +103,7 @@ from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.why.answers import Answers
+from lrp_jupyter.live.why.finding import the_transition
 from lrp_jupyter.logs import open_log
 
 __all__ = ["Session", "Until"]
@@ -729,6 +730,25 @@ class Session:
     def teleport_to(self, state: str | Path) -> None:
         """Make a state active without any action. An unknown one is an issue. Paper: §6.4."""
         self._driver.do(do.Force(as_path(state), teleport=True))
+
+    def fire(self, transition: str | Path) -> None:
+        """Go where a transition leads, whatever its condition: one of its source states must be active.
+
+        The actions of the states on the way run, as in :meth:`transition_to`. Paper: §6.4.
+
+        Parameters
+        ----------
+        transition : str or path
+            Its name, label or id if that is unambiguous, else its path: ``"follower/tlooking"``.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such transition, or there are several.
+        ValueError
+            No state that it leaves is active, or it leads nowhere.
+        """
+        self._driver.do(do.Fire(the_transition(transition, self.program).path))
 
     def set_variable(self, variable: str | Path, value: object = _ABSENT, *, evaluate: str = "") -> None:
         """Assign a value to a variable, or the value of a Python expression.

@@ -248,6 +248,7 @@ _EDITED = {"patched": "The program was edited.", "renamed": "An element was rena
 _FORCED = {
     "transition": "(Transition here)",
     "teleport": "(Teleport here), without running actions",
+    "fire": "(Fire now)",
 }
 
 

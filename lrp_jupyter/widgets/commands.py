@@ -15,8 +15,6 @@ from typing import Annotated, Any, ClassVar
 
 from lrp_jupyter import programs
 from lrp_jupyter.errors import LRPError, UnknownElementError
-from lrp_jupyter.graph.state_graph import find_machine
-from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
 from lrp_jupyter.widgets.places import path_of
@@ -315,17 +313,7 @@ class FireCommand(InterruptingCommand, do="fire"):
     path: str
 
     def apply(self, opened: OpenProgram) -> Applied:
-        session = opened.session
-        *where, id_ = path_of("transition", self.path)
-        machine = find_machine(session.program, where)
-        found = dict(zip(machine.ids, machine.transitions, strict=True)).get(id_)
-        if found is None:
-            raise UnknownElementError(f"There is no transition `{id_}` in `{path_text(tuple(where))}`.")
-        lit = {tuple(path.split("/")) for path in opened.view_state()["lit"]}
-        if not any(path[:-1] == tuple(where) and found.leaves(path[-1]) for path in lit):
-            raise LRPError(f"None of the states that `{found.label}` leaves is active: {found.source_text}.")
-        target = where[:-2] if found.outward else where
-        return session.ask(do.Force((*target, str(found.destination))))
+        return opened.session.ask(do.Fire(path_of("transition", self.path)))
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ import pytest
 from story import active, started
 from support.tables import every
 
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 
@@ -145,3 +146,55 @@ def test_an_interruption_passes_when_the_command_is_whole(act):
     assert not i.issues
     i.step(0.1)
     assert i.variables["n"] == 0
+
+
+LOGGED = """(var log := [""])
+(machine helper (state p (onexit [log += "p"])) (state q)
+  (on [False] p -> q go) (exit [False] p -> b out))
+(machine m
+  (state a (onentry (spawn helper p)) (onexit [log += "a"]))
+  (state b (onentry [log += "b"]))
+  (ontime 9000 *-{b} -> b late) (on [False] b -> nowhere lost))
+(spawn m a)
+"""
+
+
+def test_a_transition_is_fired_by_hand_whatever_it_waits_for():
+    i = started(LOGGED)
+    seen = []
+    i.observe(seen.append)
+    i.fire("m/late", now=5.0)
+    assert (active(i), i.variables["log"]) == (["m/b"], "pab")
+    assert seen[0][:] == ("forced", ("m", "b"), i.tick, 5.0, "fire")
+    assert not i.firings, "the program has fired nothing"
+
+
+@pytest.mark.parametrize("path", ["helper/out", "m/a/helper/out"])
+def test_an_exit_that_is_fired_by_hand_leads_out_of_where_its_machine_was_spawned(path):
+    i = started(LOGGED)
+    i.fire(path)
+    assert (active(i), i.variables["log"]) == (["m/b"], "pab")
+
+
+@pytest.mark.parametrize(
+    ("path", "error", "told"),
+    [
+        ("m/lat", UnknownElementError, "There is no transition `m/lat`. Did you mean `m/late`?"),
+        ("m/a", UnknownElementError, "There is no transition `m/a`."),
+        ("helper/go", ValueError, "None of the states that `go` leaves is active: p."),
+        ("m/late", ValueError, "None of the states that `late` leaves is active: *-{b}."),
+        ("m/lost", ValueError, "The machine `m` has no state `nowhere`."),
+    ],
+)
+def test_a_transition_that_cannot_be_fired_is_refused_and_changes_nothing(path, error, told):
+    i = started(LOGGED)
+    i.teleport_to("m/b", now=0.5)
+    with pytest.raises(error) as raised:
+        i.fire(path, now=0.7)
+    assert str(raised.value).startswith(told)
+    assert (active(i), i.variables["log"], i.now) == (["m/b"], "", 0.5)
+
+
+def test_nothing_can_be_fired_before_the_first_tick():
+    with pytest.raises(ValueError, match="None of the states that `late` leaves is active"):
+        Interpreter(parse(LOGGED)).fire("m/late")

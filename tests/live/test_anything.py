@@ -268,6 +268,12 @@ class Anything(RuleBasedStateMachine):
         (self.session.teleport_to if teleport else self.session.transition_to)(where)
         self.acted()
 
+    @rule(where=wild.somewhere | st.sampled_from(["hit", "dim", "again", "away", "flip", "m/turn/inner/out"]))
+    def fire(self, where):
+        with suppress(LRPError, ValueError):
+            self.session.fire(where)
+        self.acted()
+
     @rule(where=wild.variable_path, value=wild.expression)
     def set_variable(self, where, value):
         with suppress(*REFUSED, ZeroDivisionError):  # an expression's own errors come through

@@ -326,6 +326,7 @@ WRONG = [3, None, True, b"a", [], {}, object(), float("nan"), "", ("m", 3), "zz"
         lambda s, wrong: setattr(s, "speed", wrong),
         lambda s, wrong: setattr(s, "on_issue", wrong),
         lambda s, wrong: s.transition_to(wrong),
+        lambda s, wrong: s.fire(wrong),
         lambda s, wrong: s.teleport_to(wrong),
         lambda s, wrong: s.set_variable(wrong, 1),
         lambda s, wrong: s.set_variable("n", wrong),

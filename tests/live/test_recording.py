@@ -179,6 +179,25 @@ def test_a_compressed_and_a_cut_off_file_are_read_up_to_the_last_whole_line(tmp_
     assert read_recording(tmp_path / "plain.lrplog").cut
 
 
+def test_a_transition_that_was_fired_by_hand_is_recorded_and_fired_again(tmp_path):
+    path = tmp_path / "run.lrplog"
+    text = "(machine m (state a) (state b) (on [False] a -> b go) (ontime 300 b -> a back)) (spawn m a)"
+    with Session(text, clock=VirtualClock()) as session, session.record(path):
+        session.run(0.5)
+        session.fire("go")
+        session.run(0.5)
+        with session.fork(at=3, inputs=True) as fork:
+            fork.run(0.8)
+            assert seen(fork) == seen(session)
+        present = seen(session)
+    lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    assert {"tick": 5, "time": 0.5, "input": "fire", "path": ["m", "go"]} in lines
+    assert {"tick": 5, "time": 0.5, "event": "forced", "state": "m/b", "how": "fire"} in lines
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert seen(again.session) == present
+
+
 def test_what_a_program_prints_is_compared(record):
     text = "(machine m (state a (running [print('on')])))(spawn m a)"
     path = record(text)
@@ -624,6 +643,7 @@ def test_what_is_wrong_in_a_recording_is_told_with_its_line(tmp_path, fields, li
         {"input": "rewind", "ticks": "x"},
         {"input": "rewind", "ticks": 100},
         {"input": "force", "path": [5], "teleport": False},
+        {"input": "fire", "path": ["m", "nothing"]},
         {"input": "rate", "rate": "x"},
         {"input": "policy", "name": "on_issue", "value": "zz"},
         {"input": "place", "pose": ["a", "b", "c"], "robot": 0},

@@ -355,6 +355,17 @@ def test_forcing_an_unknown_state_is_an_issue_and_changes_nothing(session):
     assert issue.kind == "unknown state"
 
 
+@pytest.mark.parametrize("transition", ["go", "light/go", ("light", "go"), "light:go"])
+def test_a_transition_is_fired_by_name_or_path(session, transition):
+    waiting = session("(machine light (state on) (state off) (on [False] on -> off go)) (spawn light on)")
+    waiting.run(0.1)
+    waiting.fire(transition)
+    assert waiting.frame.active == (OFF,)
+    assert str(waiting.why("off")) == "`off` was entered at 0.1 s by hand (fire), not by the program."
+    with pytest.raises(ValueError, match="None of the states that `go` leaves is active: on"):
+        waiting.fire(transition)
+
+
 def test_a_variable_is_set_by_an_expression_in_its_scope(session):
     blinking = session(BLINK)
     blinking.run(0.2)

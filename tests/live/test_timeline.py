@@ -126,6 +126,7 @@ def test_what_people_did_is_marked(session):
     session.variables["n"] = 1
     session.transition_to("m/a")
     session.teleport_to("b")
+    session.fire("back")
     session.run(1)
     session.reset()
     session.pause("A person wanted it.")
@@ -136,6 +137,7 @@ def test_what_people_did_is_marked(session):
         ("hand", "`m/n` was set."),
         ("hand", "`a` was entered by hand (Transition here)."),
         ("hand", "`b` was entered by hand (Teleport here), without running actions."),
+        ("hand", "`a` was entered by hand (Fire now)."),
         ("restart", "The program was reset."),
     ]
 

@@ -108,7 +108,7 @@ def test_a_transition_can_be_fired_whatever_its_condition(lab, page):
     assert page.do("fire", path="m:home") is None
     assert page.do("fire", path="m/a/inner:out") is None
     assert active(lab) == ["m/b"]
-    assert "no transition `x`" in page.do("fire", path="m:x")
+    assert "There is no transition `m/x`" in page.do("fire", path="m:x")
 
 
 def test_a_variable_gets_the_value_of_an_expression_or_the_reason_why_not(lab, page):

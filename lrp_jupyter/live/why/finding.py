@@ -8,6 +8,7 @@ from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.unknown import unknown
 
 
 def _transitions_in(program: Program) -> list[Element]:
@@ -31,6 +32,20 @@ def find_transition(wanted: str | Path, programs: Iterable[Program]) -> tuple[El
             paths = [path_text(each.path) for each in found]
             raise UnknownElementError.ambiguous("transitions", str(wanted), paths)
     return None
+
+
+def the_transition(wanted: str | Path, program: Program) -> Element:
+    """Return the transition of a name, label, id or path.
+
+    Raises
+    ------
+    UnknownElementError
+        There is none, or there are several.
+    """
+    found = find_transition(wanted, [program])
+    if found is None:
+        raise unknown("transition", ["transition"], wanted, [program])
+    return found[0]
 
 
 def _is_called(transition: Element, wanted: str | Path) -> bool:
