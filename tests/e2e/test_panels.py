@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from bridges.ev3.brick import Brick
 from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
+from support.waiting import until
 
 from e2e import axe
 from e2e.programs import COUNTER
@@ -29,7 +30,6 @@ MESSAGES = """\
   (state c (running [robot.move()])))
 (spawn m b)
 """
-PATIENCE = 20  # s for what the test's side hears of the page
 
 
 class RosRobot:
@@ -114,16 +114,6 @@ def open_brick(open_lab, brick):
     return open_brick
 
 
-def wait_until(holds, what):
-    """Wait for something on this side of the network."""
-    tick = threading.Event()
-    for _ in range(PATIENCE * 50):
-        if holds():
-            return
-        tick.wait(0.02)
-    raise AssertionError(f"{what} did not come in {PATIENCE} s")
-
-
 def row(key):
     return f'[data-row="{key}"]'
 
@@ -146,11 +136,50 @@ def arm(lab):
     lab.until("note => note.hidden", ".lrp-disarmed")
 
 
+COMPLETED = [
+    ("msg: msg", ".lin", {"linear"}),
+    ("msg: msg.linear", ".", {"x", "y", "z"}),
+    ("robot.odom", ".", {"x", "y", "theta", "pose", "twist"}),
+    ("robot.odom.", "pose.pose.position.", {"x", "y", "z"}),
+    ("c (running [robot.move(", "ang", {"angular_z="}),
+]
+
+
+def test_a_ros_robot_is_connected_armed_lost_and_stopped(open_ros, ros):
+    lab = open_ros(DRIVE)
+    see_topics(lab, ros)
+    arm_by_a_question(lab, ros)
+    stop_beside_a_hanging_block(lab, ros)
+    for theme in ("dark", "light"):
+        axe.choose_theme(lab, theme)
+        axe.finds_nothing_serious(lab)
+    lose_the_server(lab, ros)
+    connect_another_address(lab, ros)
+
+
+def test_topics_are_picked_and_known_to_the_editor(open_ros, ros):
+    lab = open_ros(COUNTER, connected=False)
+    pick_topics(lab, ros)
+    complete_fields(lab)
+
+
+def test_a_brick_is_found_turned_built_and_found_again(open_brick, brick):
+    lab = open_brick(host="")
+    answer_for_its_address(lab)
+    see_motors_and_sensors(lab, brick)
+    for theme in ("dark", "light"):
+        axe.choose_theme(lab, theme)
+        axe.finds_nothing_serious(lab)
+    turn_motors_by_hand(lab, brick)
+    choose_another_port(lab, brick)
+    lose_and_find_it(lab, brick)
+
+
 # -- ROS -------------------------------------------------------------------------------------------
 
 
-def test_publishers_and_subscriptions_are_listed_with_rate_age_and_value(open_ros, ros):
-    lab = open_ros(DRIVE)
+def see_topics(lab, ros):
+    """Publishers and subscriptions are listed with rate, age and value."""
     lab.reads(cell("light", "value"), "200")
     lab.reads(cell("light", "type"), "std_msgs/UInt8")
     lab.reads(cell("odom", "value"), "x=1.25, y=0.5, theta=0")
@@ -161,30 +190,72 @@ def test_publishers_and_subscriptions_are_listed_with_rate_age_and_value(open_ro
     ros.light = 20
     lab.until("cell => cell.textContent === '20'", cell("light", "value"))
     assert ros.speeds == [], "a lab on hardware opens disarmed"
-    arm(lab)
-    wait_until(lambda: 0.1 in ros.speeds, "a command")
-    lab.reads(cell("move", "value"), "linear.x=0.1")
 
 
-def test_a_person_who_arms_the_robot_is_told_who_stops_it(open_ros, ros):
-    lab = open_ros(DRIVE)
-    lab.reads(cell("light", "value"), "200")
+def arm_by_a_question(lab, ros):
+    """The person who arms the robot is told who stops it."""
     press(lab, "arm")
     told = "each => each.textContent.includes('a guard process stops the robot')"
     lab.until(told, '[role="dialog"] .lrp-failsafe')
     lab.reads('[role="dialog"] .lrp-failsafe code', "lrp guard")
     axe.finds_nothing_serious(lab)
-    lab.notebook.page.keyboard.press("Escape")
+    lab.page.keyboard.press("Escape")
     lab.until("note => !note.hidden", ".lrp-disarmed")
     lab.goes_on()
     assert ros.speeds == [], "nobody has armed it"
     arm(lab)
-    wait_until(lambda: 0.1 in ros.speeds, "a command")
+    until(lambda: 0.1 in ros.speeds, "a command")
     lab.until(told, ".lrp-state .lrp-failsafe")
+    lab.reads(cell("move", "value"), "linear.x=0.1")
 
 
-def test_a_topic_is_picked_its_type_filled_in_and_the_row_removed_again(open_ros, ros):
-    lab = open_ros(COUNTER, connected=False)
+def stop_beside_a_hanging_block(lab, ros):
+    lab.replace("[False]", "[True]")
+    lab.sees(':scope[data-lrp-status="hung"]')
+    ros.graph.heard.clear()
+    press(lab, "stop")
+    until(lambda: ros.speeds, "the command to stop")
+    assert set(ros.speeds) == {0.0}
+    lab.replace("[True]", "[False]")
+    lab.do("run")
+    lab.ready("running")
+
+
+def lose_the_server(lab, ros):
+    """A dead server is shown, and everything comes back with it."""
+    ros.die()
+    lab.sees('.lrp-state .lrp-dot[data-status="lost"]')
+    lab.reads(".lrp-sentence", str(ros.port))
+    lab.goes_on()
+    ros.come_back()
+    lab.misses('.lrp-state .lrp-dot[data-status="lost"]')
+    ros.light = 33
+    lab.reads(cell("light", "value"), "33")
+
+
+def connect_another_address(lab, ros):
+    other = RosRobot()
+    other.light = 77
+    try:
+        lab.sees(".lrp-questions summary").click()
+        lab.sees('[data-question="host"]').fill(f"127.0.0.1:{other.port}")
+        lab.sees('[data-lrp-action="answer-host"]').click()
+        lab.reads(cell("light", "value"), "77")
+        lab.reads('[data-show="address"]', f"127.0.0.1:{other.port}")
+        until(lambda: not ros.graph.listeners, "the end of the first connection")
+    finally:
+        other.close()
+
+
+def pick_topics(lab, ros):
+    """A topic is picked, its type filled in, its row removed again; what is no name is refused."""
+    field(lab, "variable").fill("my light")
+    field(lab, "topic").fill("/light")
+    press(lab, "subscribe")
+    lab.reads(".lrp-toast", "is not a valid name")
+    assert field(lab, "variable").input_value() == "my light", "it can be corrected"
+    field(lab, "variable").fill("")
+
     press(lab, "pick", "/odom")
     lab.until("input => input.value === 'nav_msgs/Odometry'", '[data-field="type"]')
     assert field(lab, "variable").input_value() == "odom"
@@ -203,102 +274,54 @@ def test_a_topic_is_picked_its_type_filled_in_and_the_row_removed_again(open_ros
     press(lab, "subscribe")
     lab.reads(cell("eye", "value"), "200")
 
-    field(lab, "variable").fill("dri")
+    field(lab, "variable").fill("mo")
     lab.goes_on()
-    assert field(lab, "variable").input_value() == "dri", "what is typed is left alone"
-    field(lab, "variable").fill("drive")
+    assert field(lab, "variable").input_value() == "mo", "what is typed is left alone"
+    field(lab, "variable").fill("move")
     field(lab, "topic").fill("/cmd_vel")
     press(lab, "publish")
-    lab.reads(cell("drive", "type"), "geometry_msgs/Twist")
-    press(lab, "remove", "odom")
-    lab.misses(row("odom"))
-    wait_until(lambda: {topic for topic, _ in ros.graph.listeners} == {"/light"}, "the end of /odom")
+    lab.reads(cell("move", "type"), "geometry_msgs/Twist")
+    press(lab, "remove", "eye")
+    lab.misses(row("eye"))
+    until(lambda: {topic for topic, _ in ros.graph.listeners} == {"/odom"}, "the end of /light")
 
 
-def test_what_cannot_be_connected_is_reported(open_ros):
-    lab = open_ros(COUNTER, connected=False)
-    field(lab, "variable").fill("my light")
-    field(lab, "topic").fill("/light")
-    press(lab, "subscribe")
-    lab.reads(".lrp-toast", "is not a valid name")
-    assert field(lab, "variable").input_value() == "my light", "it can be corrected"
-
-
-def test_a_dead_server_is_shown_and_everything_comes_back_with_it(open_ros, ros):
-    lab = open_ros(DRIVE)
-    lab.reads(cell("light", "value"), "200")
-    ros.die()
-    lab.sees('.lrp-state .lrp-dot[data-status="lost"]')
-    lab.reads(".lrp-sentence", str(ros.port))
-    lab.goes_on()
-    ros.come_back()
-    lab.misses('.lrp-state .lrp-dot[data-status="lost"]')
-    ros.light = 33
-    lab.reads(cell("light", "value"), "33")
-
-
-def test_another_address_is_connected_from_the_panel(open_ros, ros):
-    lab = open_ros(DRIVE)
-    lab.reads(cell("light", "value"), "200")
-    other = RosRobot()
-    other.light = 77
-    try:
-        lab.sees(".lrp-questions summary").click()
-        lab.sees('[data-question="host"]').fill(f"127.0.0.1:{other.port}")
-        lab.sees('[data-lrp-action="answer-host"]').click()
-        lab.reads(cell("light", "value"), "77")
-        lab.reads('[data-show="address"]', f"127.0.0.1:{other.port}")
-        wait_until(lambda: not ros.graph.listeners, "the end of the first connection")
-    finally:
-        other.close()
-
-
-def test_stop_robot_works_while_a_block_hangs(open_ros, ros):
-    lab = open_ros(DRIVE)
-    arm(lab)
-    wait_until(lambda: 0.1 in ros.speeds, "a command")
-    lab.replace("[False]", "[True]")
-    lab.sees(':scope[data-lrp-status="hung"]')
-    ros.graph.heard.clear()
-    press(lab, "stop")
-    wait_until(lambda: ros.speeds, "the command to stop")
-    assert set(ros.speeds) == {0.0}
-
-
-@pytest.mark.parametrize(
-    ("place", "typed", "offered"),
-    [
-        ("msg: msg", ".lin", {"linear"}),
-        ("msg: msg", ".linear.", {"x", "y", "z"}),
-        ("robot.odom", ".", {"x", "y", "theta", "pose", "twist"}),
-        ("robot.odom", ".pose.pose.position.", {"x", "y", "z"}),
-        ("c (running [robot.move(", "ang", {"angular_z="}),
-    ],
-)
-def test_completion_knows_the_fields_of_messages_from_their_types(open_ros, ros, place, typed, offered):
-    lab = open_ros(MESSAGES)
-    lab.type_after(place, typed)
-    lab.until(
-        "(list, labels) => labels.every(label =>"
-        " [...list.querySelectorAll('.cm-completionLabel')].some(one => one.textContent === label))",
-        ".cm-tooltip-autocomplete",
-        sorted(offered),
-    )
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing_serious_in_the_panel_of_a_ros_robot(open_ros, theme):
-    lab = open_ros(DRIVE)
-    lab.reads(cell("light", "value"), "200")
-    axe.choose_theme(lab, theme)
-    axe.finds_nothing_serious(lab)
+def complete_fields(lab):
+    """The editor knows the fields of messages from their types."""
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.press("Control+a")
+    lab.page.keyboard.insert_text(MESSAGES)
+    lab.is_active("m/b")
+    for place, typed, offered in COMPLETED:
+        lab.type_after(place, typed)
+        lab.until(
+            "(list, labels) => labels.every(label =>"
+            " [...list.querySelectorAll('.cm-completionLabel')].some(one => one.textContent === label))",
+            ".cm-tooltip-autocomplete",
+            sorted(offered),
+        )
+        lab.page.keyboard.press("Enter" if typed == ".lin" else "Escape")
+        lab.misses(".cm-tooltip-autocomplete")
 
 
 # -- EV3 -------------------------------------------------------------------------------------------
 
 
-def test_every_motor_and_sensor_of_a_brick_is_there_with_its_values(open_brick, brick):
-    lab = open_brick()
+def answer_for_its_address(lab):
+    """The address of a brick is asked, and a wrong one refused."""
+    lab.until("dialog => dialog.open", ".lrp-questions")
+    host = lab.sees('[data-question="host"]')
+    host.fill("not an address")
+    host.press("Enter")
+    lab.reads(".lrp-toast", "is not the address of a brick")
+    host.fill("127.0.0.1")
+    host.press("Enter")
+    lab.reads(".lrp-sentence", "SLOWPOKE")
+    lab.until("dialog => !dialog.open", ".lrp-questions")
+    lab.reads(cell("sensor3", "value"), "25.5")
+
+
+def see_motors_and_sensors(lab, brick):
     for motor in ("motorA", "motorB", "motorC", "motorD"):
         lab.reads(cell(motor, "type"), "large motor")
     lab.reads(cell("sensor1", "type"), "touch")
@@ -314,42 +337,34 @@ def test_every_motor_and_sensor_of_a_brick_is_there_with_its_values(open_brick, 
     lab.until("cell => cell.textContent === '7'", cell("sensor2", "value"))
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing_serious_in_the_panel_of_a_brick(open_brick, theme):
-    lab = open_brick()
-    lab.reads(cell("sensor3", "value"), "25.5")
-    axe.choose_theme(lab, theme)
-    axe.finds_nothing_serious(lab)
-
-
-def test_motors_are_turned_by_hand_and_all_stopped_at_once(open_brick, brick):
-    lab = open_brick()
-    lab.reads(cell("motorA", "type"), "large motor")
+def turn_motors_by_hand(lab, brick):
+    """Motors turn once the robot is armed, and all stop at once."""
     press(lab, "forward", "motorA")
     lab.goes_on()
     assert brick.motors[0].turning == 0, "a lab on hardware opens disarmed"
     arm(lab)
     field(lab, "speed").fill("30")
     press(lab, "forward", "motorA")
-    wait_until(lambda: brick.motors[0].turning == 30, "motor A")
+    until(lambda: brick.motors[0].turning == 30, "motor A")
     press(lab, "backward", "motorD")
-    wait_until(lambda: brick.motors[3].turning == -30, "motor D")
+    until(lambda: brick.motors[3].turning == -30, "motor D")
     lab.until("cell => Number(cell.textContent) > 20", cell("motorA", "count (deg)"))
     lab.reads(cell("motorD", "speed (%)"), "-30")
     press(lab, "halt", "motorA")
-    wait_until(lambda: brick.motors[0].turning == 0, "the end of motor A")
+    until(lambda: brick.motors[0].turning == 0, "the end of motor A")
     assert brick.motors[3].turning == -30
     press(lab, "reset_count", "motorA")
     lab.until("cell => cell.textContent === '0'", cell("motorA", "count (deg)"))
     press(lab, "stop")
-    wait_until(lambda: brick.motors[3].turning == 0, "the end of motor D")
+    until(lambda: brick.motors[3].turning == 0, "the end of motor D")
     lab.ready("paused")
 
 
-def test_another_port_is_chosen_in_the_panel_and_the_robots_readings_are_shown(open_brick, brick):
-    lab = open_brick()
+def choose_another_port(lab, brick):
+    """The robot's readings are shown of the ports that are chosen."""
+    lab.do("run")
     lab.reads(cell("light.data", "value"), "and not a colour sensor. Set light to 2, where one is.")
-    lab.reads(cell("bumper.data", "value"), "False")
+    lab.reads(cell("bumper.data", "value"), "True")
     field(lab, "light").select_option("2")
     field(lab, "wheel").fill("112")
     press(lab, "build")
@@ -361,23 +376,7 @@ def test_another_port_is_chosen_in_the_panel_and_the_robots_readings_are_shown(o
     lab.reads(".lrp-toast", "are both in port C")
 
 
-def test_the_address_of_a_brick_is_asked_and_a_wrong_one_refused(open_brick, brick):
-    lab = open_brick(host="")
-    lab.until("dialog => dialog.open", ".lrp-questions")
-    host = lab.sees('[data-question="host"]')
-    host.fill("not an address")
-    host.press("Enter")
-    lab.reads(".lrp-toast", "is not the address of a brick")
-    host.fill("127.0.0.1")
-    host.press("Enter")
-    lab.reads(".lrp-sentence", "SLOWPOKE")
-    lab.until("dialog => !dialog.open", ".lrp-questions")
-    lab.reads(cell("sensor3", "value"), "25.5")
-
-
-def test_a_brick_that_is_lost_is_found_again(open_brick, brick):
-    lab = open_brick()
-    lab.reads(cell("sensor3", "value"), "25.5")
+def lose_and_find_it(lab, brick):
     brick.unplug()
     lab.until("dot => ['stale', 'lost'].includes(dot.dataset.status)", ".lrp-state .lrp-dot")
     lab.goes_on()
