@@ -4,6 +4,7 @@ import copy
 import pickle
 from collections.abc import Iterator
 
+import pytest
 from support.tables import every
 
 import lrp_jupyter.bridges.ev3
