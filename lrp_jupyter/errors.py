@@ -162,7 +162,8 @@ class UnknownElementError(LRPError, KeyError):
     def missing(cls, message: str, name: str, known: Iterable[str], otherwise: str = "") -> Self:
         """Return the error with a hint at the most similar known name or, without one, another hint."""
         close = most_similar(name, known)
-        return cls(message + (f" Did you mean `{close[0]}`?" if close else otherwise), close)
+        hint = f"Did you mean `{close[0]}`?" if close else otherwise
+        return cls(f"{message} {hint}".rstrip(), close)
 
     def __str__(self) -> str:  # KeyError shows the repr of its argument, in quotes
         return str(self.args[0]) if self.args else ""

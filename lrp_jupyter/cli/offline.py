@@ -168,7 +168,7 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
     if machine is not None and machine.strip("/") not in known:
         listed = ", ".join(f"`{path}`" for path in known) or "none"
         raise UnknownElementError.missing(
-            f"There is no machine `{machine}`.", machine, known, f" The program has {listed}."
+            f"There is no machine `{machine}`.", machine, known, f"The program has {listed}."
         )
     picture = _rendered(program, machine, kind)
     if output is None:

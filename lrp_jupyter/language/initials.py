@@ -30,7 +30,7 @@ def find_variable(program: Program, wanted: Path) -> tuple[Path, Variable]:
         raise UnknownElementError("The program has no variables.")
     names = [*texts, *(path[-1] for path in known)]
     raise UnknownElementError.missing(
-        "The program has no such variable.", path_text(wanted), names, f" It has {listed}."
+        "The program has no such variable.", path_text(wanted), names, f"It has {listed}."
     )
 
 

@@ -168,7 +168,7 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
 def _unknown(name: str, known: list[str]) -> UnknownElementError:
     message = f"There is no variable or reading `{name}` to plot."
     listed = ", ".join(f"`{each}`" for each in known)
-    return UnknownElementError.missing(message, name, known, f" There are: {listed}.")
+    return UnknownElementError.missing(message, name, known, f"There are: {listed}.")
 
 
 def _whole(loop: Loop, name: str) -> str:

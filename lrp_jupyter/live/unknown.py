@@ -48,7 +48,7 @@ def unknown(
                 f"`{text}` is {article(kind)} {kind}, not {article(noun)} {noun}. {remedy}"
             )
     message = f"There is no {noun} `{text}`."
-    return UnknownElementError.missing(message, text, [*known, *others], f" {_listed(noun, known)}")
+    return UnknownElementError.missing(message, text, [*known, *others], _listed(noun, known))
 
 
 def _listed(noun: str, known: list[str]) -> str:

@@ -84,7 +84,7 @@ def _alike(bridge: Bridge, name: str) -> set[str]:
     if name not in methods:
         known = ", ".join(f"`{each}`" for each in methods) or "none"
         message = f"`robot` has no command `{name}`."
-        raise UnknownElementError.missing(message, name, methods, f" There are: {known}.")
+        raise UnknownElementError.missing(message, name, methods, f"There are: {known}.")
     meant = methods[name]
     if name.rpartition(".")[2] == "stop" or not meant.velocity:
         return {name}
