@@ -111,6 +111,9 @@ state, `--break 'event outofline'` for an event, `--break 'when robot.light.data
 the global variables and the robot to become True. Without a keyboard or `--watch` the run ends there, with
 exit code 1.
 
+**By hand**: `--fire tlooking@2.5` fires the transition `tlooking` after the tick at 2.5 s, whatever its
+condition, if a state that it leaves is active. Recordings, `lrp replay` and `lrp why` know it.
+
 **Traces**: `--trace` writes JSON Lines, one object per event, with `tick` (the first is 1), `time` (seconds)
 and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,
 `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`, `value`); `issue`
@@ -201,6 +204,15 @@ def run(
             "`when EXPRESSION`; may be repeated.",
         ),
     ] = None,
+    fires: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--fire",
+            metavar="TRANSITION@SECONDS",
+            autocompletion=complete.transitions,
+            help="Fire a transition by hand at a time of the run's own clock; may be repeated.",
+        ),
+    ] = None,
     record: Annotated[
         str | None,
         typer.Option(metavar="FILE", help="Write a recording, for `lrp replay` and `lrp why`."),
@@ -241,6 +253,7 @@ def run(
         record=record,
         animate=animate,
         breakpoints=tuple(breakpoints or ()),
+        fires=fires or [],
         watch=watch,
         on_issue=on_issue.value,
         answers=[*([f"host={host}"] if host else []), *(options or [])],

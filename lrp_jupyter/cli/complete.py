@@ -80,6 +80,12 @@ def states(context: typer.Context, incomplete: str) -> list[str]:
     )
 
 
+def transitions(context: typer.Context, incomplete: str) -> list[str]:
+    """Complete the name of a transition of the program named before, up to the ``@``."""
+    machines = [machine for _, machine in _program(context).walk()]
+    return _beginning(incomplete, {f"{name}@" for machine in machines for name in machine.labels})
+
+
 def machines(context: typer.Context, incomplete: str) -> list[str]:
     """Complete the path of a machine of the program named before."""
     return _beginning(incomplete, ["/".join(path) for path, _ in _program(context).walk()])

@@ -47,6 +47,8 @@ class RunOptions:
         A file.
     breakpoints : tuple of str
         ``STATE``, ``TRANSITION``, ``left STATE``, ``event NAME`` or ``when EXPRESSION``.
+    fires : tuple of (str, float)
+        Transitions that are fired by hand, each with its time in seconds.
     answers : dict
         Options of the bridge, and answers to its questions.
     """
@@ -64,6 +66,7 @@ class RunOptions:
     record: str | None
     animate: str | None
     breakpoints: tuple[str, ...]
+    fires: tuple[tuple[str, float], ...]
     watch: bool
     on_issue: Literal["record", "pause"]
     answers: dict[str, str]
@@ -76,6 +79,7 @@ def parse_options(
     speed: str,
     noise: Sequence[str],
     assignments: Sequence[str],
+    fires: Sequence[str],
     answers: Sequence[str],
     **others: Any,
 ) -> RunOptions:
@@ -97,6 +101,7 @@ def parse_options(
         speed=_speed(speed),
         noise={name: _number(text, f"--noise {name}") for name, text in pairs_of(noise, "--noise")},
         assignments=tuple(_assignment(name, text) for name, text in pairs_of(assignments, "--set")),
+        fires=tuple(map(_fire, fires)),
         answers=dict(pairs_of(answers, "--option")),
         **others,
     )
@@ -117,6 +122,13 @@ def pairs_of(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
             raise typer.BadParameter(f"{option} takes NAME=VALUE, not `{text}`.")
         pairs.append((name.strip(), value.strip()))
     return pairs
+
+
+def _fire(text: str) -> tuple[str, float]:
+    name, _, seconds = text.rpartition("@")
+    if not name.strip():
+        raise typer.BadParameter(f"--fire takes TRANSITION@SECONDS, such as `tlooking@2.5`, not `{text}`.")
+    return name.strip(), _number(seconds, f"--fire {name}@", "a number of seconds")
 
 
 def _speed(text: str) -> float:

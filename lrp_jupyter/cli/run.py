@@ -44,9 +44,11 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.unknown import unknown
+from lrp_jupyter.live.why.finding import the_transition
 from lrp_jupyter.logs import open_log
 
 _REFRESH = 1 / 12  # s between two refreshes of the display
+_ROUNDING = 1e-6  # s
 _LAST = 3  # number of recent transitions on the board
 _BAD = (ConnectionState.LOST, ConnectionState.STALE)
 
@@ -227,12 +229,30 @@ class _Run:
         self._connection = None if session.bridge.hardware else ConnectionState.CONNECTED
         self._last: deque[str] = deque(maxlen=_LAST)
         self._values: dict[Path, str] = {}
+        self._fires: deque[tuple[str, Future[Any]]] = deque()  # transitions fired by hand
+        for name, seconds in wanted.fires:
+            self._fire_at(name, seconds)
         self.pace: Pace
         if wanted.speed == math.inf:
             self.pace = Racing(session, wanted.seconds, wanted.until, self._wake)
         else:
             self.pace = Clocked(session, wanted.seconds, self._events.reached.is_set)
         self._where = where(session.bridge, wanted.world or source.world)
+
+    def _fire_at(self, name: str, seconds: float) -> None:
+        """Have a transition fired after the tick at this time."""
+        session = self.session
+        try:
+            path = the_transition(name, session.program).path
+        except UnknownElementError as error:
+            raise typer.BadParameter(f"--fire: {error}") from None
+
+        def after_tick() -> None:
+            if session.interpreter.now >= seconds - _ROUNDING:
+                end()
+                self._fires.append((f"{seconds:8.1f} s  --fire {name}", session.submit(do.Fire(path))))
+
+        end = session.on_tick(after_tick)
 
     @property
     def _bridge(self) -> Bridge:
@@ -299,6 +319,7 @@ class _Run:
         self._write_trace()
         self._apply_saves()
         self._print_edits()
+        self._print_refused_fires()
         frame = self.pace.displayed(self.session.frame)
         self._print_events(frame)
         self._print_hang(frame)
@@ -463,6 +484,13 @@ class _Run:
         """Print the effects of the saved texts that have been applied."""
         while self._edits and self._edits[0][1].done():
             self._print_edit(*self._edits.popleft())
+
+    def _print_refused_fires(self) -> None:
+        """Print which transitions could not be fired by hand."""
+        while self._fires and self._fires[0][1].done():
+            head, answer = self._fires.popleft()
+            if not answer.cancelled() and (error := answer.exception()) is not None:
+                self.print(Text(f"{head}: {error}", "bold yellow"))
 
     def _print_edit(self, text: str, answer: Future[Any]) -> None:
         head = f"{self.session.frame.time:8.1f} s  saved: "

@@ -236,6 +236,31 @@ def test_a_condition_of_a_breakpoint_that_raises_is_told_at_the_end(lrp, program
     assert not lrp("run", program(TEXT), "--speed", "max", "--for", "1", "--break", "when n > 999").stderr
 
 
+def test_a_transition_is_fired_by_hand_recorded_and_fired_again(lrp, recorded):
+    path = recorded("--fire", "far@2")
+    done = lrp("replay", path)
+    assert "2.0 s  forced fire" in done.stdout
+    assert "m/stop active" in done.stdout
+    assert "The run matches the recording." in done.stdout
+    assert "`stop` was entered at 2 s by hand (fire), not by the program." in lrp("why", path, "stop").stdout
+
+
+@pytest.mark.parametrize(
+    ("fire", "code", "told"),
+    [
+        ("fahr@2", 2, "--fire: There is no transition `fahr`. Did you mean `far`?"),
+        ("far", 2, "--fire takes TRANSITION@SECONDS, such as `tlooking@2.5`, not `far`."),
+        ("far@soon", 2, "--fire far@ takes a number of seconds, not `soon`."),
+        ("bright@3", 0, "3.0 s --fire bright: None of the states that `bright` leaves is active: drive."),
+    ],
+)
+def test_a_transition_that_cannot_be_fired_is_told(lrp, program, fire, code, told):
+    options = ("--speed", "max", "--for", "4", "--set", "limit=9", "--fire", fire)
+    done = lrp("run", program(TEXT), *options)
+    assert done.exit_code == code
+    assert told in " ".join((done.stdout + done.stderr).replace("│", " ").split())
+
+
 def test_a_part_that_ends_before_it_begins_is_refused(lrp, recorded):
     done = lrp("replay", recorded(), "--from", "3", "--until", "1")
     assert done.exit_code == 2
