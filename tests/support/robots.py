@@ -6,7 +6,6 @@ They connect nothing, and keep what reaches them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -51,14 +50,18 @@ class Bare(Bridge, offered=False):
         self.failing: dict[str, BaseException] = {}
         self._add, self._noted = members, notes.split()
         for hook in (*_QUIET, *self._noted):
-            setattr(self, hook, partial(self._called, hook))
+            setattr(self, hook, self._hook(hook))
         vars(self).update(replaced)
 
-    def _called(self, hook: str, *_: object) -> None:
-        if hook in self._noted:
-            self.calls.append(hook)
-        if hook in self.failing:
-            raise self.failing[hook]
+    def _hook(self, name: str) -> Callable[..., None]:
+        def hook(*_: object) -> None:
+            if name in self._noted:
+                self.calls.append(name)
+            if name in self.failing:
+                raise self.failing[name]
+
+        hook.__name__ = name
+        return hook
 
     def add_members(self) -> None:
         """Add the members of the test."""
