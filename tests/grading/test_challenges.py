@@ -40,7 +40,7 @@ def test_a_solution_passes(answer):
 @pytest.mark.slow
 @pytest.mark.parametrize("answer", answers("solution"))
 def test_a_solution_does_not_pass_by_luck(answer):
-    result = grade(answer.text, answer.challenge, None if seeds_of(answer.challenge) else 15)
+    result = grade(answer.text, answer.challenge, None if seeds_of(answer.challenge) else 6)
     assert result.passed, str(result)
 
 
