@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 from bridges.dying import DRIVERS, CommandLine, Kernel, Robot, wait_until
+from support.robots import Cart
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
 
 
@@ -20,37 +20,6 @@ def _patience(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have the checks of a bridge wait for a robot, or for this process, that the machine holds up."""
     for limit, seconds in {"open": 60.0, "answer": 10.0, "stale": 10.0, "lost": 20.0}.items():
         monkeypatch.setattr(BridgeConformance, f"{limit}_within", seconds)
-
-
-class Cart(Bridge):
-    """A cart that records its commands: about what a student writes."""
-
-    name = "test-cart"
-
-    def __init__(self) -> None:
-        self.sent: list[tuple[float, float]] = []
-        self.light: object = 7
-        self.reads = 0
-
-    def open_interface(self) -> None:
-        self.add_variable("light.data", self.read_light, doc="0 dark ... 255 bright")
-        self.add_variable("battery", lambda: 0.5, doc="what is left", unit="V")
-        self.add_method("move", self.move, doc="m/s and rad/s", limits={"linear": 0.5})
-        self.add_method("beep", self.beep)
-
-    def read_light(self) -> object:
-        self.reads += 1
-        return self.light
-
-    def move(self, linear: float = 0.0, angular: float = 0.0) -> None:
-        self.sent.append((linear, angular))
-
-    def beep(self, seconds: float, *, tone: int = 440) -> str:
-        """Sound a tone.
-
-        It lasts for the given time.
-        """
-        return f"{tone} Hz for {seconds} s"
 
 
 @pytest.fixture

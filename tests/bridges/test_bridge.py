@@ -10,21 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
+from support.robots import Bare
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, MemberError, NullBridge, Robot, Twist, attach
 from lrp_jupyter.bridges.panel import Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
 from lrp_jupyter.live.checking import check
-
-
-class Bare(Bridge):
-    """A bridge whose test adds what it wants."""
-
-    name = "test-bare"
-    hardware = False
-
-    def open_interface(self) -> None:
-        """Nothing yet."""
 
 
 @pytest.fixture
@@ -421,135 +412,92 @@ def test_a_stop_that_fails_is_told_to_the_program(cart: Any) -> None:
 
 
 def test_a_bridge_may_have_a_stop_of_its_own() -> None:
-    class Braking(Bare):
-        name = "test-braking"
-
-        def open_interface(self) -> None:
-            self.add_method("stop", lambda brake=True: brake, "stop, with or without the brakes")
-
-    braking = Braking()
+    braking = Bare(
+        lambda it: it.add_method("stop", lambda brake=True: brake, "stop, with or without the brakes")
+    )
     braking.open()
     assert braking.robot.stop(brake=False) is False
     assert len(braking.members()) == 1
 
 
 def test_the_checks_know_that_it_can_be_stopped() -> None:
-    class Known(Bare):
-        name = "test-known"
-        complete = True
-
-        def add_members(self) -> None:
-            self.add_variable("depth", lambda: 3, "below the surface")
-
+    known = Bare(lambda it: it.add_variable("depth", lambda: 3, "below the surface"), complete=True)
     text = "(machine m (state a (onentry [robot.stop()] [robot.halt()]))) (spawn m a)"
-    (finding,) = check(text, bridge=Known())
+    (finding,) = check(text, bridge=known)
     assert finding.message == "`robot` has no `halt`. It has `depth`, `stop`."
 
 
 # -- life -----------------------------------------------------------------------------------------
 
 
-class Noted(Bridge):
-    """Notes the life of a connection."""
-
-    name = "test-noted"
-
-    def __init__(self) -> None:
-        self.calls: list[str] = []
-        self.fail: Exception | None = None
-
-    def open_interface(self) -> Panel:
-        self.calls.append("open")
-        if self.fail:
-            raise self.fail
-        return Panel("Noted")
-
-    def close_interface(self) -> None:
-        self.calls.append("close")
-        if self.fail:
-            raise self.fail
-
-    def stop(self) -> None:
-        self.calls.append("stop")
-
-    def sense(self, now: float) -> None:
-        self.calls.append(f"sense {now}")
-        if self.fail:
-            raise self.fail
+@pytest.fixture
+def noted() -> Bare:
+    """It notes the life of its connection."""
+    return Bare(notes="open_interface close_interface stop", hardware=True)
 
 
 def test_opening_connects_once_and_returns_the_panel() -> None:
-    bridge = Noted()
+    opened: list[None] = []
+    bridge = Bare(open_interface=lambda: (opened.append(None), Panel("Noted"))[1])
     assert bridge.status.state is ConnectionState.DISCONNECTED
     assert bridge.open() == bridge.open() == Panel("Noted")
-    assert bridge.calls == ["open"]
+    assert len(opened) == 1
     assert bridge.status.state is ConnectionState.CONNECTED
     assert bridge.is_open
 
 
-def test_closing_stops_first_and_only_once() -> None:
-    bridge = Noted()
-    bridge.close()
-    bridge.open()
-    bridge.close()
-    bridge.close()
-    assert bridge.calls == ["open", "stop", "close"]
-    assert bridge.status.sentence == "`test-noted` is closed."
-    bridge.open()
-    assert bridge.is_open
+def test_closing_stops_first_and_only_once(noted: Bare) -> None:
+    noted.close()
+    noted.open()
+    noted.close()
+    noted.close()
+    assert noted.calls == ["open_interface", "stop", "close_interface"]
+    assert noted.status.sentence == "`test-bare` is closed."
+    noted.open()
+    assert noted.is_open
 
 
-def test_a_robot_that_is_not_there_is_a_bridge_error_and_a_status() -> None:
-    bridge = Noted()
-    bridge.fail = BridgeError("nobody answers at 10.0.0.7")
+def test_a_robot_that_is_not_there_is_a_bridge_error_and_a_status(noted: Bare) -> None:
+    noted.failing["open_interface"] = BridgeError("nobody answers at 10.0.0.7")
     with pytest.raises(BridgeError, match=r"^nobody answers"):
-        bridge.open()
-    assert bridge.status.sentence == "nobody answers at 10.0.0.7"
-    bridge.fail = OSError("no such port")
-    with pytest.raises(BridgeError, match=r"`test-noted` could not be opened: OSError: no such port"):
-        bridge.open()
-    assert not bridge.is_open
-    assert bridge.status.state is ConnectionState.DISCONNECTED
+        noted.open()
+    assert noted.status.sentence == "nobody answers at 10.0.0.7"
+    noted.failing["open_interface"] = OSError("no such port")
+    with pytest.raises(BridgeError, match=r"`test-bare` could not be opened: OSError: no such port"):
+        noted.open()
+    assert not noted.is_open
+    assert noted.status.state is ConnectionState.DISCONNECTED
 
 
-def test_closing_continues_when_the_bridge_fails() -> None:
-    bridge = Noted()
-    bridge.open()
-    bridge.fail = OSError("gone")
-    bridge.close()
-    assert not bridge.is_open
-    assert bridge.safety.notices[-1].text == "Closing `test-noted` failed: OSError: gone."
+def test_closing_continues_when_the_bridge_fails(noted: Bare) -> None:
+    noted.open()
+    noted.failing["close_interface"] = OSError("gone")
+    noted.close()
+    assert not noted.is_open
+    assert noted.safety.notices[-1].text == "Closing `test-bare` failed: OSError: gone."
 
 
-def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_continues() -> None:
-    bridge = Noted()
-    bridge.open()
-    bridge.fail = BridgeError("the server is gone")
+def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_continues(noted: Bare) -> None:
+    noted.open()
+    noted.failing["sense"] = BridgeError("the server is gone")
     for tick in range(3):
-        bridge.begin_tick(tick / 10, 0.1)
-        bridge.end_tick(tick / 10)
-    assert bridge.status.state is ConnectionState.LOST
-    assert bridge.status.sentence == "the server is gone"
-    assert bridge.calls.count("stop") == 1
-    assert [notice.count for notice in bridge.safety.notices] == [3]
-    bridge.fail = ValueError("a mistake in sense")
-    bridge.begin_tick(0.3, 0.1)
-    assert bridge.safety.notices[-1].text == "`sense` raised ValueError: a mistake in sense."
+        noted.begin_tick(tick / 10, 0.1)
+        noted.end_tick(tick / 10)
+    assert noted.status.state is ConnectionState.LOST
+    assert noted.status.sentence == "the server is gone"
+    assert noted.calls.count("stop") == 1
+    assert [notice.count for notice in noted.safety.notices] == [3]
+    noted.failing["sense"] = ValueError("a mistake in sense")
+    noted.begin_tick(0.3, 0.1)
+    assert noted.safety.notices[-1].text == "`sense` raised ValueError: a mistake in sense."
 
 
 def test_a_bridge_sets_its_own_status() -> None:
-    class Asking(Noted):
-        name = "test-asking"
-
-        def open_interface(self) -> Panel:
-            self.set_status("disconnected", "waiting for the address")
-            return Panel("Asking", questions=(Question("host", "Address of the robot"),))
-
-    bridge = Asking()
+    bridge = Bare(open_interface=lambda: bridge.set_status("disconnected", "waiting for the address"))
     bridge.open()
     assert bridge.status.sentence == "waiting for the address"
     bridge.set_status(ConnectionState.STALE)
-    assert bridge.status.sentence == "`test-asking` is stale."
+    assert bridge.status.sentence == "`test-bare` is stale."
     with pytest.raises(ValueError, match="not a valid ConnectionState"):
         bridge.set_status("fine")
 
@@ -604,10 +552,10 @@ def test_a_table_has_a_key_and_a_text_for_each_column_in_every_row() -> None:
 
 
 def test_the_stop_button_works_on_every_bridge_and_others_are_refused() -> None:
-    bridge = Noted()
+    bridge = Bare(open_interface=lambda: Panel("Noted"), notes="stop")
     bridge.open()
     bridge.press("stop")
-    assert bridge.calls == ["open", "stop"]
+    assert bridge.calls == ["stop"]
     with pytest.raises(BridgeError, match="no button `dance`"):
         bridge.press("dance")
     with pytest.raises(BridgeError, match="has no option `host`"):
@@ -617,44 +565,25 @@ def test_the_stop_button_works_on_every_bridge_and_others_are_refused() -> None:
 
 
 @pytest.mark.parametrize("words", ["the cable is missing", "The cable is missing."])
-def test_the_sentence_about_a_foreign_exception_ends_with_one_full_stop(words):
-    class Unplugged(Bridge):
-        def open_interface(self) -> Panel:
-            raise RuntimeError(words)
-
-    bridge = Unplugged()
+def test_the_sentence_about_a_foreign_exception_ends_with_one_full_stop(noted, words):
+    noted.failing["open_interface"] = RuntimeError(words)
     with pytest.raises(BridgeError):
-        bridge.open()
-    assert bridge.status.sentence == f"RuntimeError: {words.rstrip('.')}."
+        noted.open()
+    assert noted.status.sentence == f"RuntimeError: {words.rstrip('.')}."
 
 
 def test_hardware_without_a_panel_of_its_own_has_its_status_and_a_stop() -> None:
-    class Bare(Bridge, offered=False):
-        def open_interface(self) -> None:
-            self.stops = 0
-            self.set_status("waiting for data", "Waiting for the first value.")
-
-        def stop(self) -> None:
-            self.stops += 1
-
-    bare = Bare()
-    assert bare.panel() is None
-    bare.open()
-    panel = bare.panel()
+    waiting = ("waiting for data", "Waiting for the first value.")
+    bridge = Bare(open_interface=lambda: bridge.set_status(*waiting), hardware=True, notes="stop")
+    assert bridge.panel() is None
+    bridge.open()
+    panel = bridge.panel()
     assert panel is not None
     assert [field.value for field in panel.fields] == ["Waiting for the first value."]
-    bare.press(panel.buttons[0].key)
-    assert bare.stops == 1
-    bare.close()
+    bridge.press(panel.buttons[0].key)
+    assert bridge.calls == ["stop"]
+    bridge.close()
 
 
-def test_a_simulation_without_a_panel_has_none() -> None:
-    class Toy(Bridge, offered=False):
-        hardware = False
-
-        def open_interface(self) -> None: ...
-
-    toy = Toy()
-    toy.open()
-    assert toy.panel() is None
-    toy.close()
+def test_a_simulation_without_a_panel_has_none(bare: Bare) -> None:
+    assert bare.panel() is None

@@ -8,39 +8,14 @@ from functools import partial
 from typing import Any
 
 import pytest
+from support.robots import Buggy
 
-from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
+from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.errors import NoDataYet, StaleData
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
-
-
-class Buggy(Bridge):
-    """A buggy that sends what it measures; the test is its sender, and its clock."""
-
-    name = "test-buggy"
-    stop_timeout = None
-
-    def __init__(self) -> None:
-        self.time = 100.0
-        self.done: list[object] = []
-        self.fed.clock = lambda: self.time
-
-    def add_members(self) -> None:
-        self.feed("light.data", doc="0 dark ... 255 bright", unit="lx", type=int)
-        self.feed("battery", doc="what is left", stale_after=None)
-
-    def open_interface(self) -> None:
-        self.add_method("move", self.move, "drive, in m/s")
-        self.add_method("beep", lambda: self.done.append("beep"), "sound a tone")
-
-    def move(self, linear: float = 0.0) -> None:
-        self.done.append(linear)
-
-    def stop(self) -> None:
-        self.done.append("stop")
 
 
 @pytest.fixture
@@ -186,7 +161,7 @@ def test_a_value_that_may_be_old_stays(buggy: Buggy) -> None:
     buggy.feed("light.data", 7)
     tick(buggy, 3600.0, lambda: buggy.robot.move(linear=0.2))
     assert buggy.robot.battery == 0.8
-    assert buggy.done == [0.2]
+    assert buggy.calls == [0.2]
 
 
 def test_a_robot_with_old_data_is_stopped_once_and_moves_again_by_itself(buggy: Buggy) -> None:
@@ -195,10 +170,10 @@ def test_a_robot_with_old_data_is_stopped_once_and_moves_again_by_itself(buggy: 
 
     buggy.feed("light.data", 7)
     tick(buggy, 0.0, drive)
-    assert buggy.done == [0.2]
+    assert buggy.calls == [0.2]
     for number in range(11, 31):
         tick(buggy, number / 10, drive)
-    assert buggy.done == [0.2, "stop"]
+    assert buggy.calls == [0.2, "stop"]
     assert buggy.status.state is ConnectionState.STALE
     assert buggy.status.sentence == "`robot.light.data` is stale: its value is 3.0 s old."
     assert buggy.safety.commands[-1].sent is False
@@ -208,7 +183,7 @@ def test_a_robot_with_old_data_is_stopped_once_and_moves_again_by_itself(buggy: 
     )
     buggy.feed("light.data", 8)
     tick(buggy, 3.1, drive)
-    assert buggy.done == [0.2, "stop", 0.2]
+    assert buggy.calls == [0.2, "stop", 0.2]
     assert buggy.status.state is ConnectionState.CONNECTED
 
 
@@ -216,10 +191,10 @@ def test_with_old_data_the_robot_may_stop_and_do_what_does_not_move_it(buggy: Bu
     buggy.add_method("spin", buggy.move, "turn", velocity=True)
     buggy.feed("light.data", 7)
     tick(buggy, 1.1)
-    del buggy.done[:]
+    del buggy.calls[:]
     robot = buggy.robot
     tick(buggy, 1.2, robot.beep, lambda: robot.move(linear=0), robot.move, robot.spin, robot.beep)
-    assert buggy.done == ["beep", 0, "beep"]
+    assert buggy.calls == ["beep", 0, "beep"]
 
 
 def test_a_robot_that_was_never_heard_does_not_drive(buggy: Buggy) -> None:
@@ -228,22 +203,22 @@ def test_a_robot_that_was_never_heard_does_not_drive(buggy: Buggy) -> None:
 
     tick(buggy, 0.0, drive)
     tick(buggy, 1.0, drive)
-    assert buggy.done == [0.2, 0.2], "it may take a moment"
+    assert buggy.calls == [0.2, 0.2], "it may take a moment"
     tick(buggy, 1.1, drive)
     tick(buggy, 1.2, drive)
-    assert buggy.done == [0.2, 0.2, "stop"]
+    assert buggy.calls == [0.2, 0.2, "stop"]
     assert buggy.status.state is ConnectionState.WAITING
     assert buggy.status.sentence == "`robot.light.data`: nothing has arrived yet."
     buggy.feed("light.data", 7)
     tick(buggy, 1.3, drive)
-    assert buggy.done[-1] == 0.2
+    assert buggy.calls[-1] == 0.2
 
 
 def test_another_run_waits_for_the_first_value_no_longer_than_the_first_run(buggy: Buggy) -> None:
     tick(buggy, 100.0)
     for at in (0.0, 1.0, 1.1, 1.2):
         tick(buggy, at, partial(buggy.robot.move, linear=at))
-    assert buggy.done == [0.0, 1.0, "stop"]
+    assert buggy.calls == [0.0, 1.0, "stop"]
 
 
 def test_an_event_with_old_data_does_not_occur_and_is_no_issue() -> None:
@@ -267,11 +242,11 @@ def test_in_a_pause_old_data_are_shown_and_nothing_else_happens(buggy: Buggy) ->
     buggy.feed("light.data", 7)
     tick(buggy, 0.0)
     buggy.on_pause()
-    done, notices = list(buggy.done), buggy.safety.notices
+    done, notices = list(buggy.calls), buggy.safety.notices
     buggy.time += 60
     buggy.refresh()
     assert buggy.describe("light.data").absence == "stale, 60 s old"
-    assert (buggy.done, buggy.safety.notices) == (done, notices)
+    assert (buggy.calls, buggy.safety.notices) == (done, notices)
     assert buggy.status.state is ConnectionState.CONNECTED
 
 
@@ -281,19 +256,16 @@ def test_a_person_may_drive_again_as_soon_as_the_data_are_fresh(buggy: Buggy) ->
     buggy.on_pause()
     buggy.safety.rest()
     buggy.robot.move(linear=0.1)
-    assert 0.1 not in buggy.done
+    assert 0.1 not in buggy.calls
     buggy.feed("light.data", 8)
     buggy.robot.move(linear=0.1)
-    assert buggy.done[-1] == 0.1
+    assert buggy.calls[-1] == 0.1
 
 
 def test_a_world_of_its_own_has_its_own_time() -> None:
     class Toy(Buggy):
         name = "test-toy"
         time_step = 0.01
-
-        def __init__(self) -> None:
-            self.done = []
 
     toy = Toy()
     toy.open()

@@ -11,8 +11,8 @@ import numpy
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.robots import Bare
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.message import NUMBER, Message, Plain, Twist, Vector3
 from lrp_jupyter.errors import BridgeError
@@ -20,22 +20,14 @@ from lrp_jupyter.errors import BridgeError
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
 
-class Rover(Bridge):
-    """Takes a Twist."""
-
-    name = "test-rover"
-    hardware = False
-
-    def __init__(self) -> None:
-        self.sent: list[dict[str, Any]] = []
-
-    def open_interface(self) -> None:
-        self.add_method("move", lambda msg: self.sent.append(msg.as_dict()), "drive", message=Twist)
-
-
 @pytest.fixture
-def rover() -> Rover:
-    rover = Rover()
+def rover() -> Bare:
+    """It takes a Twist."""
+
+    def members(rover: Any) -> None:
+        rover.add_method("move", lambda msg: rover.calls.append(msg.as_dict()), "drive", message=Twist)
+
+    rover = Bare(members)
     rover.open()
     return rover
 
@@ -44,53 +36,53 @@ def twist(x: float = 0.0, z: float = 0.0) -> dict[str, dict[str, float]]:
     return {"linear": {"x": x, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": z}}
 
 
-def test_the_papers_block_fills_a_message(rover: Rover) -> None:
+def test_the_papers_block_fills_a_message(rover: Bare) -> None:
     forward, turn = 0.2, 0.5
     rover.robot.move(lambda msg: [msg.linear(x=forward), msg.angular(z=turn)])
-    assert rover.sent == [twist(0.2, 0.5)]
+    assert rover.calls == [twist(0.2, 0.5)]
 
 
-def test_a_def_fills_a_message(rover: Rover) -> None:
+def test_a_def_fills_a_message(rover: Bare) -> None:
     def fill(msg: Any) -> None:
         msg.linear.x = 0.2
         msg.angular.z = 0.5
 
     rover.robot.move(fill)
-    assert rover.sent == [twist(0.2, 0.5)]
+    assert rover.calls == [twist(0.2, 0.5)]
 
 
-def test_with_fills_a_message_and_sends_it_at_the_end(rover: Rover) -> None:
+def test_with_fills_a_message_and_sends_it_at_the_end(rover: Bare) -> None:
     with rover.robot.move as msg:
         msg.linear.x = 0.2
-        assert rover.sent == []
-    assert rover.sent == [twist(0.2)]
+        assert rover.calls == []
+    assert rover.calls == [twist(0.2)]
 
 
-def test_a_with_block_that_fails_sends_nothing(rover: Rover) -> None:
+def test_a_with_block_that_fails_sends_nothing(rover: Bare) -> None:
     with pytest.raises(ZeroDivisionError), rover.robot.move as msg:
         msg.linear.x = 1 / 0
-    assert rover.sent == []
+    assert rover.calls == []
     with rover.robot.move as msg:
         msg.angular.z = 1
-    assert rover.sent == [twist(z=1.0)]
+    assert rover.calls == [twist(z=1.0)]
 
 
-def test_keywords_fill_a_message_short_and_long(rover: Rover) -> None:
+def test_keywords_fill_a_message_short_and_long(rover: Bare) -> None:
     rover.robot.move(linear=0.2, angular=0.5)
     rover.robot.move(linear_x=0.2, angular_z=0.5)
     rover.robot.move(linear={"x": 0.2}, angular=Vector3(z=0.5))
     rover.robot.move(Twist(linear=0.2, angular=0.5))
-    assert rover.sent == [twist(0.2, 0.5)] * 4
+    assert rover.calls == [twist(0.2, 0.5)] * 4
 
 
-def test_what_is_not_set_keeps_its_default(rover: Rover) -> None:
+def test_what_is_not_set_keeps_its_default(rover: Bare) -> None:
     rover.robot.move(linear=0.2)
     rover.robot.move(angular=0.5)
     rover.robot.move()
-    assert rover.sent == [twist(0.2), twist(z=0.5), twist()]
+    assert rover.calls == [twist(0.2), twist(z=0.5), twist()]
 
 
-def test_a_mistake_in_a_name_is_answered_with_the_right_one(rover: Rover) -> None:
+def test_a_mistake_in_a_name_is_answered_with_the_right_one(rover: Bare) -> None:
     with pytest.raises(MemberError, match=r"`msg` has no `linaer`; it has .* Did you mean `linear`\?"):
         rover.robot.move(lambda msg: msg.linaer)
     with pytest.raises(MemberError, match=r"Did you mean `linear`\?"):
@@ -103,26 +95,26 @@ def test_a_mistake_in_a_name_is_answered_with_the_right_one(rover: Rover) -> Non
         rover.robot.move(lambda msg: setattr(msg.angular, "zz", 1))
     with pytest.raises(MemberError, match="`msg` has no `linear_w`"):
         rover.robot.move(linear_w=1)
-    assert rover.sent == []
+    assert rover.calls == []
 
 
 @pytest.mark.parametrize("value", ["fast", None, True, [1], 1j, math.nan, math.inf, -math.inf])
-def test_only_finite_numbers_are_numbers(rover: Rover, value: object) -> None:
+def test_only_finite_numbers_are_numbers(rover: Bare, value: object) -> None:
     with pytest.raises(BridgeError, match=r"`msg\.linear\.x` must be a (finite )?number"):
         rover.robot.move(linear=value)
     with pytest.raises(BridgeError, match=r"`msg\.angular\.z` must be"):
         rover.robot.move(lambda msg: setattr(msg.angular, "z", value))
-    assert rover.sent == []
+    assert rover.calls == []
 
 
 @pytest.mark.parametrize("value", [1, 1.0, Fraction(1), numpy.float32(1), numpy.int64(1), numpy.float64(1)])
-def test_every_real_number_is_converted_to_a_float(rover: Rover, value: object) -> None:
+def test_every_real_number_is_converted_to_a_float(rover: Bare, value: object) -> None:
     rover.robot.move(linear=value)
-    assert rover.sent == [twist(1.0)]
-    assert type(rover.sent[0]["linear"]["x"]) is float
+    assert rover.calls == [twist(1.0)]
+    assert type(rover.calls[0]["linear"]["x"]) is float
 
 
-def test_a_bare_number_or_two_arguments_are_refused_with_an_example(rover: Rover) -> None:
+def test_a_bare_number_or_two_arguments_are_refused_with_an_example(rover: Bare) -> None:
     with pytest.raises(BridgeError, match=r"does not accept 0\.2. Call it like `robot\.move\(linear=0\.2\)`"):
         rover.robot.move(0.2)
     with pytest.raises(BridgeError, match="takes one block or message, or keyword arguments"):
@@ -133,7 +125,7 @@ def test_a_bare_number_or_two_arguments_are_refused_with_an_example(rover: Rover
         rover.robot.move(Vector3(x=1))
 
 
-def test_an_error_of_the_block_is_its_own(rover: Rover) -> None:
+def test_an_error_of_the_block_is_its_own(rover: Bare) -> None:
     with pytest.raises(ZeroDivisionError):
         rover.robot.move(lambda msg: msg.linear(x=1 / 0))
 

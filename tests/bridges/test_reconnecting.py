@@ -5,13 +5,11 @@ from __future__ import annotations
 import itertools
 import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
-from typing import Any
 
 import pytest
-from bridges.bounded import bounded
-from bridges.dying import wait_until
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.conformance import BridgeConformance
@@ -120,13 +118,7 @@ def robot() -> Iterator[Robot]:
 
 
 @pytest.fixture
-def until() -> Callable[[Callable[[], object]], None]:
-    """Wait until something holds, for at most a minute."""
-    return wait_until
-
-
-@pytest.fixture
-def line(robot: Robot, until: Any) -> Iterator[Line]:
+def line(robot: Robot) -> Iterator[Line]:
     """Open and armed; what it was told is not old, however long a test is held up."""
     line = Line(robot.port)
     line.fed.clock = lambda: 0.0
@@ -137,7 +129,7 @@ def line(robot: Robot, until: Any) -> Iterator[Line]:
     line.close()
 
 
-def test_what_arrives_is_read_and_what_is_commanded_is_sent(line: Line, robot: Robot, until: Any) -> None:
+def test_what_arrives_is_read_and_what_is_commanded_is_sent(line: Line, robot: Robot) -> None:
     assert line.status.sentence == "`test-line` is connected."
     robot.say("7")
     until(lambda: line.describe("light.data").age is not None)
@@ -147,7 +139,7 @@ def test_what_arrives_is_read_and_what_is_commanded_is_sent(line: Line, robot: R
 
 
 def test_a_lost_robot_is_refused_then_stopped_and_gets_nothing_a_second_time(
-    line: Line, robot: Robot, until: Any
+    line: Line, robot: Robot
 ) -> None:
     line.robot.move(linear=0.2)
     until(lambda: robot.heard == ["move 0.2"])
@@ -186,7 +178,7 @@ def test_a_lost_robot_is_refused_then_stopped_and_gets_nothing_a_second_time(
     ],
 )
 def test_a_thread_that_receives_does_not_die_unseen(
-    line: Line, robot: Robot, until: Any, fault: BaseException, sentence: str
+    line: Line, robot: Robot, fault: BaseException, sentence: str
 ) -> None:
     faults = [fault]
     receive = line.receive
@@ -225,9 +217,9 @@ def test_a_robot_that_does_not_answer_is_given_up(robot: Robot, monkeypatch: pyt
     monkeypatch.setattr(Line, "connect", connect)
     monkeypatch.setattr(Line, "disconnect", lambda line: calls.append("disconnect"))
     line = Line(robot.port)
-    with bounded(2), pytest.raises(BridgeError, match=r"^`test-line` did not connect within 0\.1 s\.$"):
+    with pytest.raises(BridgeError, match=r"^`test-line` did not connect within 0\.1 s\.$"):
         line.open()
-    with bounded(2), pytest.raises(BridgeError, match="has not ended yet"):
+    with pytest.raises(BridgeError, match="has not ended yet"):
         line.open()
     over.set()
     assert line._thread is not None
@@ -237,6 +229,7 @@ def test_a_robot_that_does_not_answer_is_given_up(robot: Robot, monkeypatch: pyt
 
 
 def test_closing_ends_a_wait_for_data(line: Line, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lrp_jupyter.bridges.reconnecting._CALM", 0.01)
     waiting, closed = threading.Event(), threading.Event()
 
     def receive() -> None:
@@ -252,8 +245,7 @@ def test_closing_ends_a_wait_for_data(line: Line, monkeypatch: pytest.MonkeyPatc
     assert waiting.wait(10)
     thread = line._thread
     assert thread is not None
-    with bounded(2):
-        line.close()
+    line.close()
     thread.join(10)
     assert line.status.sentence == "`test-line` is closed."
     assert [notice.text for notice in line.safety.notices if notice.kind == "fault"] == []

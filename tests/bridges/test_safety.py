@@ -9,9 +9,11 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.robots import Bare, Cart
 
+from lrp_jupyter.bridges import safety
 from lrp_jupyter.bridges.bridge import Bridge, Twist
-from lrp_jupyter.bridges.safety import COMMANDS, Origin, patience
+from lrp_jupyter.bridges.safety import Origin, patience
 from lrp_jupyter.errors import BridgeError
 
 
@@ -69,13 +71,9 @@ def test_a_tick_that_begins_while_disarming_stops_the_robot_sends_nothing(cart: 
 
 
 def test_a_question_is_answered_while_disarmed() -> None:
-    class Asking(Bridge):
-        name = "test-question"
-
-        def open_interface(self) -> None:
-            self.add_method("version", lambda: 3, "of the firmware", command=False)
-
-    bridge = Asking()
+    bridge = Bare(
+        lambda it: it.add_method("version", lambda: 3, "of the firmware", command=False), hardware=True
+    )
     bridge.open()
     assert bridge.robot.version() == 3
     assert bridge.safety.commands == ()
@@ -93,13 +91,16 @@ def test_the_same_notice_again_and_again_is_counted(disarmed: Any) -> None:
     assert disarmed.safety.notice_count == disarmed.safety.command_count == 50
 
 
-def test_the_log_is_bounded_and_plain_data(disarmed: Any) -> None:
-    for number in range(COMMANDS + 300):
-        disarmed.robot.move(linear=number)
-        disarmed.safety.notice("fault", f"Fault {number}.")
-    assert len(disarmed.safety.notices) == 100
-    assert len(disarmed.safety.commands) == COMMANDS + 1
-    json.dumps([entry.as_dict() for entry in (*disarmed.safety.commands, *disarmed.safety.notices)])
+def test_the_log_is_bounded_and_plain_data(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(safety, "COMMANDS", 200)
+    cart = Cart()
+    cart.open()
+    for number in range(500):
+        cart.robot.move(linear=number)
+        cart.safety.notice("fault", f"Fault {number}.")
+    assert len(cart.safety.notices) == 100
+    assert len(cart.safety.commands) == 201
+    json.dumps([entry.as_dict() for entry in (*cart.safety.commands, *cart.safety.notices)])
 
 
 def test_an_argument_that_json_does_not_know_is_a_text_in_the_log(disarmed: Any) -> None:
@@ -148,29 +149,29 @@ def test_what_is_limited_must_be_a_number(cart: Any, value: object) -> None:
     assert cart.sent == []
 
 
-class Limited(Bridge):
+def limited() -> Bare:
     """Limits of a message."""
 
-    name = "test-limited"
-    hardware = False
-
-    def __init__(self) -> None:
-        self.sent: list[tuple[float, float]] = []
-
-    def open_interface(self) -> None:
+    def members(bridge: Any) -> None:
         limits = {"linear": (-0.1, 0.5), "angular.z": 1.0}
-        self.add_method("move", self.move, "drive", message=Twist, limits=limits)
+        bridge.add_method(
+            "move",
+            lambda msg: bridge.calls.append((msg.linear.x, msg.angular.z)),
+            "drive",
+            message=Twist,
+            limits=limits,
+        )
 
-    def move(self, msg: Any) -> None:
-        self.sent.append((msg.linear.x, msg.angular.z))
+    bridge = Bare(members)
+    bridge.open()
+    return bridge
 
 
 @given(st.floats(-5, 5), st.floats(-5, 5))
 def test_nothing_beyond_the_limits_ever_reaches_the_robot(linear: float, angular: float) -> None:
-    bridge = Limited()
-    bridge.open()
+    bridge = limited()
     bridge.robot.move(linear=linear, angular=angular)
-    ((x, z),) = bridge.sent
+    ((x, z),) = bridge.calls
     assert -0.1 <= x <= 0.5
     assert -1 <= z <= 1
     assert x == linear or bridge.safety.notices
@@ -178,7 +179,7 @@ def test_nothing_beyond_the_limits_ever_reaches_the_robot(linear: float, angular
 
 def test_a_limit_that_is_upside_down_is_refused() -> None:
     with pytest.raises(ValueError, match="from the smaller to the larger"):
-        Limited().add_method("lift", print, limits={"height": (1.0, 0.0)})
+        Bare().add_method("lift", print, limits={"height": (1.0, 0.0)})
 
 
 # -- the command watchdog -------------------------------------------------------------------------
@@ -228,24 +229,13 @@ def test_standing_still_needs_no_repetition(cart: Any) -> None:
 
 
 def test_a_motor_started_in_an_onentry_runs_on() -> None:
-    class Motors(Bridge):
-        name = "test-motors"
-        hardware = False
-        stopped = 0
-
-        def open_interface(self) -> None:
-            self.add_method("motorA.start", lambda speed: None, "turn")
-
-        def stop(self) -> None:
-            self.stopped += 1
-
-    bridge = Motors()
+    bridge = Bare(lambda it: it.add_method("motorA.start", lambda speed: None, "turn"), notes="stop")
     bridge.open()
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.motorA.start(50)
     for number in range(1, 50):
         tick(bridge, number / 10)
-    assert bridge.stopped == 0
+    assert bridge.calls == []
 
 
 # -- the tick watchdog ----------------------------------------------------------------------------
@@ -281,7 +271,7 @@ def test_without_ticks_nothing_is_watched(cart: Any) -> None:
 
 
 def test_a_world_that_stands_still_without_ticks_is_not_watched() -> None:
-    class World(Limited):
+    class World(Bare):
         name = "test-world"
         time_step = 0.01
 
@@ -330,39 +320,20 @@ def test_the_robot_is_stopped_before_anybody_is_told(cart: Any) -> None:
     [(None, OSError("unplugged")), (60.0, OSError("unplugged")), (60.0, KeyboardInterrupt("unplugged"))],
 )
 def test_a_stop_that_fails_does_not_raise_but_reports_it(timeout: float | None, error: BaseException) -> None:
-    class Broken(Bridge):
-        name = "test-broken-stop"
-        stop_timeout = timeout
-
-        def open_interface(self) -> None:
-            """Nothing."""
-
-        def stop(self) -> None:
-            raise error
-
-    bridge = Broken()
+    bridge = Bare(stop_timeout=timeout, notes="stop")
+    bridge.failing["stop"] = error
     bridge.open()
     assert bridge.stop_all() is False
     assert texts(bridge) == [f"The robot may not have stopped: {type(error).__name__}: unplugged."]
 
 
 def test_a_stop_that_hangs_does_not_hang_the_caller() -> None:
-    class Hanging(Bridge):
-        name = "test-hanging-stop"
-        stop_timeout = 0.05
-        go = threading.Event()
-
-        def open_interface(self) -> None:
-            """Nothing."""
-
-        def stop(self) -> None:
-            self.go.wait(10)
-
-    bridge = Hanging()
+    go = threading.Event()
+    bridge = Bare(stop=go.wait, stop_timeout=0.05)
     bridge.open()
     assert bridge.stop_all() is False
     assert texts(bridge) == ["The robot may not have stopped: no answer for 0.05 s."]
-    Hanging.go.set()
+    go.set()
 
 
 def test_a_robot_is_stopped_where_no_thread_can_be_started_any_more(
@@ -371,6 +342,7 @@ def test_a_robot_is_stopped_where_no_thread_can_be_started_any_more(
     def refuse(_thread: threading.Thread) -> None:
         raise RuntimeError("can't create new thread at interpreter shutdown")
 
+    cart.stop_timeout = 1.0
     cart.robot.move(linear=0.2)
     monkeypatch.setattr(threading.Thread, "start", refuse)
     assert cart.stop_all() is True
@@ -378,46 +350,36 @@ def test_a_robot_is_stopped_where_no_thread_can_be_started_any_more(
 
 
 def test_a_velocity_without_defaults_stops_with_zeros() -> None:
-    class Wheels(Bridge):
-        name = "test-wheels"
-        hardware = False
+    sent: list[tuple[float, ...]] = []
 
-        def __init__(self) -> None:
-            self.sent: list[tuple[float, ...]] = []
+    def members(bridge: Any) -> None:
+        bridge.add_method("move", turn, "speeds of the wheels")
+        bridge.add_method("arm.move", lambda *angles, speed: sent.append((*angles, speed)), "lift")
+        bridge.add_method("wink", lambda: sent.append((9.0,)), "no velocity")
 
-        def open_interface(self) -> None:
-            self.add_method("move", self.turn, "speeds of the wheels")
-            self.add_method("arm.move", lambda *angles, speed: self.sent.append((*angles, speed)), "lift")
-            self.add_method("wink", lambda: self.sent.append((9.0,)), "no velocity")
+    def turn(left: float, right: float, ramp: float = 0.5) -> None:
+        sent.append((left, right, ramp))
 
-        def turn(self, left: float, right: float, ramp: float = 0.5) -> None:
-            self.sent.append((left, right, ramp))
-
-    wheels = Wheels()
+    wheels = Bare(members)
     wheels.open()
     wheels.stop_all()
-    assert wheels.sent == [(0.0, 0.0, 0.5), (0.0,)]
+    assert sent == [(0.0, 0.0, 0.5), (0.0,)]
 
 
 def test_a_robot_that_cannot_be_stopped_leaves_no_other_one_moving() -> None:
-    class Herd(Bridge):
-        name = "test-herd"
-        hardware = False
+    sent: list[float] = []
 
-        def __init__(self) -> None:
-            self.sent: list[float] = []
+    def unplugged(linear: float) -> None:
+        raise OSError("unplugged")
 
-        def open_interface(self) -> None:
-            self.add_method("first.move", self.unplugged, "drive")
-            self.add_method("second.move", self.sent.append, "drive")
+    def members(bridge: Any) -> None:
+        bridge.add_method("first.move", unplugged, "drive")
+        bridge.add_method("second.move", sent.append, "drive")
 
-        def unplugged(self, linear: float) -> None:
-            raise OSError("unplugged")
-
-    herd = Herd()
+    herd = Bare(members)
     herd.open()
     assert herd.stop_all() is False
-    assert herd.sent == [0.0]
+    assert sent == [0.0]
     assert texts(herd) == ["The robot may not have stopped: `robot.first.move` failed: OSError: unplugged"]
 
 
@@ -432,24 +394,13 @@ def test_a_pause_stops_and_going_on_sends_nothing(cart: Any) -> None:
 
 
 def test_every_number_in_a_velocity_counts_as_movement() -> None:
-    class Arm(Bridge):
-        name = "test-arm"
-        hardware = False
-        stopped = 0
-
-        def open_interface(self) -> None:
-            self.add_method("move", lambda joints, note="": None, "speeds of the joints")
-
-        def stop(self) -> None:
-            self.stopped += 1
-
     def stops_after(command: object) -> bool:
-        arm = Arm()
+        arm = Bare(lambda it: it.add_method("move", lambda joints, note="": None, "joints"), notes="stop")
         arm.open()
         arm.begin_tick(0.0, 0.1)
         arm.robot.move(command)
         tick(arm, 1.0)
-        return arm.stopped == 1
+        return arm.calls == ["stop"]
 
     assert stops_after([0, 0.1])
     assert stops_after({"elbow": (0, 2)})
@@ -459,30 +410,17 @@ def test_every_number_in_a_velocity_counts_as_movement() -> None:
 
 
 def test_a_stop_while_a_command_is_under_way_is_the_last_word() -> None:
-    class Slow(Bridge):
-        name = "test-slow"
-        hardware = False
+    def move(linear: float) -> None:
+        thread = threading.Thread(target=bridge.stop_all)
+        thread.start()
+        thread.join()
+        bridge.calls.append("move")
 
-        def __init__(self) -> None:
-            self.done: list[str] = []
-
-        def open_interface(self) -> None:
-            self.add_method("move", self.move, "drive")
-
-        def move(self, linear: float) -> None:
-            thread = threading.Thread(target=self.stop_all)
-            thread.start()
-            thread.join()
-            self.done.append("move")
-
-        def stop(self) -> None:
-            self.done.append("stop")
-
-    bridge = Slow()
+    bridge = Bare(lambda it: it.add_method("move", move, "drive"), notes="stop")
     bridge.open()
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.move(0.2)
-    assert bridge.done == ["stop", "move", "stop"]
+    assert bridge.calls == ["stop", "move", "stop"]
 
 
 def test_a_command_during_a_stop_still_moves_the_robot_for_the_guard(cart: Any) -> None:
