@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import itertools
-import os
-import signal
-import subprocess
-import sys
 import threading
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from lrp_jupyter.bridges import probes
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, NullBridge, Panel, Twist
 from lrp_jupyter.bridges.conformance import BridgeConformance, ConformanceError, NotChecked, check_bridge
 from lrp_jupyter.bridges.message import Message
@@ -587,15 +585,14 @@ def test_a_report_is_a_list_to_read() -> None:
     assert repr(report) == str(report)
 
 
-def test_a_good_bridge_has_a_clean_report() -> None:
-    report = check_bridge(lambda: Good())
+def test_a_good_bridge_has_a_clean_report_with_what_could_not_be_checked_and_is_closed() -> None:
+    bridge = Good()
+    report = check_bridge(bridge)
     assert report.passed
     assert "FAIL" not in str(report)
     assert len(report.outcomes) == len(CHECKS)
-
-
-def test_what_cannot_be_checked_is_no_pass() -> None:
-    report = check_bridge(lambda: Good())
+    assert not bridge.is_open
+    assert all(isinstance(done, Message) and done == Twist() for done in bridge.done), "only stops reached it"
     missing = {outcome.missing for outcome in report.unchecked}
     assert {sentence.partition(",")[0].partition(":")[0] for sentence in missing} == {
         "The age of `light.data`",  # and of others
@@ -665,13 +662,6 @@ def test_a_machine_that_holds_up_the_checks_when_the_first_data_have_come_change
     HeldUp().test_data_that_cease_stop_the_robot()
 
 
-def test_a_bridge_that_exists_is_checked_itself_and_closed() -> None:
-    bridge = Good()
-    assert check_bridge(bridge).passed
-    assert not bridge.is_open
-    assert all(isinstance(done, Message) and done == Twist() for done in bridge.done), "only stops reached it"
-
-
 def test_a_bridge_that_cannot_even_be_made_is_reported() -> None:
     def make() -> Bridge:
         raise OSError("no such port")
@@ -702,24 +692,26 @@ def test_a_robot_whose_data_are_late_when_it_is_to_be_moved_is_given_time() -> N
     assert [done for done in late.done if done != Twist()], "it was moved"
 
 
-_HELD_UP = """
-import os, signal, time
-from lrp_jupyter.bridges.probes import within
+@pytest.mark.parametrize("hangs", [False, True])
+def test_a_limit_of_time_does_not_count_while_the_machine_does_something_else(
+    monkeypatch: pytest.MonkeyPatch, hangs: bool
+) -> None:
+    class Held:
+        """A thread that ends with the last slice of time that it is waited for, however long each took."""
 
-def answer():
-    time.sleep(0.1)
-    os.kill(os.getpid(), signal.SIGSTOP)
-    time.sleep(0.1)
-    return "in time"
+        def __init__(self, target: Any, **_: object) -> None:
+            self.start, self.slices = target, list[float]()
 
-assert within(0.5, "It", answer) == "in time"
-"""
+        def join(self, seconds: float) -> None:
+            self.slices.append(seconds)
 
+        def is_alive(self) -> bool:
+            assert sum(self.slices) == pytest.approx(0.5)
+            return hangs
 
-@pytest.mark.skipif(os.name != "posix", reason="A process cannot be suspended.")
-def test_a_limit_of_time_does_not_count_while_the_machine_does_something_else() -> None:
-    process = subprocess.Popen([sys.executable, "-c", _HELD_UP])
-    assert os.WIFSTOPPED(os.waitpid(process.pid, os.WUNTRACED)[1])
-    threading.Event().wait(0.6)  # longer than its limit
-    process.send_signal(signal.SIGCONT)
-    assert process.wait(60) == 0
+    monkeypatch.setattr(probes, "threading", SimpleNamespace(Thread=Held))
+    if hangs:
+        with pytest.raises(ConformanceError, match=r"It took more than 0\.5 s\."):
+            probes.within(0.5, "It", lambda: "in time")
+    else:
+        assert probes.within(0.5, "It", lambda: "in time") == "in time"

@@ -58,6 +58,7 @@ def test_the_bridges_of_this_package_are_found_by_name() -> None:
     assert known["none"].load() is NullBridge
 
 
+@pytest.mark.slow
 def test_they_are_found_though_a_library_has_replaced_the_finder_of_packages() -> None:
     """As the backport `importlib_metadata` does when it is imported, for example by Dask."""
     pytest.importorskip("importlib_metadata")
@@ -210,29 +211,6 @@ def test_options_go_to_the_bridge_and_unknown_ones_are_refused() -> None:
         make_bridge("none", host="10.0.0.7")
 
 
-def test_a_bridge_may_accept_any_option(registry: dict[str, type[Bridge]]) -> None:
-    class Free(Bridge):
-        def __init__(self, **options: object) -> None:
-            self.options = options
-
-        def open_interface(self) -> None:
-            """Nothing."""
-
-    assert make_bridge("free", colour="red").options == {"colour": "red"}  # type: ignore[attr-defined]
-
-
-def test_an_option_that_is_missing_is_a_bridge_error(registry: dict[str, type[Bridge]]) -> None:
-    class Needy(Bridge):
-        def __init__(self, port: str) -> None:
-            self.port = port
-
-        def open_interface(self) -> None:
-            """Nothing."""
-
-    with pytest.raises(BridgeError, match="`needy` needs the option `port`"):
-        make_bridge("needy")
-
-
 def test_a_class_an_object_and_nothing_are_used_as_they_are() -> None:
     assert isinstance(make_bridge(), NullBridge)
     assert isinstance(make_bridge(NullBridge), NullBridge)
@@ -240,23 +218,6 @@ def test_a_class_an_object_and_nothing_are_used_as_they_are() -> None:
     assert make_bridge(bridge) is bridge
     with pytest.raises(BridgeError, match="exists already"):
         make_bridge(bridge, world="line")
-
-
-def test_a_text_for_an_option_that_is_a_number_is_read_as_one(registry: dict[str, type[Bridge]]) -> None:
-    class Knob(Bridge):
-        """A knob."""
-
-        name = "test-knob"
-
-        def __init__(self, port: int = 1, name: str = "", gain: float = 1.0) -> None:
-            self.taken = (port, name, gain)
-
-        def open_interface(self) -> None:
-            """Nothing to open."""
-
-    assert make_bridge("test-knob", port="7", name="8", gain="0.5").taken == (7, "8", 0.5)  # type: ignore[attr-defined]
-    with pytest.raises(BridgeError, match="`port` takes a whole number, not `seven`"):
-        make_bridge("test-knob", port="seven")
 
 
 # -- a bridge in a Python file --------------------------------------------------------------------
@@ -325,6 +286,7 @@ def test_a_file_that_is_not_there_is_told_with_its_name(tmp_path: Path) -> None:
         choose_bridge(str(tmp_path / "other.py"))
 
 
+@pytest.mark.slow
 def test_what_a_file_defines_can_be_sent_to_another_process(registry: object, tmp_path: Path) -> None:
     file = tmp_path / "mine.py"
     file.write_text(MINE)

@@ -257,7 +257,6 @@ class Brick:
         self.connections = self.resets = self.goodbyes = self.beacons = self.answers = 0
         self.fault = ""
         """split, half, silent, close, refuse, merge, noise, other size: what happens to replies."""
-        self.unlocking_takes = 0.0  # seconds
         self.plugged = True
         self._locked = locked
         self._beacon_port = beacon_port
@@ -467,7 +466,6 @@ class Brick:
             self._drop()
             return
         self._buffer, self._unlocked = b"", True
-        time.sleep(self.unlocking_takes)
         with suppress(OSError):
             self._connection.sendall(b"Accept:EV340\r\n\r\n")
 

@@ -288,17 +288,6 @@ def test_a_runstop_that_cannot_reach_the_brick_reports_it(
     assert any("within 0.6 s by itself, and all as soon as it is found" in text for text in texts)
 
 
-def test_a_pause_stops_and_going_on_sends_nothing(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
-    bridge.robot.motorA.start_at_speed(100)
-    bridge.on_pause()
-    bridge.on_resume()
-    fresh()
-    assert sent(brick)[-1] == STOP_ALL
-    assert brick.motors[0].turning == 0
-
-
 def test_a_motor_started_once_runs_on_without_new_commands(
     bridge: EV3Bridge, brick: Any, passes: Callable[[float], None]
 ) -> None:

@@ -16,7 +16,7 @@ from lrp_jupyter.programs import load
 from lrp_jupyter.sim.simulation import STEP, Simulation
 
 WHEEL, TRACK = 0.056, 0.12  # m
-EVERY = 4  # physics steps between two looks at the motors
+EVERY = 8  # physics steps between two looks at the motors
 
 
 def test_the_follower_goes_there_and_back(
