@@ -28,11 +28,12 @@ def _no_workers_left():
 
 @pytest.fixture(autouse=True)
 def _no_suspension(monkeypatch):
-    """Have no time pass for the guards of this process: a test that the machine holds up is not suspended."""
+    """Have no time pass for guards of this process: a test that the machine holds up is not suspended."""
     from lrp_jupyter.bridges import guard
 
     present = guard.now()
     monkeypatch.setattr(guard, "now", lambda: present)
+    monkeypatch.setattr(guard, "SILENCE", 3600.0)  # of this process, for the guard process
 
 
 @pytest.fixture(autouse=True, scope="session")

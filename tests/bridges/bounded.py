@@ -1,8 +1,7 @@
 """Limits of time that a loaded machine does not break."""
 
-import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 _SLICE = 0.005  # s
@@ -42,14 +41,3 @@ def bounded(seconds: float) -> Iterator[None]:
         clock.close()
     took = clock()
     assert took < seconds, f"it took {took:.2f} s of at most {seconds:g} s"
-
-
-def persistently(scenario: Callable[[], None]) -> None:
-    """Run a scenario, up to five times: a busy machine delays a process now and then, a fault each time."""
-    for _ in range(4):
-        try:
-            scenario()
-            return
-        except AssertionError as error:
-            sys.stderr.write(f"It is tried again: {error}\n")
-    scenario()

@@ -6,10 +6,8 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
-from bridges.dying import DRIVERS, CommandLine, Kernel, Robot, wait_until
 from support.robots import Cart
 
 from lrp_jupyter.bridges.conformance import BridgeConformance
@@ -86,14 +84,3 @@ def bare_lrp() -> Iterator[Callable[..., subprocess.Popen[str]]]:
         if process.poll() is None:
             process.kill()
         process.communicate()
-
-
-@pytest.fixture(params=DRIVERS)
-def driver(request: pytest.FixtureRequest, robot: Robot, tmp_path: Path) -> Iterator[CommandLine | Kernel]:
-    """A program that drives the robot."""
-    driver = DRIVERS[request.param](robot, tmp_path)
-    try:
-        wait_until(lambda: robot.drives, driver.reason())
-        yield driver
-    finally:
-        driver.end()

@@ -2,6 +2,9 @@
 
 A robot is described by how the two reach it, and by what it was told, as itself reports it. For one more
 kind, write a fixture `robot` and a subclass of `StandsStill` whose name begins with ``Test``.
+
+A program that the machine holds up is suspended, too, and its robot is rightly stopped: what is tested here
+holds in either case. Where only the death of the program may stop the robot, its guard is patient.
 """
 
 from __future__ import annotations
@@ -11,36 +14,27 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import psutil
-from bridges.bounded import bounded
+from bridges import wheels
+from support.waiting import until
 
-_CONNECTED = (2.5, 5.0, 10.0)  # s until a guard has connected to the robot: more if it came too late
 PROGRAM = "(machine m (state s (running [robot.move(linear=0.2)]))) (spawn m s)"
+PATIENT = "from lrp_jupyter.bridges import guard\nguard.SILENCE = guard._LAPSE = 3600.0\n"
 
-_LRP = "{imports}\nfrom lrp_jupyter.cli import main\nmain()"
+_LRP = "{imports}\n{before}\nfrom lrp_jupyter.cli import main\nmain()"
 _CELL = """
-import signal
 from lrp_jupyter import Session
 {cell}
 session = Session({program!r}, bridge)
 session.start()
 bridge.arm()
 """
-
-
-def wait_until(holds: Callable[[], object], what: str = "", seconds: float = 60.0) -> None:
-    """Wait for what another process or thread does."""
-    end, tick = time.monotonic() + seconds, threading.Event()
-    while not holds():
-        assert time.monotonic() < end, what or "it did not happen"
-        tick.wait(0.02)
 
 
 @dataclass
@@ -53,74 +47,49 @@ class Robot:
         Returns when it was told which speed, by `time.monotonic`, as far as the speed was another one.
     arguments : sequence of str
         Of ``lrp run``.
-    imports : str
-        What ``lrp`` imports before.
     cell : str
         Code that makes `bridge` in a notebook.
+    imports : str
+        What ``lrp`` imports before.
     """
 
     speeds: Callable[[], list[tuple[float, float]]]
     arguments: Sequence[str]
-    cell: str
+    cell: str = ""
     imports: str = ""
     environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
 
     @property
+    def told(self) -> list[float]:
+        """The speeds."""
+        return [speed for _, speed in self.speeds()]
+
+    @property
     def drives(self) -> bool:
         """Whether it was told to drive last."""
-        return any(speed for _, speed in self.speeds()[-1:])
+        return any(self.told[-1:])
 
     @property
     def stands(self) -> bool:
         """Whether it was told to stand last."""
-        return [speed for _, speed in self.speeds()[-1:]] == [0.0]
+        return self.told[-1:] == [0.0]
 
-    def has_driven_for(self, seconds: float) -> None:
-        """Wait until it has driven for a while."""
-        wait_until(lambda: self.drives and time.monotonic() - self.speeds()[-1][0] > seconds)
+    def is_driven(self) -> None:
+        """Wait until it was told to drive."""
+        until(lambda: any(self.told), "it does not drive")
 
-    def stood_after(self, moment: float) -> float:
-        """Seconds from a moment until it was told to stand, for the last time."""
-        return self.speeds()[-1][0] - moment
-
-
-class Driver(Protocol):
-    """A program that drives a robot.
-
-    Attributes
-    ----------
-    pid : int
-        Of its process.
-    """
-
-    pid: int
-
-    def __init__(self, robot: Robot, folder: Path) -> None: ...
-
-    def reason(self) -> str:
-        """Return why it is paused, or all that it printed."""
-        ...
-
-    def notices(self) -> str:
-        """Return what was said of the robot."""
-        ...
-
-    def resume(self) -> None:
-        """Have it drive on; a command line without a keyboard has ended."""
-        ...
-
-    def end(self) -> None:
-        """End what is left of it."""
-        ...
+    def is_stopped(self) -> None:
+        """Wait until it was told to stand, and nothing else after that."""
+        until(lambda: self.stands, "nobody stopped it")
 
 
 class CommandLine:
-    """``lrp run``."""
+    """``lrp run``, without a keyboard; `before` is code that runs before it."""
 
-    def __init__(self, robot: Robot, folder: Path, text: str = PROGRAM) -> None:
+    def __init__(self, robot: Robot, folder: Path, text: str = PROGRAM, before: str = "") -> None:
         program = folder / "drive.lrp"
         program.write_text(text, encoding="utf-8")
-        code = _LRP.format(imports=robot.imports)
+        code = _LRP.format(imports=robot.imports, before=before)
         self._log = folder / "log"
         with self._log.open("w") as log:
             self.process = subprocess.Popen(
@@ -133,14 +102,9 @@ class CommandLine:
             )
         self.pid = self.process.pid
 
-    def reason(self) -> str:
+    def said(self) -> str:
+        """All that it printed."""
         return " ".join(self._log.read_text().split())
-
-    def notices(self) -> str:
-        return self.reason()
-
-    def resume(self) -> None:
-        assert self.process.wait(60) == 1, "nobody could resume it"
 
     def end(self) -> None:
         if self.process.poll() is None:
@@ -160,32 +124,63 @@ class Kernel:
         self._client.start_channels()
         self._client.wait_for_ready(timeout=120)
         self.pid = self._manager.provisioner.pid  # type: ignore[union-attr]
-        self._run(_CELL.format(cell=robot.cell, program=PROGRAM))
+        self.run(_CELL.format(cell=robot.cell, program=PROGRAM))
 
-    def _run(self, code: str, expression: str = "''") -> str:
+    def run(self, code: str, expression: str = "''") -> str:
         reply = self._client.execute(code, reply=True, timeout=120, user_expressions={"it": expression})
         assert reply["content"]["status"] == "ok", "\n".join(reply["content"].get("traceback", []))
         data: Any = reply["content"]["user_expressions"]["it"]["data"]["text/plain"]
         return str(data)
 
-    def reason(self) -> str:
-        return self._run("", "session.frame.reason")
-
-    def notices(self) -> str:
-        return self._run("", "[notice.text for notice in bridge.safety.notices]")
-
-    def resume(self) -> None:
-        self._run("session.resume()")
+    def said(self) -> str:
+        """Why it is paused."""
+        return self.run("", "session.frame.reason")
 
     def end(self) -> None:
         self._client.stop_channels()
         self._manager.shutdown_kernel(now=True)
 
 
-DRIVERS: Mapping[str, Callable[[Robot, Path], CommandLine | Kernel]] = {
-    "lrp run": CommandLine,
-    "kernel": Kernel,
-}
+WHEELS = Path(wheels.__file__)
+# the class is one of the notebook, so no module has it
+_NOTEBOOK = """
+source = {source!r}
+exec(source.replace("from __future__ import annotations", ""))
+bridge = WheelsBridge({port})
+"""
+
+
+@contextmanager
+def on_wheels() -> Iterator[Callable[[], Robot]]:
+    """Start the robot behind a socket; a call has it stand, and forgets what it was told until then."""
+    with subprocess.Popen([sys.executable, str(WHEELS)], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        stdout, told = process.stdout, list[tuple[float, float]]()
+        port = int(stdout.readline())
+
+        def listen() -> None:
+            for line in stdout:
+                moment, speed = map(float, line.split())
+                told.append((moment, speed))
+
+        def standing() -> Robot:
+            wheels.halt(port)
+            until(lambda: not any(speed for _, speed in told[-1:]))
+            before = len(told)
+            paths = str(WHEELS.parents[1]), os.environ.get("PYTHONPATH")
+            return Robot(
+                lambda: told[before:],
+                ("--bridge", "wheels", "--option", f"port={port}"),
+                _NOTEBOOK.format(source=WHEELS.read_text().partition("\nclass Wheels:")[0], port=port),
+                "import bridges.wheels",
+                {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))},
+            )
+
+        listener = threading.Thread(target=listen)
+        listener.start()
+        yield standing
+        process.kill()
+        listener.join()
 
 
 def guards(pid: int) -> list[int]:
@@ -205,105 +200,51 @@ def lives(pid: int) -> bool:
         return False
 
 
+def kill(driver: CommandLine | Kernel, robot: Robot) -> None:
+    """Kill a program, and wait until its guard has stopped the robot, and ended."""
+    until(lambda: len(guards(driver.pid)) == 1, "it has no guard")
+    processes = guards(driver.pid)
+    os.kill(driver.pid, signal.SIGKILL)
+    robot.is_stopped()
+    until(lambda: not any(map(lives, processes)), "the guard lingers")
+
+
+def suspend(driver: CommandLine | Kernel, robot: Robot) -> int:
+    """Suspend a program until its robot stands, and wake it; return how much the robot had been told then."""
+    os.kill(driver.pid, signal.SIGSTOP)
+    robot.is_stopped()
+    told = len(robot.told)
+    os.kill(driver.pid, signal.SIGCONT)
+    until(lambda: "This program was suspended for" in driver.said(), driver.said)
+    return told
+
+
+def does_not_drive_on(robot: Robot, told: int) -> None:
+    """Assert that only what was on its way has arrived since then, and the stop after it."""
+    robot.is_stopped()
+    assert len([speed for speed in robot.told[told:] if speed]) <= 1, "it drove on by itself"
+
+
 class StandsStill:
-    """A robot stands although the program that drives it is dead or suspended.
+    """A guard stops a robot whose program is dead or suspended."""
 
-    Attributes
-    ----------
-    guarded : bool
-        Whether a guard does that; else the robot itself.
-    """
-
-    guarded = True
-
-    def test_after_kill_9_of_its_program(
-        self, robot: Robot, driver: Driver, tmp_path: Path, record_property: Callable[..., None]
-    ) -> None:
-        def scenario(driver: Driver, connected: float) -> None:
-            with in_time():
-                robot.has_driven_for(connected)
-            processes = guards(driver.pid)
-            assert len(processes) == self.guarded
-            moment = self._stands_after(driver, signal.SIGKILL, robot)
-            record_property("stands after", robot.stood_after(moment))
-            wait_until(lambda: not any(map(lives, processes)), "the guard lingers")
-
-        patiently(scenario, robot, driver, tmp_path)
+    def test_after_kill_9_of_its_program(self, robot: Robot, tmp_path: Path) -> None:
+        driver = CommandLine(robot, tmp_path, before=PATIENT)
+        try:
+            robot.is_driven()
+            kill(driver, robot)
+        finally:
+            driver.end()
 
     def test_while_its_program_is_suspended_and_does_not_drive_on_by_itself(
-        self, robot: Robot, driver: Driver, tmp_path: Path, record_property: Callable[..., None]
+        self, robot: Robot, tmp_path: Path
     ) -> None:
-        def scenario(driver: Driver, connected: float) -> None:
-            with in_time():
-                robot.has_driven_for(connected)
-            moment = self._stands_after(driver, signal.SIGSTOP, robot)
-            record_property("stands after", robot.stood_after(moment))
-            stood = len(robot.speeds())
-            wait_until(lambda: time.monotonic() - moment > 1.5)  # a brick stops sooner than that
-            kill(driver, signal.SIGCONT)
-            try:
-                wait_until(lambda: "This program was suspended for" in driver.reason())
-            except AssertionError:
-                raise AssertionError(f"no one is told, but {driver.reason()!r}: {driver.notices()}") from None
-            with in_time():  # only what was on its way may still arrive, with the stop right after it
-                wait_until(lambda: robot.stands, "it drives on by itself", 0.5)
-            after = robot.speeds()[stood:]
-            assert len([speed for _, speed in after if speed]) <= 1, "it drove on by itself"
-            drove = after[-1][0] - after[0][0] if after else 0.0
-            record_property("drove on for", drove)
-            with in_time():
-                assert drove < 0.2, f"it drove on for {drove:.2f} s"
-            assert "publishes on" not in driver.notices(), f"no other node commands: {driver.notices()}"
-            with in_time():  # a guard whose report is late is not named
-                who = ", and the guard stopped the robot." if self.guarded else ": the robot was stopped."
-                assert who in driver.reason()
-            driver.resume()
-
-        patiently(scenario, robot, driver, tmp_path)
-
-    def _stands_after(self, driver: Driver, number: signal.Signals, robot: Robot) -> float:
-        """Kill or suspend the program; return the moment when the robot stands, which is soon."""
-        with in_time(), bounded(1.5):
-            moment = kill(driver, number)
-            wait_until(lambda: robot.stands)
-        return moment
-
-
-class LateError(AssertionError):
-    """Something came too late, maybe only because the machine has so much to do."""
-
-
-@contextmanager
-def in_time() -> Iterator[None]:
-    """Assert something that a loaded machine breaks."""
-    try:
-        yield
-    except AssertionError as error:
-        raise LateError(str(error)) from error
-
-
-def patiently(scenario: Callable[[Driver, float], None], robot: Robot, driver: Driver, folder: Path) -> None:
-    """Run a scenario with a program that drives, and with up to two more where something came too late.
-
-    A machine that holds up a program or its guard does so now and then; a fault does so each time.
-    """
-    with ExitStack() as started:
-        for connected in _CONNECTED:
-            try:
-                scenario(driver, connected)
-                return
-            except LateError as late:
-                if connected == _CONNECTED[-1]:
-                    raise
-                sys.stderr.write(f"Trying again: {late}\n")
-            kill(driver, signal.SIGKILL)
-            wait_until(lambda: robot.stands, "it was not stopped")
-            driver = type(driver)(robot, folder)
-            started.callback(driver.end)
-
-
-def kill(driver: Driver, number: signal.Signals) -> float:
-    """Send a signal; return the moment, by `time.monotonic`."""
-    moment = time.monotonic()
-    os.kill(driver.pid, number)
-    return moment
+        driver = CommandLine(robot, tmp_path)
+        try:
+            robot.is_driven()
+            told = suspend(driver, robot)
+            assert driver.process.wait(60) == 1, "nobody could resume it"
+            does_not_drive_on(robot, told)
+            assert "publishes on" not in driver.said(), "the guard is no other node that commands"
+        finally:
+            driver.end()

@@ -1,9 +1,8 @@
-"""``lrp guard`` watches the commands of a robot, whatever brings them."""
+"""``lrp guard`` watches the commands of a robot, whatever brings them; by a clock that its looking turns."""
 
 from __future__ import annotations
 
-import threading
-import time
+from types import SimpleNamespace
 
 import pytest
 
@@ -14,72 +13,74 @@ from lrp_jupyter.errors import BridgeError
 class Commanded:
     """A robot that is commanded on a topic where everyone hears everything, the guard its own stops, too."""
 
-    def __init__(self, over: threading.Event) -> None:
-        self.heard = (0.0, False)
-        self.stops = 0
+    def __init__(self) -> None:
+        self.now, self.heard = 100.0, (0.0, False)
+        self.stops: list[float] = []
+        self.said: list[str] = []
         self.is_away = False
-        self._over, self._looks = over, 0
-
-    def drive(self, ago: float = 0.0) -> None:
-        self.heard = (time.monotonic() - ago, True)
+        self.commands: list[float] = []
 
     def state(self) -> str:
-        """Return a sentence; the guard asks for it at each look, and ends after a hundred."""
-        self._looks += 1
-        if self._looks == 100:
-            self._over.set()
         return "The robot is away." if self.is_away else "Connected."
 
     def stop(self) -> None:
         if self.is_away:
             self.is_away = False  # the next one gets through
             raise BridgeError("The robot is away.")
-        self.stops += 1
-        self.heard = (time.monotonic(), False)
+        self.stops.append(self.now)
+        self.heard = (self.now, False)
 
     def close(self) -> None:
         pass
 
+    def wait(self, seconds: float) -> bool:
+        """Let the guard look again; commands come meanwhile."""
+        self.now += seconds
+        if self.commands and self.commands[0] <= self.now:
+            self.heard = (self.commands.pop(0), True)
+        return self.now > 105
+
+    def is_guarded(self, *commands: float) -> None:
+        """Be commanded to drive at these seconds, and guarded for five."""
+        self.commands = [self.now + at for at in commands]
+        guard.watch(self, 0.5, self.said.append, self)  # type: ignore[arg-type]
+
 
 @pytest.fixture
-def over() -> threading.Event:
-    return threading.Event()
+def robot(monkeypatch: pytest.MonkeyPatch) -> Commanded:
+    robot = Commanded()
+    monkeypatch.setattr(guard, "time", SimpleNamespace(monotonic=lambda: robot.now))
+    return robot
 
 
-@pytest.fixture
-def robot(over: threading.Event, monkeypatch: pytest.MonkeyPatch) -> Commanded:
-    monkeypatch.setattr(guard, "_LOOK", 0.001)
-    return Commanded(over)
-
-
-def test_a_robot_that_joins_late_still_gets_a_stop(robot: Commanded, over: threading.Event) -> None:
-    robot.drive(ago=1)
-    said: list[str] = []
-    guard.watch(robot, 0.5, said.append, over)
-    assert robot.stops == 20, "hearing the first one says nothing about the robot"
-    assert [text for text in said if "is stopped" in text] == [
-        "No command for 0.5 s, and the last one moves the robot. It is stopped."
+def test_a_robot_is_stopped_half_a_second_after_the_last_command_and_may_join_late(robot: Commanded) -> None:
+    robot.is_guarded(0.1, 0.5, 0.9)
+    assert robot.stops[0] == pytest.approx(101.4, abs=0.06)
+    assert len(robot.stops) == 20, "hearing the first one says nothing about the robot"
+    assert robot.said == [
+        "Connected.",
+        "No command for 0.5 s, and the last one moves the robot. It is stopped.",
     ]
 
 
-def test_a_stop_that_cannot_be_sent_is_tried_again(robot: Commanded, over: threading.Event) -> None:
-    robot.drive(ago=1)
+def test_a_robot_that_is_commanded_in_time_is_left_alone(robot: Commanded) -> None:
+    robot.is_guarded(*(0.4 * number for number in range(14)))
+    assert robot.stops == []
+
+
+def test_a_stop_that_cannot_be_sent_is_tried_again(robot: Commanded) -> None:
     robot.is_away = True
-    guard.watch(robot, 0.5, lambda _text: None, over)
-    assert robot.stops == 20
+    robot.is_guarded(0.1)
+    assert len(robot.stops) == 20
 
 
-def test_a_robot_that_is_commanded_again_is_left_alone(
-    robot: Commanded, over: threading.Event, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    stops: list[None] = []
-    monkeypatch.setattr(robot, "stop", lambda: stops.append(robot.drive(ago=-60)))  # its driver is back
-    robot.drive(ago=1)
-    guard.watch(robot, 0.5, lambda _text: None, over)
-    assert len(stops) == 1
+def test_a_driver_that_is_back_ends_the_stops(robot: Commanded) -> None:
+    robot.is_guarded(0.1, *(0.8 + 0.4 * number for number in range(14)))
+    assert robot.stops
+    assert robot.stops[-1] < 100.9
 
 
-def test_a_robot_that_stands_is_never_stopped(robot: Commanded, over: threading.Event) -> None:
-    robot.heard = (time.monotonic() - 1, False)
-    guard.watch(robot, 0.5, lambda _text: None, over)
-    assert robot.stops == 0
+def test_a_robot_that_stands_is_never_stopped(robot: Commanded) -> None:
+    robot.heard = (robot.now - 1, False)
+    robot.is_guarded()
+    assert robot.stops == []

@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.bounded import bounded, persistently
-from bridges.dying import Robot, StandsStill, wait_until
+from bridges.dying import Robot, StandsStill
+from support.waiting import until
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
@@ -32,7 +31,6 @@ def robot(real: Any, backend: str) -> Robot:
     return Robot(
         speeds,
         ("--bridge", "ros", *(part for option in named for part in ("--option", option))),
-        f"from lrp_jupyter.bridges.ros import RosBridge\nbridge = RosBridge(**{options!r})",
         environment=real.environment,
     )
 
@@ -41,49 +39,16 @@ class TestARosRobot(StandsStill):
     """Its stopper has a node, or a connection to the rosbridge server, of its own."""
 
 
-@pytest.fixture
-def beside(real: Any, robot: Robot, backend: str) -> list[str]:
-    """``lrp guard`` beside the robot; what it prints."""
+def test_a_robot_whose_commands_cease_is_stopped_on_its_own_side(
+    real: Any, robot: Robot, backend: str
+) -> None:
     port = real.rosbridge_port if backend == "rosbridge" else real.master_port
     options = ("--backend", backend, "--host", f"127.0.0.1:{port}", "--topic", "/cmd_vel")
     printed: list[str] = real.lines(real.start(sys.executable, "-m", "lrp_jupyter", "guard", *options))
-    wait_until(lambda: any("Connected" in line or "nothing has arrived" in line for line in printed))
-    return printed
-
-
-def stops(beside: list[str]) -> int:
-    return sum("No command for 0.5 s" in line for line in beside)
-
-
-def test_a_robot_whose_commands_cease_is_stopped_on_its_own_side(
-    real: Any, robot: Robot, beside: list[str], record_property: Any
-) -> None:
-    def ceases() -> None:
-        command = ("/cmd_vel", "geometry_msgs/Twist", "[0.2, 0, 0]", "[0, 0, 0.5]")
-        program = real.start("/usr/bin/rostopic", "pub", "-r", "10", *command)
-        try:
-            robot.has_driven_for(1.0)  # so it lets a robot drive that is commanded
-            stopped = stops(beside)
-            with bounded(1.5):
-                moment = time.monotonic()
-                os.killpg(program.pid, signal.SIGKILL)
-                wait_until(lambda: robot.stands)
-        finally:
-            if program.poll() is None:
-                os.killpg(program.pid, signal.SIGKILL)
-        record_property("stands after", robot.stood_after(moment))
-        wait_until(lambda: stops(beside) > stopped)
-
-    for _ in range(2):
-        persistently(ceases)
-
-
-def test_another_driver_of_a_robot_that_stands_is_left_alone(
-    real: Any, robot: Robot, beside: list[str]
-) -> None:
-    command = ("/cmd_vel", "geometry_msgs/Twist", "[0, 0, 0]", "[0, 0, 0]")
-    real.start("/usr/bin/rostopic", "pub", "-1", *command)
-    end = time.monotonic() + 2
-    wait_until(lambda: time.monotonic() > end)
-    assert stops(beside) == 0
-    assert robot.speeds() == []
+    until(lambda: any("Connected" in line or "nothing has arrived" in line for line in printed))
+    command = ("/cmd_vel", "geometry_msgs/Twist", "[0.2, 0, 0]", "[0, 0, 0.5]")
+    program = real.start("/usr/bin/rostopic", "pub", "-r", "10", *command)
+    until(lambda: robot.drives)
+    os.killpg(program.pid, signal.SIGKILL)
+    robot.is_stopped()
+    until(lambda: any("No command for 0.5 s" in line for line in printed))
