@@ -7,7 +7,8 @@ import { loadPyodide } from "pyodide";
 const [packages, ...parts] = process.argv.slice(2);
 const folders = { "/packages": packages, "/project": fileURLToPath(new URL("../..", import.meta.url)) };
 
-const python = await loadPyodide({ env: { HOME: "/", PYTHONDONTWRITEBYTECODE: "1" } });
+const { HYPOTHESIS_PROFILE = "same" } = process.env;
+const python = await loadPyodide({ env: { HOME: "/", PYTHONDONTWRITEBYTECODE: "1", HYPOTHESIS_PROFILE } });
 for (const [inside, outside] of Object.entries(folders)) {
   python.FS.mkdirTree(inside);
   python.mountNodeFS(inside, outside);
