@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.identity import Successors, after_rename
@@ -21,7 +22,7 @@ def edit(old: str, new: str) -> Successors:
     return diff(parse(BLINK.format(transitions=old)), parse(BLINK.format(transitions=new))).successors
 
 
-@pytest.mark.parametrize(
+@every(
     ("old", "new", "id_"),
     [
         ("(ontime 100 on -> off)", "(ontime 300 on -> off)", "ontime:on->off"),
@@ -121,7 +122,7 @@ def test_a_renamed_variable_is_shown_by_its_new_name_in_the_label_of_a_delay() -
     assert str(kept) == "transition `m/pause:on->off`"
 
 
-@pytest.mark.parametrize("id_", ["t", "t#2"])
+@every("id_", ["t", "t#2"])
 def test_one_of_two_transitions_with_the_same_name_is_not_renamed(id_: str) -> None:
     program = parse("(machine m (eps on -> off t) (eps off -> on t))")
     with pytest.raises(ValueError, match="not the only one of this name"):

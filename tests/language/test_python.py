@@ -39,7 +39,7 @@ def test_two_threads_can_parse_at_once(parse: object) -> None:
 
     def work() -> None:
         try:
-            for _ in range(200):
+            for _ in range(80):
                 parse(BLOCK)  # type: ignore[operator]
         except BaseException as error:
             errors.append(error)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
 from checking import fixed, found
+from support.tables import every
 
 from lrp_jupyter.language.checks import check
 
@@ -25,8 +25,8 @@ TEXT = """\
 LINES = ["  (on [robot.x] a -> b)\n", "  (on [robot.y] b -> c)\n", "  (eps d -> e)"]
 
 
-@pytest.mark.parametrize("line", LINES)
-@pytest.mark.parametrize("home", ["(state a)", "(state c)", "(spawn m a)"])
+@every("line", LINES)
+@every("home", ["(state a)", "(state c)", "(spawn m a)"])
 def test_a_transition_is_moved_to_its_machine_in_the_order_of_the_states(line: str, home: str) -> None:
     form = line.strip()
     inside = f"{home[:-1]} {form})" if "state" in home else f"{home} {form}"
@@ -48,7 +48,7 @@ def test_a_state_is_moved_to_the_machine_whose_transitions_need_it() -> None:
     assert "c -> a) (state b))" in fixed(wrong)
 
 
-@pytest.mark.parametrize("form", ["(on [robot.x] f -> g)", "(on [robot.x] *-> b)", "(state f)"])
+@every("form", ["(on [robot.x] f -> g)", "(on [robot.x] *-> b)", "(state f)"])
 def test_a_form_that_may_belong_to_several_machines_is_not_moved(form: str) -> None:
     wrong = TEXT.replace("(spawn m a)", f"{form}\n(spawn m a)")
     (finding,) = check(wrong)

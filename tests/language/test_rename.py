@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from programs import programs
+from support.tables import every
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.parser import parse
@@ -83,20 +84,20 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("kind", "path", "text"), CASES)
+@every(("kind", "path", "text"), CASES)
 def test_a_definition_and_what_refers_to_it_change_together(kind: str, path: str, text: str) -> None:
     before, after = marked(text)
     assert renamed(before, kind, path, "new") == after
 
 
-@pytest.mark.parametrize(("kind", "path", "text"), CASES)
+@every(("kind", "path", "text"), CASES)
 def test_the_inverse_rename_restores_the_text(kind: str, path: str, text: str) -> None:
     before, after = marked(text)
     outer = path.rpartition("/")[0]
     assert renamed(after, kind, f"{outer}/new" if outer else "new", "old") == before
 
 
-@pytest.mark.parametrize(("kind", "path", "text"), CASES)
+@every(("kind", "path", "text"), CASES)
 def test_every_place_of_an_element_leads_to_it(kind: str, path: str, text: str) -> None:
     before, _ = marked(text)
     spans = []
@@ -134,7 +135,7 @@ def test_a_program_without_a_text_is_printed_first() -> None:
     assert rename(bare, "state", ("m", "a"), "b") == "(machine m\n  (state b))\n"
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "kind", "path", "name", "message"),
     [
         ("(var a := [1])", "variable", "a", "1b", "is not a valid name"),
@@ -184,7 +185,7 @@ def test_a_rename_that_would_change_a_meaning_is_refused(
         renamed(text, kind, path, name)
 
 
-@pytest.mark.parametrize(
+@every(
     ("kind", "path"),
     [("state", "m/b"), ("state", "m"), ("machine", "m/a/n"), ("running", "m/a"), ("transition", "m/t")],
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from support.tables import every
 
 from lrp_jupyter.interpreter.tree import _TESTS
 from lrp_jupyter.language.parser import parse
@@ -20,7 +20,7 @@ WRITTEN = [
 ]
 
 
-@pytest.mark.parametrize(("written", "trigger", "arrow", "style"), WRITTEN)
+@every(("written", "trigger", "arrow", "style"), WRITTEN)
 def test_a_trigger_is_read_shown_and_printed(written: str, trigger: Trigger, arrow: str, style: str) -> None:
     program = parse(f"(machine m (state a) (state b) ({written} a -> b)) (spawn m a)")
     (transition,) = program.machines[0].transitions

@@ -1,6 +1,6 @@
 """What is half typed at the cursor waits, and everything else of the same text is applied."""
 
-import pytest
+from support.tables import every
 
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
@@ -40,7 +40,7 @@ def edited(old, new):
     return BASE.replace(old, new)
 
 
-@pytest.mark.parametrize(
+@every(
     ("old", "new", "reason"),
     [
         ("-> right", "-> righ|", "waits: `m` has no state `righ`"),
@@ -113,7 +113,7 @@ def test_an_error_in_the_state_around_the_cursor_waits_for_what_is_active():
     assert "LRP502" in codes(found)
 
 
-@pytest.mark.parametrize(
+@every(
     "new",
     ["(sta|)", "(|)", "(state|)", "(on f|)", "(ontime 500|)", "(ontime 500 left ->|)", "(state a (o|))"],
 )
@@ -133,7 +133,7 @@ def test_an_error_elsewhere_keeps_its_mark():
     assert codes(found) == ["LRP101"]
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@every("end", ["\n", "\r\n", "\r"])
 def test_only_the_change_at_the_cursor_is_undone(end):
     old = BASE.replace("\n", end)
     text = old.replace("0.2", "0.3").replace("far left", "fa left").replace("500", "700")
@@ -160,7 +160,7 @@ def test_changes_far_apart_are_separated():
     assert without_change(program, before, Span(at, at + 2)).text == old.replace("0.2", "0.3")
 
 
-@pytest.mark.parametrize(
+@every(
     ("marked", "running"),
     [
         (BASE.replace("0.2", "0.2|"), BASE),
