@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from programs import programs
+from support.tables import every
 
 from lrp_jupyter import check, parse
 from lrp_jupyter.language import sheet
@@ -30,7 +31,7 @@ MACHINE = """\
 """
 
 
-@pytest.mark.parametrize(
+@every(
     ("wrong", "title", "line", "after"),
     [
         ("(on full rest -> finished)", "Create the state `finished`", "  (state finished)", "  (state rest)"),
@@ -84,7 +85,7 @@ def test_a_machine_that_a_state_spawns_is_created_in_it() -> None:
     )
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "spawned"),
     [
         (
@@ -117,7 +118,7 @@ def alike(finding: Finding, findings: list[Finding]) -> int:
 def test_a_creation_leaves_a_program_without_the_finding(program: Program) -> None:
     text = to_source(program)
     findings = check(text)
-    for finding in findings[:10]:
+    for finding in findings[:5]:
         if finding.creates:
             after = finding.creates.apply(text)
             parse(after)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from random import Random
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from programs import programs
+from support.tables import every
 
 import lrp_jupyter
 from lrp_jupyter import LRPSyntaxError, parse
@@ -37,29 +39,26 @@ SPACES = [
 def texts(draw: st.DrawFn) -> str:
     """Return a program with white space and comments anywhere between its tokens."""
     source = to_source(draw(programs.filter(lambda program: program != Program())))
+    spaces = Random(draw(st.integers(0, 999)))
     text, before = "", 0
     for kind, start, end in tokenize(source):
         needed = " " if before and source[before:start] and kind != "CLOSE" else ""
-        text += draw(st.sampled_from(SPACES)) + needed + source[start:end]
+        text += spaces.choice(SPACES) + needed + source[start:end]
         before = end
-    return text + draw(st.sampled_from(SPACES))
+    return text + spaces.choice(SPACES)
 
 
 @given(texts())
-def test_only_white_space_changes(text: str) -> None:
+def test_only_white_space_changes_and_formatting_twice_changes_nothing_more(text: str) -> None:
     after = formatted(text)
     assert parse(after) == parse(text)
     assert "".join(after.split()) == "".join(text.split())
     assert edited(text, formatting(text)) == after
     assert all(not text[start:end].strip() and not new.strip() for start, end, new in formatting(text))
+    assert formatting(after) == ()
 
 
-@given(texts())
-def test_formatting_twice_changes_nothing_more(text: str) -> None:
-    assert formatting(formatted(text)) == ()
-
-
-@pytest.mark.parametrize("path", BUNDLED, ids=lambda path: path.stem)
+@every("path", BUNDLED)
 def test_a_bundled_program_is_already_formatted(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert formatted(text) == text
@@ -108,9 +107,7 @@ def test_the_line_ends_of_the_text_stay() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    "text", ["\ufeff(machine m(state a))", "(machine m(state a)\n\ufeff(state b)(state c))"]
-)
+@every("text", ["\ufeff(machine m(state a))", "(machine m(state a)\n\ufeff(state b)(state c))"])
 def test_a_byte_order_mark_is_white_space(text: str) -> None:
     assert edited(text, formatting(text)) == formatted(text)
     assert parse(formatted(text)) == parse(text)
