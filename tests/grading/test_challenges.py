@@ -4,6 +4,7 @@ from collections import Counter
 
 import pytest
 from grading.answers import ANSWERS
+from support.tables import every
 
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenges import BUNDLED
@@ -15,8 +16,18 @@ NAMES = [each.name for each in BUNDLED]
 MADE_FOR = {name: challenge for name in names() if (challenge := heading(load(name)).challenge)}
 
 
-def answers(kind):
-    return [pytest.param(each, id=each.id) for each in ANSWERS if each.kind == kind]
+LONG = 100  # s
+
+
+def answers(kind, few, few_long):
+    """Return the answers of a kind; all but some of each challenge, fewer if it is long, are marked slow."""
+    found = []
+    for challenge in BUNDLED:
+        some = few_long if challenge.seconds > LONG else few
+        of_it = [each for each in ANSWERS if (each.challenge, each.kind) == (challenge.name, kind)]
+        for index, each in enumerate(of_it):
+            found.append(pytest.param(each, id=each.id, marks=pytest.mark.slow if index >= some else ()))
+    return found
 
 
 def failing(text, what):
@@ -25,47 +36,47 @@ def failing(text, what):
     return next((made for made in map(attempt, jobs) if not made.passed), None)
 
 
-def seeds_of(name):
-    """Return fewer seeds than 50."""
-    return range(1000, 1010) if name == "robust follower" else None
+@pytest.mark.parametrize("answer", answers("solution", 9, 9))
+def test_a_solution_passes_in_a_world(answer):
+    _, jobs = jobs_of(answer.text, answer.challenge)
+    made = attempt(jobs[NAMES.index(answer.challenge) % len(jobs)])
+    assert made.passed, str(made)
 
 
-@pytest.mark.parametrize("answer", answers("solution"))
-def test_a_solution_passes(answer):
-    result = grade(answer.text, answer.challenge, seeds_of(answer.challenge))
+@pytest.mark.slow
+@pytest.mark.parametrize("answer", answers("solution", 9, 9))
+def test_a_solution_does_not_pass_by_luck(answer):
+    result = grade(answer.text, answer.challenge, None if answer.challenge == "robust follower" else 6)
     assert result.passed, str(result)
     assert result.points == result.out_of
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("answer", answers("solution"))
-def test_a_solution_does_not_pass_by_luck(answer):
-    result = grade(answer.text, answer.challenge, None if seeds_of(answer.challenge) else 6)
-    assert result.passed, str(result)
-
-
-@pytest.mark.parametrize("answer", answers("cheat"))
+@pytest.mark.parametrize("answer", answers("cheat", 1, 1))
 def test_a_cheat_fails(answer):
     assert failing(answer.text, answer.challenge)
 
 
-@pytest.mark.parametrize("answer", answers("wrong"))
+@pytest.mark.parametrize("answer", answers("wrong", 9, 2))
 def test_a_typical_wrong_answer_gets_its_hint(answer):
     made = failing(answer.text, answer.challenge)
     assert made is not None
     assert answer.about in made.hint, "\n".join([made.hint, *map(str, made.verdicts)])
 
 
-@pytest.mark.parametrize("each", BUNDLED, ids=NAMES)
+@pytest.mark.parametrize(
+    "each",
+    [
+        pytest.param(each, id=each.name, marks=pytest.mark.slow if each.seconds > LONG else ())
+        for each in BUNDLED
+    ],
+)
 def test_the_text_that_one_begins_with_does_not_pass_and_gets_a_hint(each):
     made = failing(each.beginning, each)
     assert made is not None
     assert made.hint
-    if each.needed < 1:
-        assert not grade(each.beginning, each, seeds_of(each.name))
 
 
-@pytest.mark.parametrize("each", BUNDLED, ids=NAMES)
+@every("each", BUNDLED)
 def test_the_text_that_one_begins_with_says_the_task_and_has_its_last_bracket_on_a_line_of_its_own(each):
     comments = [line.removeprefix("; ") for line in each.beginning.splitlines() if line.startswith("; ")]
     assert " ".join(comments).startswith(f"{each.task} challenge: {each.name}")
@@ -76,13 +87,13 @@ def test_the_text_that_one_begins_with_says_the_task_and_has_its_last_bracket_on
         assert text.splitlines()[-1].strip() == ")", machine.name
 
 
-@pytest.mark.parametrize("each", BUNDLED, ids=NAMES)
+@every("each", BUNDLED)
 def test_a_challenge_is_run_three_times_at_least_and_can_be_judged_in_each_world(each):
     assert len(each.runs) >= 3
     each.check()
 
 
-@pytest.mark.parametrize("each", BUNDLED, ids=NAMES)
+@every("each", BUNDLED)
 def test_a_challenge_has_a_solution_two_cheats_and_three_wrong_answers(each):
     kinds = Counter(answer.kind for answer in ANSWERS if answer.challenge == each.name)
     assert kinds["solution"] >= 1
@@ -99,6 +110,7 @@ def test_some_bundled_programs_are_made_for_challenges():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MADE_FOR)
 def test_a_bundled_program_masters_the_challenge_that_it_is_made_for(name):
     result = grade(load(name), MADE_FOR[name])

@@ -1,6 +1,7 @@
 """Criteria, as functions of the samples of a run."""
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.grading.criteria import (
     avoids,
@@ -125,18 +126,14 @@ TABLE = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("criterion", "record", "share", "reason"), TABLE, ids=lambda each: getattr(each, "sentence", "")
-)
+@every(("criterion", "record", "share", "reason"), TABLE)
 def test_a_criterion_measures_a_run(criterion, record, share, reason):
     found, told = criterion.judge(record)
     assert min(1.0, max(0.0, float(found))) == pytest.approx(share, abs=0.01), told
     assert reason in told
 
 
-@pytest.mark.parametrize(
-    ("criterion", "record", "share", "reason"), TABLE, ids=lambda each: getattr(each, "sentence", "")
-)
+@every(("criterion", "record", "share", "reason"), TABLE)
 def test_a_criterion_says_the_same_when_it_is_asked_after_every_tick(criterion, record, share, reason):
     growing = RunRecord(WORLD)
     for sample in record.samples:

@@ -1,6 +1,7 @@
 """A challenge of one's own: a few lines of Python, and a world that was saved from the lab."""
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading import challenges as registry
@@ -68,7 +69,7 @@ def test_the_last_challenge_of_a_file_counts_and_a_changed_file_is_read_again(fo
     assert load("to the goal") is not first
 
 
-@pytest.mark.parametrize(
+@every(
     ("text", "message"),
     [
         ("", "registers no challenge"),

@@ -5,6 +5,7 @@ import re
 from xml.etree import ElementTree
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter import Session, sweep
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
@@ -60,7 +61,7 @@ def test_the_fastest_is_among_those_with_which_the_most_runs_pass():
     assert values_of(result((None, None)).fastest) is None
 
 
-@pytest.mark.parametrize(
+@every(
     ("passing", "middle"),
     [("1110111110", 6), ("0111", 2), ("11011", 0), ("1101110", 4), ("111", 1), ("1", 0), ("000", 1)],
 )
@@ -141,7 +142,7 @@ def test_a_sweep_is_a_picture_and_a_table_in_a_notebook():
         three.svg()
 
 
-@pytest.mark.parametrize(
+@every(
     ("variables", "error", "words"),
     [
         ({"w": [1]}, UnknownElementError, "`w` cannot be swept: The program has no such variable."),

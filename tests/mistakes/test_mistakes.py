@@ -6,16 +6,18 @@ import pytest
 
 from . import inside, outside  # noqa: F401  (register their kinds)
 from .measure import score, shares
-from .planting import corpus
+from .planting import PER_KIND, corpus
 from .sources import sources
 
-LEAST = {"told": 99, "at the line": 98.5, "told once": 98.5, "taken back by the first fix": 88}
+FIGURES = ("told", "at the line", "told once", "taken back by the first fix")
+FEWER = 4
+"""Mistakes of each kind that are tried by default."""
 
 
 def test_there_are_mistakes_of_many_kinds_in_many_programs():
-    planted = corpus()
+    planted = corpus(FEWER)
     assert len(planted) >= 41
-    assert sum(map(len, planted.values())) >= 12 * 41
+    assert sum(map(len, planted.values())) >= 0.9 * FEWER * len(planted)
     assert len({mistake.program for mistakes in planted.values() for mistake in mistakes}) > 30
     assert all(mistake.wrong != mistake.right for mistakes in planted.values() for mistake in mistakes)
 
@@ -25,8 +27,15 @@ def test_the_programs_have_every_form_of_the_language():
     assert len(keywords) == 14
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_mistakes_are_explained(seed: int):
-    scores = [score(mistake) for mistakes in corpus(seed=seed).values() for mistake in mistakes]
-    found = dict(zip(LEAST, shares(scores), strict=True))
-    assert {name: figure for name, figure in found.items() if figure < LEAST[name]} == {}
+@pytest.mark.parametrize(
+    ("count", "seed", "least"),
+    [
+        (FEWER, 0, (99, 99, 98.8, 91.2)),
+        pytest.param(PER_KIND, 0, (99, 98.5, 98.5, 88), marks=pytest.mark.slow),
+        pytest.param(PER_KIND, 1, (99, 98.5, 98.5, 88), marks=pytest.mark.slow),
+    ],
+)
+def test_mistakes_are_explained(count: int, seed: int, least: tuple[float, ...]):
+    scores = [score(mistake) for mistakes in corpus(count, seed).values() for mistake in mistakes]
+    found = dict(zip(FIGURES, shares(scores), strict=True))
+    assert all(figure >= one for figure, one in zip(found.values(), least, strict=True)), found
