@@ -1,174 +1,213 @@
-"""The first hour in the editor: what is typed looks right, and what is unknown is explained."""
+"""The first hour, letter by letter: the README, the first notebook, and section 4 of the paper."""
 
-from e2e.programs import COUNTER, FOLLOWER
+import re
+import shutil
+from pathlib import Path
 
-PRINTED = """\
-(var limit := [
-  base = 5
-  base * 2])
+from e2e.pages import NotebookPage
+from e2e.typist import Typist
 
-(machine m
-  (var n := [0])
-  (event full [n > limit])
+ROOT = Path(__file__).parents[2]
+FIRST = "00-hello-live-robot.ipynb"
+STOPPED = """\
+(var lightlim := [128])
+(var maxlook := [300])
+(var search := [0.2])
 
-  (state count
-    (running [
-      n += 1
-      if n > 100:
-          n = 0]))
-  (state rest)   ; for a while
-  (on full count -> rest)
-  (ontime 500 rest -> count))
+(machine follower
+  (event outofline [robot.light.data > -1])
+  (state moving)
+  (state looking)
+  (on outofline moving -> looking tlooking))
 
-(spawn m count)"""
-EMPTY = "; nothing yet"
-VALUES = """\
-(var short := [1])
-(var list := [list(range(200))])
-(var text := ["a text so long that its line of the program has no room left for what it is at the moment"])
-(machine m
-  (event waits [short > 1])
-  (event idle [short > 0])
-  (state a)
-  (state b)
-  (on waits a -> b)
-  (on idle b -> a))
-(spawn m a)
+(spawn follower moving)
 """
 
 
-def test_a_program_typed_without_any_indentation_looks_as_printed(open_lab):
-    lab = open_lab(EMPTY)
-    lab.find(".cm-content").focus()
-    lab.page.keyboard.press("Control+End")
-    for number, line in enumerate(PRINTED.split("\n")):
-        if number:
-            lab.page.keyboard.press("Enter")
-        lab.page.keyboard.type(line.strip(), delay=5)
-    assert lab.text == f"{EMPTY}\n{PRINTED}"
-    lab.sees('.lrp-verdict[data-state="runs"]')
-    lab.is_active("m/count")
+def test_the_first_behaviour_of_the_readme_is_typed_while_the_robot_drives(open_lab):
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    head, program = re.search(r"```lrp\n%%lrp (.*)\n((?:.*\n)*?)```", readme).groups()
+    rows = re.findall(r"^\| `(.*)` \| [A-Z].* \|$", readme, re.MULTILINE)[:5]
+    event, state, arrow, delay, number = rows
+    lab = open_lab(program, head)
+    typist = Typist(lab)
+    typist.after("driving (running")
+    lab.page.keyboard.press("ArrowDown")  # into the empty line
+
+    def typed(line):
+        typist.types(line)
+        lab.page.keyboard.press("Enter")
+
+    typed(event)
+    lab.sees('[data-lrp-issue="LRP403"]')
+    typed(state)
+    lab.sees('[data-lrp-issue="LRP401"]')
+    lab.state("rover/turning")
+    typed(arrow)
+    lab.misses("[data-lrp-issue]")
+    lab.is_active("rover/turning")  # at the wall
+    typed(delay)
+    lab.is_active("rover/driving")
+    new, old = number.split("` instead of `")
+    lab.replace(old, new)
+    lab.has_value("pace", new)
+    typist.has_disturbed_nothing()
+    lab.find('[data-lrp-transition="rover:bump:driving->turning"]').first.focus()
+    lab.page.keyboard.press("?")
+    lab.reads(".lrp-why-sentence", "did not fire")
+    lab.misses(".lrp-note:visible")
 
 
-def test_enter_after_a_complete_name_begins_a_line(open_lab):
-    lab = open_lab(COUNTER.replace("(state rest)", "(state rest) (state restless)"))
-    lab.replace("-> rest tfull", "-> res")
-    lab.sees(".cm-tooltip-autocomplete [role=option]")
-    lab.page.keyboard.type("t")
-    lab.misses(".cm-tooltip-autocomplete")
-    lab.page.keyboard.press("Enter")
-    assert "-> rest\n" in lab.text
-
-
-def test_a_keyword_is_explained_under_the_pointer(open_lab):
-    lab = open_lab(FOLLOWER, "follower --world line")
-    lab.select("ontime 1000")
-    lab.find(".cm-line .tok-keyword").get_by_text("ontime").last.hover()
-    card = lab.sees(".lrp-card")
-    assert "(ontime milliseconds source -> destination)" in card.inner_text()
-
-
-def test_values_keep_to_the_right_of_their_lines_and_need_none_of_their_own(open_lab):
-    lab = open_lab(VALUES)
-    lab.sees(".cm-line:has-text('(event waits') .lrp-inline-value")
-    boxes = lab.find(".cm-line:has(.lrp-inline-value)").evaluate_all(
-        "lines => lines.map(line => { const value = line.querySelector('.lrp-inline-value');"
-        " const [outer, inner] = [line, value].map(node => node.getBoundingClientRect());"
-        " value.remove(); const { height } = line.getBoundingClientRect();"
-        " return { taller: outer.height - height, right: outer.right - inner.right,"
-        " left: inner.left - outer.left, below: inner.bottom - outer.bottom }; })"
-    )
-    assert [box["taller"] for box in boxes] == [0] * 4
-    assert all(0 <= box["right"] < 1 and box["left"] > 0 and box["below"] < 3 for box in boxes)
-
-
-def test_a_value_is_left_out_where_less_than_a_word_of_it_could_be_read(open_lab):
-    lab = open_lab("(var a := [10])")
-    lab.sees(".lrp-values")
-    lab.select("(var a := [10])")
-    lab.page.keyboard.press("End")
-    lab.page.keyboard.type("   ;")
-    for _ in range(200):
-        lab.page.keyboard.type("x")
-        line, value, hidden = lab.find(".cm-line:has(.lrp-values)").evaluate(
-            "line => { const box = node => node.getBoundingClientRect();"
-            " const [around, value] = ['.lrp-inline-value', '.lrp-values']"
-            ".map(name => box(line.querySelector(name)));"
-            " return [box(line).height, value.width, value.top > around.bottom - 1]; }"
-        )
-        if hidden:
-            break
-        assert value > 30
-    assert hidden
-    assert line < 30
-
-
-def test_the_value_of_an_event_that_is_not_tested_is_faded(open_lab):
-    lab = open_lab(VALUES.replace("(state a)", "(state a (onexit [short = 0]))"))
-    stale = "css=.cm-line:has-text('(event idle') [data-stale]"
-    fresh = "css=.cm-line:has-text('(event waits') .lrp-values span:not([data-stale])"
-    lab.sees(fresh)
-    lab.replace("short := [1]", "short := [2]")
-    lab.sees(stale.replace("idle", "waits"))
-    lab.sees(fresh.replace("waits", "idle"))
-
-
-def test_the_text_is_formatted_by_a_key_and_undone_by_another(open_lab):
-    rough = COUNTER.replace("\n  ", " ")
-    lab = open_lab(rough)
+def test_the_first_notebook_keeps_its_promises(page, server):
+    shutil.copy(ROOT / "notebooks" / FIRST, server.root)
+    notebook = NotebookPage(page, server, FIRST).show()
+    notebook.begin_cell(1)
+    notebook.begin_cell(2)
+    lab = notebook.lab().ready()
     lab.goes_on()
-    lab.select("(state rest)")
-    lab.page.keyboard.press("Shift+Alt+F")
-    lab.until("editor => editor.querySelectorAll('.cm-line').length > 8", ".cm-editor")
-    assert lab.text == COUNTER
-    assert lab.page.evaluate("getSelection().toString()") == "(state rest)"
-    assert lab.find(".lrp-notice:visible").count() == 0
-    lab.page.keyboard.press("Control+z")
-    lab.until("editor => editor.querySelectorAll('.cm-line').length < 6", ".cm-editor")
-    assert lab.text == rough
-    colours = lab.find("[class^=lrp-bracket-]").evaluate_all(
-        "all => all.map(span => getComputedStyle(span.firstElementChild ?? span).color)"
-    )
-    assert len(set(colours)) == 4
+    typist = Typist(lab)
+    lab.do("pause-on-issue")
+    lab.is_active("driver/left")
 
+    lab.select("0.2")
+    typist.types("0.1")  # slower, on the way
+    lab.has_value("forward", "0.1")
+    assert typist.kernel("session.variables['forward']") == 0.1
+    typist.after("(on white right -> left)")
+    typist.types("", "(state resting (onentry [robot.stop()]))")
+    lab.sees('[data-lrp-state="driver/resting"]')
+    typist.types("", "(ontime 300 left -> resting)")
+    lab.is_active("driver/resting")
+    typist.types("", "(ontime 1000 resting -> left)")
+    lab.is_active("driver/left")
+    typist.rests()
+    lab.ready("running")
+    assert typist.issues == []
+    assert lab.find('[data-lrp-issue^="LRP"]').count() == 0
+    typist.has_disturbed_nothing()
+    a_number_is_dragged(lab)
+    assert typist.issues == []
+    assert typist.restarts == 0
 
-def test_what_is_missing_is_created_by_keys_and_its_value_is_typed_at_once(open_lab):
-    lab = open_lab(COUNTER)
+    lab.type_after("(spawn driver left", "(")  # a mistake: the robot drives on
+    lab.sees("[data-lrp-issue]")
     lab.goes_on()
-    lab.type_after("(on full count -> rest tfull)", " (on begin rest -> count)")
-    lab.sees('[data-lrp-issue="LRP301"]')
-    lab.page.keyboard.press("ArrowLeft")
-    lab.page.keyboard.press("Control+.")
-    assert lab.sees('[role="menu"] [data-lrp-action="fix"]').inner_text() == "Create the event begin"
-    lab.page.keyboard.press("Enter")
-    lab.misses('[data-lrp-issue="LRP301"]')
-    lab.page.keyboard.type("n < 0")
-    assert "  (event full [n > limit])\n  (event begin [n < 0])\n" in lab.text
+    lab.pause()
+
+    notebook.begin_cell(7)  # the first challenge
+    other = notebook.lab(1).ready()
+    other.do("check")
+    other.sees(".lrp-progress:not([hidden])")
+    other.sees(".lrp-result[data-state='failed']")
+    other.do("hint")
+    other.sees(".lrp-hint")
+    other.replace("0.3", "0.15")
+    other.has_value("speed", "0.15")
+    other.sees(".lrp-criterion[data-state='met']")  # in the run that one watches, too
+    other.do("check")
+    other.sees(".lrp-result[data-state='met']")
 
 
-def test_a_missing_state_is_created_from_its_card(open_lab):
-    lab = open_lab(COUNTER)
-    lab.replace("-> rest tfull", "-> finished tfull")
+def a_number_is_dragged(lab):
+    """Drag it, which changes the robot at once and is one step of undo; then step it by keys."""
+    lab.replace("0.1", "0.2")
+    lab.has_value("forward", "0.2")
+    lab.select("0.2")
+    box = lab.page.evaluate("getSelection().getRangeAt(0).getBoundingClientRect().toJSON()")
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    mouse, keyboard = lab.page.mouse, lab.page.keyboard
+    mouse.move(x, y)
+    keyboard.down("Alt")
+    mouse.down()
+    mouse.move(x + 20, y, steps=5)
+    lab.has_value("forward", "0.25")
+    mouse.move(x - 20, y, steps=5)
+    lab.has_value("forward", "0.15")
+    mouse.up()
+    assert "(var forward := [0.15])" in lab.text
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x + 20, y, steps=5)
+    lab.has_value("forward", "0.2")
+    keyboard.press("Escape")
+    lab.has_value("forward", "0.15")
+    mouse.move(x + 40, y, steps=5)
+    mouse.up()
+    assert "(var forward := [0.15])" in lab.text
+    keyboard.up("Alt")
+    keyboard.press("Control+z")
+    keyboard.press("Control+z")
+    lab.has_value("forward", "0.2")
+    keyboard.press("Alt+ArrowUp")
+    keyboard.press("Alt+ArrowUp")
+    lab.has_value("forward", "0.22")
+
+
+def test_section_4_of_the_paper_restarts_once(open_lab):
+    lab = open_lab(STOPPED, "follower --world line")
+    keep_the_mark_beside_an_open_bracket(lab)
+    typist = Typist(lab)
+    typist.after("(state looking")
+    typist.types(
+        " ",
+        "(machine lookalgo",
+        "(var time := [maxlook])",
+        "(state lookleft (running [robot.move(angular=search)]))",
+        "(state returnleft (running [robot.move(angular=-search)]))",
+        "(ontime time lookleft -> returnleft treturnleft)",
+        "(ontime time returnleft -> lookright tlookright))",
+    )
+    typist.rests()
+    assert typist.restarts == 0
+    assert typist.kernel("session.frame.is_active('looking')")
+    typist.types("", "(onentry (spawn lookalgo lookleft))")
+    typist.rests()
+    assert typist.restarts == 1
+    typist.sees_active("returnleft")
     lab.sees('[data-lrp-issue="LRP303"]')
-    lab.find(".cm-content").focus()
-    lab.page.keyboard.press("F8")
-    lab.sees(".cm-diagnosticAction:has-text('Create the state finished')").click()
-    lab.misses('[data-lrp-issue="LRP303"]')
-    lab.sees('[data-lrp-state="m/finished"]')
-    assert "  (state rest)\n  (state finished)\n" in lab.text
+    lab.pause()
+    typist.after("angular=-search)]))")
+    typist.types(
+        "",
+        "(state lookright (running [robot.move(angular=-search)]))",
+        "(state returnright (running [robot.move(angular=search)]))",
+    )
+    typist.after("tlookright)")
+    typist.types(
+        "",
+        "(ontime time lookright -> returnright treturnright)",
+        "(ontime time returnright -> lookleft tlookleft)",
+    )
+    lab.do("run")
+    lab.ready("running")
+    typist.sees_active("lookright")
+    typist.sees_active("lookleft")
+    lab.pause()
+    typist.after("maxlook := [300")
+    for _ in range(3):
+        lab.page.keyboard.press("Backspace")
+    typist.types("450")
+    lab.has_value("maxlook", "450")
+    assert typist.kernel("session.variables['maxlook']") == 450
+    while typist.kernel("session.frame.is_active('returnright')"):
+        lab.do("step")
+    typist.after("(state returnright (running [robot.move(angular=search)])")
+    typist.types(" (onexit [time = time * 2])")
+    lab.do("run")
+    typist.rests()
+    assert len(typist.issues) == 1
+    assert "lookright" in typist.issues[0]
+    typist.has_disturbed_nothing(restarts=1)
 
 
-def test_what_the_text_shows_is_chosen_in_the_menu_and_kept(open_lab):
-    lab = open_lab(COUNTER)
-    for action, shown in (("values", ".lrp-inline-value"), ("brackets", ".lrp-bracket-2")):
-        lab.sees(shown)
-        lab.do("menu")
-        lab.choose(action)
-        lab.misses(shown)
-    lab.notebook.run_cell(1)
-    again = lab.notebook.lab().ready()
-    again.sees(".tok-keyword")
-    assert again.find(".lrp-inline-value, .lrp-bracket-2").count() == 0
-    again.do("menu")
-    again.choose("brackets")
-    again.sees(".lrp-bracket-2")
+def keep_the_mark_beside_an_open_bracket(lab):
+    """The line of the active state stays marked."""
+    lab.is_active("follower/looking")
+    lab.reads(".lrp-line-active", "(state looking)")
+    lab.select("(state moving)")
+    lab.page.keyboard.press("ArrowRight")
+    lab.page.keyboard.press("Backspace")
+    lab.sees('.lrp-verdict[data-state="broken"]')
+    assert lab.find(".lrp-line-active").all_inner_texts() == ["  (state looking)"]
+    lab.page.keyboard.type(")")
+    lab.sees('.lrp-verdict[data-state="runs"]')
