@@ -1,13 +1,96 @@
-"""What was typed or kept survives reruns, ends of kernels and other programs; nothing hidden runs."""
-
-import pytest
+"""Pages come and go, cells run again, kernels end: the program and its text stay, and nothing hidden runs."""
 
 from e2e import axe
-from e2e.pages import NotebookPage
-from e2e.programs import COUNTER
+from e2e.pages import LabPage, NotebookPage
+from e2e.programs import COUNTER, FOLLOWER
 
-RERUNS = 30
-GROWTH = 5e6  # bytes
+RERUNS = 15
+GROWTH = 2.5e6  # bytes
+ALERT = '[role="alertdialog"]'
+PARTS = """\
+import lrp_jupyter, ipywidgets
+ipywidgets.HBox([lrp_jupyter.StateGraph('follower'), lrp_jupyter.Variables('follower')])"""
+
+
+def asked(lab, which="Which text should be kept?"):
+    lab.reads(ALERT, which)
+
+
+def is_answered(lab):
+    lab.misses(f"{ALERT}:not([hidden])")
+
+
+def third(lab):
+    lab.type_after("(state rest)", " (state third)")
+    lab.sees('[data-lrp-state="m/third"]')
+
+
+def cell(lab, program):
+    """Write a program into the cell, and run it."""
+    lab.notebook.write_cell(1, f"%%lrp m\n{program}")
+    lab.notebook.run_cell(1)
+    lab.ready()
+
+
+def again(lab):
+    """Run the cells again after the end of the kernel; the lab asks about the text that was typed."""
+    lab.notebook.run_cell(0)
+    lab.notebook.run_cell(1)
+    lab.sees(':scope[data-link="live"]')
+    lab.ready()
+    asked(lab)
+
+
+# -- pages and cells -------------------------------------------------------------------------------
+
+
+def test_a_program_stays_when_pages_are_loaded_and_cells_run_again(open_lab):
+    lab = open_lab(COUNTER.replace("[1000]", "[9999]"), "m", "%lrp follower", PARTS)
+    load_the_page_again(lab)
+    run_the_cell_again(lab)
+    show_one_program_twice(lab.notebook.open(FOLLOWER, "follower --world line"))
+
+
+def load_the_page_again(lab):
+    third(lab)
+    lab.notebook.save()
+    tick = lab.tick
+    lab.page.reload()
+    lab.notebook.ready()
+    lab.ready()
+    lab.sees('[data-lrp-state="m/third"]')
+    assert "(state third)" in lab.text
+    assert lab.tick > tick
+    assert lab.page.locator('img[alt^="State graph"]').count() == 0, "the lab replaces its stored picture"
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.type(" (state fourth)")
+    lab.sees('[data-lrp-state="m/fourth"]')
+    assert "(state third) (state fourth)" in lab.text, "the cursor was there"
+
+
+def run_the_cell_again(lab):
+    """It patches the running program, costs the page no memory, and asks where both texts have changed."""
+    counted = int(lab.value("m/n"))
+    program = COUNTER.replace("(state rest)", "(state rest) (state written)")
+    cell(lab, program)
+    asked(lab)
+    lab.sees('[data-lrp-state="m/third"]')
+    lab.do("take")
+    lab.sees('[data-lrp-state="m/written"]')
+    lab.misses('[data-lrp-state="m/third"]')
+    cell(lab, program)  # unchanged: the same lab again
+    is_answered(lab)
+    cell(lab, program.replace("written", "changed"))
+    lab.sees('[data-lrp-state="m/changed"]')
+    for _ in range(3):
+        lab.notebook.run_cell(1)
+        lab.ready()
+    before = heap(lab.page)
+    for _ in range(RERUNS):
+        lab.notebook.run_cell(1)
+        lab.ready()
+    assert heap(lab.page) - before < GROWTH
+    assert int(lab.value("m/n")) >= counted
 
 
 def heap(page):
@@ -20,134 +103,134 @@ def heap(page):
     return used
 
 
-def test_a_cell_that_is_run_again_thirty_times_costs_the_page_no_memory(open_lab):
-    lab = open_lab(COUNTER)
-    for _ in range(3):
-        lab.notebook.run_cell(1)
-        lab.ready()
-    before = heap(lab.page)
-    for _ in range(RERUNS):
-        lab.notebook.run_cell(1)
-        lab.ready()
-    grown = heap(lab.page) - before
-    assert grown < GROWTH
+def show_one_program_twice(lab):
+    """Two labs agree, and so do single parts in a layout of one's own."""
+    notebook = lab.notebook
+    notebook.run_cell(2)
+    other = notebook.lab(1).ready()
+    other.type_after("(running [robot.move(linear=back)]))", " (state third)")
+    lab.sees('[data-lrp-state="follower/third"]')
+    notebook.run_cell(3)
+    graph = LabPage(lab.page, root='[data-part="graph"]')
+    graph.sees('[data-lrp-state="follower/third"]')
+    assert graph.find(".cm-content").count() == 0
+    lab.state("follower/looking").dblclick()
+    other.sees('[data-lrp-state="follower/looking/lookalgo/lookleft"]')
+    lab.pause()
+    other.ready("paused")
+    other.until("(root, tick) => Number(root.dataset.lrpTick) === tick", argument=lab.tick)
+    lab.replace("200", "250")
+    LabPage(lab.page, root='[data-part="variables"]').has_value("maxlook", "250")
 
 
-# -- after the end of a kernel ---------------------------------------------------------------------
+# -- kernels ---------------------------------------------------------------------------------------
 
 
-def again(lab):
-    """Run the cells again after the end of the kernel."""
-    lab.notebook.run_cell(0)
-    lab.notebook.run_cell(1)
-    lab.sees(':scope[data-link="live"]')
-    lab.ready()
-
-
-def test_a_text_that_is_not_a_program_comes_back_after_the_kernel_ended(open_lab):
-    lab = open_lab(COUNTER)
-    lab.type_after("(state rest)", ") third")
-    lab.sees('[data-lrp-issue^="LRP1"]')
-    lab.goes_on()
-    lab.notebook.restart_kernel()
-    lab.sees(':scope[data-link="dead"]')
-    again(lab)
-    lab.reads('[role="alertdialog"]', "Which text should be kept?")
-    assert lab.text == COUNTER
-    lab.do("take")
-    lab.reads(".cm-content", "(state rest)) third")
-    lab.misses('[role="alertdialog"]:not([hidden])')
-
-
-def test_what_is_typed_after_the_kernel_ended_comes_back_in_the_next_view(open_lab):
-    lab = open_lab(COUNTER)
-    lab.type_after("(state rest)", " (state third)")
-    lab.sees('[data-lrp-state="m/third"]')
-    lab.notebook.restart_kernel()
-    lab.sees(':scope[data-link="dead"]')
-    lab.find(".cm-content").focus()
-    lab.page.keyboard.type(" (state fourth)")
-    again(lab)
-    lab.reads('[role="alertdialog"]', "Which text should be kept?")
-    lab.do("take")
-    lab.sees('[data-lrp-state="m/fourth"]')
-    lab.sees('[data-lrp-state="m/third"]')
-    lab.misses('[role="alertdialog"]:not([hidden])')
-
-
-def test_what_is_typed_after_the_kernel_ended_survives_a_reload_of_the_page(open_lab):
+def test_what_was_typed_comes_back_after_the_end_of_a_kernel(open_lab, server):
     lab = open_lab(COUNTER)
     lab.find(".cm-content").press("Control+s")
     lab.notebook.is_saved()
-    lab.notebook.restart_kernel()
-    lab.sees(':scope[data-link="dead"]')
-    lab.type_after("(state rest)", " (state third")
+    third(lab)
+    restart(lab)
+    assert "(state third)" in lab.text
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.type(" (state fourth)")  # to no kernel
+    again(lab)
+    assert "(state third)" not in lab.text
+    lab.do("take")
+    lab.sees('[data-lrp-state="m/fourth"]')
+    lab.sees('[data-lrp-state="m/third"]')
+    is_answered(lab)
+
+    lab.type_after("(state rest)", ") no program")
+    lab.sees('[data-lrp-issue^="LRP1"]')
+    lab.goes_on()
+    lab.notebook.save()
+    restart(lab)
+    lab.type_after("(state third)", " (state fif")
     lab.page.reload()
     lab.notebook.ready()
     again(lab)
-    lab.reads('[role="alertdialog"]', "Which text should be kept?")
+    assert lab.text == COUNTER
     lab.do("take")
-    lab.reads(".cm-content", "(state third")
+    lab.reads(".cm-content", "(state rest)) no program (state third) (state fif")
+    is_answered(lab)
+
+    lab.replace(") no program", "")
+    lab.page.keyboard.press("Delete")
+    lab.type_after("(state fif", "th")
+    lab.sees('[data-lrp-state="m/fifth"]')
+    notebook = lab.notebook
+    notebook.save()
+    server.end_kernels()
+    notebook.close()
+    notebook.show()
+    again(lab)
+    lab.do("take")
+    lab.sees('[data-lrp-state="m/fifth"]')
+    lab.goes_on()
+    assert (notebook.path.parent / ".lrp" / "m.lrp").read_text() == lab.text
 
 
-# -- texts of others -------------------------------------------------------------------------------
+def restart(lab):
+    lab.notebook.restart_kernel()
+    lab.sees(':scope[data-link="dead"]')
+    lab.reads(".lrp-notes", "Run the cell again")
 
 
-@pytest.fixture
-def open_given(page, server, request):
-    """Open a notebook beside a kept text that came with the folder."""
-
-    def open_given(text, source):
-        notebook = NotebookPage(page, server, f"{request.node.name}/notebook.ipynb")
-        server.write(notebook.name, ["%load_ext lrp_jupyter", source])
-        folder = notebook.path.parent / ".lrp"
-        folder.mkdir()
-        (folder / "demo.lrp").write_text(text)
-        notebook.show()
-        notebook.run_cell(0)
-        notebook.run_cell(1)
-        lab = notebook.lab().ready()
-        lab.notebook = notebook
-        return lab
-
-    return open_given
+# -- texts of others, files and versions -----------------------------------------------------------
 
 
-@pytest.mark.parametrize("source", [f"%%lrp demo\n{COUNTER}", "%%lrp demo"], ids=["cell", "name"])
-def test_a_hidden_text_of_a_stranger_does_not_run_before_it_is_chosen(open_given, source):
+def test_a_text_of_others_is_asked_about_and_a_file_is_not_replaced_unasked(page, server, request):
+    notebook = NotebookPage(page, server, f"{request.node.name}/notebook.ipynb")
+    server.write(notebook.name, ["%load_ext lrp_jupyter", f"%%lrp demo\n{COUNTER}"])
+    folder = notebook.path.parent / ".lrp"
+    folder.mkdir()
     stranger = "(machine m (state a (onentry [open('owned', 'w')])) (state b)) (spawn m a)" + " " * 400 + ";"
-    lab = open_given(stranger, source)
+    for name in ("demo", "name"):
+        (folder / f"{name}.lrp").write_text(stranger)
+    notebook.show()
+    notebook.run_cell(0)
+    notebook.run_cell(1)
+    lab = notebook.lab().ready()
+    refuse_a_hidden_text(lab)
+    refuse_a_hidden_text(lab.notebook.open("", "name"))
+    lab = notebook.open(COUNTER, "m")
+    return_to_a_version(lab)
+    take_what_was_changed_outside(lab, folder / "m.lrp")
+    save_over_a_file(lab)
+    say_that_a_text_is_not_kept(lab, folder)
+
+
+def refuse_a_hidden_text(lab):
+    """A text that came with the folder does not run before it is chosen."""
     owned = lab.notebook.path.parent / "owned"
-    lab.reads('[role="alertdialog"]', "that you have not written here")
+    asked(lab, "that you have not written here")
     lab.goes_on()
     assert not owned.exists()
-    lab.find('[role="alertdialog"] summary').press("Enter")
-    lab.reads('[role="alertdialog"] pre', "open('owned', 'w')")
-    shown, note = '[role="alertdialog"] pre', '[role="alertdialog"]'
-    assert lab.find(shown).evaluate("text => text.scrollWidth <= text.clientWidth")  # the whole line
-    assert lab.find(note).evaluate("note => note.scrollWidth <= note.clientWidth")
+    lab.find(f"{ALERT} summary").press("Enter")
+    lab.reads(f"{ALERT} pre", "open('owned', 'w')")
+    for part in (ALERT, f"{ALERT} pre"):
+        assert lab.find(part).evaluate("part => part.scrollWidth <= part.clientWidth")  # the whole line
     lab.find('[data-lrp-action="keep-text"]').press("Enter")
-    lab.misses('[role="alertdialog"]:not([hidden])')
+    is_answered(lab)
     lab.notebook.run_cell(1)
     lab.ready().goes_on()
     assert not owned.exists()
 
 
-def test_a_file_that_was_changed_outside_is_asked_about_and_not_overwritten(open_lab):
-    lab = open_lab(COUNTER)
-    lab.type_after("(state rest)", " (state third)")
-    lab.sees('[data-lrp-state="m/third"]')
+def take_what_was_changed_outside(lab, file):
+    third(lab)
     lab.goes_on()
-    file = lab.notebook.path.parent / ".lrp" / "m.lrp"
     outside = COUNTER.replace("(state rest)", "(state rest) (state outside)")
     file.write_text(outside)
     lab.type_after("(state third)", " (state fourth)")
     lab.sees('[data-lrp-state="m/fourth"]')
-    lab.reads('[role="alertdialog"]', "was changed outside this lab")
-    lab.find('[role="alertdialog"] summary').press("Enter")
-    lab.reads('[role="alertdialog"] ins', "(state outside)")
-    lab.reads('[role="alertdialog"] del', "(state fourth)")
-    assert lab.find('[role="alertdialog"] ins').count() == 1
+    asked(lab, "was changed outside this lab")
+    lab.find(f"{ALERT} summary").press("Enter")
+    lab.reads(f"{ALERT} ins", "(state outside)")
+    lab.reads(f"{ALERT} del", "(state fourth)")
+    assert lab.find(f"{ALERT} ins").count() == 1
     axe.finds_nothing_serious(lab)
     lab.goes_on()
     assert file.read_text() == outside
@@ -156,13 +239,9 @@ def test_a_file_that_was_changed_outside_is_asked_about_and_not_overwritten(open
     lab.misses('[data-lrp-state="m/fourth"]')
 
 
-# -- versions and files ----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_a_deleted_text_is_returned_to_by_keys_alone(open_lab, theme):
-    lab = open_lab(COUNTER)
-    axe.choose_theme(lab, theme)
+def return_to_a_version(lab):
+    """A deleted text is returned to by keys alone."""
+    text = lab.text
     press = lab.page.keyboard.press
     lab.find(".cm-content").focus()
     press("Control+a")
@@ -175,19 +254,22 @@ def test_a_deleted_text_is_returned_to_by_keys_alone(open_lab, theme):
     press("Enter")
     lab.until("list => list === document.activeElement", '[aria-label="Version"]')
     lab.reads('form[aria-label="Versions"] pre', "(state count")
-    axe.finds_nothing_serious(lab)
+    for theme in ("dark", "light"):
+        axe.choose_theme(lab, theme)
+        axe.finds_nothing_serious(lab)
+    lab.find('[aria-label="Version"]').focus()
     press("Tab")
     press("Enter")
     lab.reads(".lrp-verdict", "runs")
-    assert lab.text == COUNTER
+    assert lab.text == text
 
 
-def test_saving_asks_before_it_replaces_a_file(open_lab):
-    lab = open_lab(COUNTER)
+def save_over_a_file(lab):
+    """Saving asks before it replaces a file."""
     file = lab.notebook.path.parent / "other.lrp"
     file.write_text("precious")
     press = lab.page.keyboard.press
-    for answer, text in (("Escape", "precious"), ("Enter", COUNTER)):
+    for answer, text in (("Escape", "precious"), ("Enter", lab.text)):
         lab.do("menu")
         lab.choose("save")
         lab.find('[aria-label="File"]').fill("other.lrp")
@@ -198,26 +280,18 @@ def test_saving_asks_before_it_replaces_a_file(open_lab):
         assert file.read_text() == text
 
 
-@pytest.fixture
-def small_window(page):
-    """The window of a small laptop, in which the lab is stacked and higher than the window."""
-    page.set_viewport_size({"width": 1280, "height": 800})
-    return page
-
-
-def test_a_text_that_cannot_be_kept_is_marked_beside_the_name(open_lab, small_window):
-    lab = open_lab(COUNTER)
-    lab.goes_on()
-    folder = lab.notebook.path.parent / ".lrp"
+def say_that_a_text_is_not_kept(lab, folder):
+    """It is marked beside the name, and the reason is in view in the window of a small laptop."""
+    lab.page.set_viewport_size({"width": 1280, "height": 800})
     folder.rename(folder.with_name("away"))
     folder.write_text("a file")
-    lab.type_after("(state rest)", " (state third)")
+    lab.type_after("(state rest)", " (state last)")
     mark = lab.sees('[data-lrp-action="unkept"]:not([hidden])')
     assert mark.inner_text() == "Not kept"
     mark.press("Enter")
     lab.reads(".lrp-toast", "is a file")
     toast = lab.box(".lrp-toast")
-    assert toast["y"] + toast["height"] < small_window.viewport_size["height"], "it is in view"
+    assert toast["y"] + toast["height"] < 800, "it is in view"
     folder.unlink()
     lab.find('[data-lrp-action="unkept"]').wait_for(state="hidden")
-    assert "(state third)" in (folder / "m.lrp").read_text()
+    assert "(state last)" in (folder / "m.lrp").read_text()
