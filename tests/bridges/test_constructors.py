@@ -120,3 +120,14 @@ def test_threads_that_use_a_part_first_at_the_same_time_get_the_same_one() -> No
         thread.join()
     assert got == [owner.thing, owner.thing]
     assert isinstance(Interface.safety, part)
+
+
+def test_a_time_step_that_a_constructor_sets_is_also_the_clock_of_ages() -> None:
+    class Paced(Bare, offered=False):
+        def __init__(self, step: float) -> None:
+            self.time_step = step  # type: ignore[misc]
+
+    paced = Paced(0.02)
+    paced.feed("light.data", 7)
+    paced.begin_tick(1.5, 0.1)
+    assert paced.describe("light.data").age == 1.5
