@@ -68,7 +68,7 @@ class Bench:
             "%load_ext lrp_jupyter",
             f"%%lrp m --world line\n{PROGRAM}",
             WATCH,
-            SLOW_CELL.format(max(50, 10 * seconds)),
+            SLOW_CELL.format(max(20, 10 * seconds)),
             PROGRAM,
         ]
         server.write(self.notebook.name, cells)
@@ -246,8 +246,8 @@ class Bench:
             self.page.wait_for_timeout(seconds * 1e3)
             achieved = self.kernel("session.frame.achieved_rate")
             self.lab.pause()
-            self.page.wait_for_timeout(500)
-            happened = self.kernel("fired()")
+            happened, tick = self.kernel("(fired(), session.frame.tick)")
+            self.lab.until("(root, tick) => Number(root.dataset.lrpTick) >= tick", argument=tick)
             self.kernel("setattr(session, 'speed', 1)")
             told = sum(seen["count"] for seen in self.wire.fired.values())
             self.lab.do("run")
@@ -363,7 +363,7 @@ def main() -> None:
     options = parser.parse_args()
     if lacking():
         sys.exit(f"There is no {lacking()}.")
-    times, seconds = (8, 1) if options.quick else (60, 10)
+    times, seconds = (4, 0.5) if options.quick else (60, 10)
     from playwright.sync_api import sync_playwright
 
     with (
@@ -388,7 +388,7 @@ def main() -> None:
         bench.count_at_full_speed(seconds)
         print("\n" + "\n".join(bench.notes))
         bench.traffic(seconds)
-        bench.soak(min(600.0, 3 if options.quick else options.soak))
+        bench.soak(min(600.0, 1 if options.quick else options.soak))
         browser.close()
 
 

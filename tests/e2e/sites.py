@@ -80,8 +80,9 @@ class SiteNotebook(NotebookPage):
     def __init__(self, page, site, name):
         self.page, self.site, self.name = page, site, name
 
-    def show(self):
-        self.command("docmanager:open", path=self.name)
+    def show(self, kernel=None):
+        """Open it, with a kernel that runs already if there is one."""
+        self.command("docmanager:open", path=self.name, kernel=kernel)
         return self.ready()
 
     def run(self):

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from e2e.pages import comes_true
+from e2e.pages import APP, comes_true
 from e2e.sites import PlainPage, SiteNotebook, link
 from lrp_jupyter.cli.lab import shipped_notebooks
 from lrp_jupyter.site.build import build_site
@@ -17,21 +17,17 @@ def notebook(visitor, site):
     """Open a notebook of the site, whose kernel is that of the last one: it takes long to start."""
     visitor.goto(f"{site.url}/jupyter/lab/index.html")
     visitor.wait_for_function("window.jupyterapp?.shell?.currentWidget")
-    kernels = []
+    kernels = [None]
 
     def notebook(name):
-        opened = SiteNotebook(visitor, site, f"{name}.ipynb").show()
-        kernels.append(visitor.evaluate(SHARE, kernels[:1]))
-        return opened.ready()
+        opened = SiteNotebook(visitor, site, f"{name}.ipynb").show(kernels[-1])
+        kernels.append({"id": visitor.evaluate(f"{APP}.sessionContext.session.kernel.id")})
+        assert len({each["id"] for each in kernels[1:]}) == 1
+        return opened
 
     return notebook
 
 
-SHARE = """async ([id]) => {
-  const { sessionContext } = jupyterapp.shell.currentWidget;
-  if (id) await sessionContext.changeKernel({ id });
-  return sessionContext.session.kernel.id;
-}"""
 STORES = """async ([path, part]) => {
   try {
     const options = { type: "file", format: "text", content: true };
