@@ -96,6 +96,7 @@ class Comparison:
             if line.get("event") == "entered":
                 machine, _, state = line["state"].rpartition("/")
                 self._machines[state] = machine
+        recorded = _read_in_both(recorded, now)
         if self.difference is None and list(map(self._key, recorded)) != list(map(self._key, now)):
             self._differ(recorded, now)
 
@@ -141,6 +142,17 @@ class Comparison:
             return self._machines.get(line["block"].partition(".")[0], "")
         path: str = line.get("state") or line.get("variable") or line.get("element") or ""
         return path.rpartition("/")[0]
+
+
+def _read_in_both(recorded: list[Line], now: list[Line]) -> list[Line]:
+    """Return recorded lines without readings that nothing reads now: only a breakpoint read them."""
+    read: set[str] = set().union(*(line.get("readings", ()) for line in now))
+    return [
+        {**line, "readings": {name: value for name, value in line["readings"].items() if name in read}}
+        if "readings" in line and any("readings" in each for each in now)
+        else line
+        for line in recorded
+    ]
 
 
 def _most_telling(lines: Sequence[Line]) -> Line | None:

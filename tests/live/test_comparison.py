@@ -73,6 +73,11 @@ def test_a_tick_that_is_not_over_is_compared_as_far_as_it_is():
     assert comparison.difference is None
 
 
+def test_a_reading_that_nothing_reads_any_more_is_no_difference():
+    assert compared([read(1, light=3, gap=0.5)], [read(1, gap=0.5)]) is None
+    assert compared([read(1, gap=0.5)], [read(1, light=3, gap=0.5)]) is not None
+
+
 def test_another_program_may_have_other_lines_and_no_edits():
     recorded, now = {**FIRED, "line": 3}, {**FIRED, "line": 9}
     assert compared([PATCHED, recorded], [now], other=True) is None
