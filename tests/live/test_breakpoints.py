@@ -3,9 +3,9 @@
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.robots import Bare
 from wild import program
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter import variables
 from lrp_jupyter.language import blocks
@@ -248,36 +248,20 @@ def test_a_step_back_undoes_the_pause_and_another_pause_has_its_own_reason(live)
     assert (live.frame.paused_by, live.frame.reason) == (None, "A person wanted it.")
 
 
-class Lamp(Bridge):
-    """A real robot whose lamp blinks with every reading."""
-
-    name = "lamp"
-    hardware = True
-    stop_timeout = None
-
-    def __init__(self):
-        self.reads = 0
-
-    def open_interface(self):
-        self.add_variable("lamp.data", self.read)
-
-    def read(self):
-        self.reads += 1
-        return self.reads
-
-
 LAMP = "(var n := [0]) (machine m (state a (running [n = robot.lamp.data]))) (spawn m a)"
 
 
 def test_a_condition_tests_what_the_program_has_seen():
-    with Session(LAMP, Lamp(), clock=VirtualClock()) as live:
+    reads = []
+    blinking = Bare(lambda robot: robot.add_variable("lamp.data", lambda: reads.append(0) or len(reads)))
+    with Session(LAMP, blinking, clock=VirtualClock()) as live:
         live.step()
         live.pause_when(condition="robot.lamp.data != n")
         live.pause_when(condition="n == robot.lamp.data")
-        before = live.bridge.reads
+        before = len(reads)
         for _ in range(9):
             live.step()
-        assert live.bridge.reads - before == 9
+        assert len(reads) - before == 9
         assert [each.hits for each in live.breakpoints] == [0, 1]
 
 

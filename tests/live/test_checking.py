@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.robots import Bare
 
 import lrp_jupyter
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.language import checks
 from lrp_jupyter.live.checking import check
@@ -193,19 +193,12 @@ def test_a_world_of_ones_own_has_the_members_of_its_robot(tmp_path: Path) -> Non
     assert codes(text) == ["LRP520"]
 
 
-class Growing(Bridge):
-    """A robot whose members may come later."""
-
-    name = "growing"
-    hardware = False
-
-    def open_interface(self) -> None:
-        self.add_variable("light.data", lambda: 1, type=int)
-        self.add_method("go", lambda speed, turn=0: None)
-
-
 def test_a_bridge_that_may_add_members_gives_no_false_alarm() -> None:
-    bridge = Growing()
+    def members(robot: Bare) -> None:
+        robot.add_variable("light.data", lambda: 1, type=int)
+        robot.add_method("go", lambda speed, turn=0: None)
+
+    bridge = Bare(members)
     text = "(machine m (state a (running [{}])))(spawn m a)"
     assert codes(text.format("robot.later(); print(robot.light < 'x')"), (), bridge) == []
     bridge.open()

@@ -3,9 +3,9 @@
 import threading
 
 import pytest
+from support.robots import Bare
 from support.waiting import until
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.run import Run
@@ -58,16 +58,8 @@ def test_a_subscriber_that_raises_is_reported_once_and_the_loop_lives_on(
 
 @pytest.mark.parametrize("hook", ["sense", "act", "on_start"])
 def test_a_hook_that_raises_loses_the_robot_and_the_loop_lives_on(session, raises, hook):
-    class Cart(Bridge):
-        name = "test-cart"
-        hardware = False
-
-        def open_interface(self):
-            pass
-
-    setattr(Cart, hook, raises)
     raises.__name__ = hook
-    counting = session(COUNT, Cart(), rate=100)
+    counting = session(COUNT, Bare(**{hook: raises}), rate=100)
     counting.start()
     assert ticks_on(counting).status == "running"
     faults = [notice.text for notice in counting.bridge.safety.notices if notice.kind == "fault"]
@@ -108,26 +100,19 @@ def hung(running):
 
 @pytest.mark.parametrize("hook", ["sense", "act", "moment", "advance", "on_resume"])
 def test_a_hook_that_does_not_return_is_interrupted_for_an_edit(session, hook):
-    class Cart(Bridge):
-        name = "test-cart"
-        hardware = False
-        time_step = 0.01 if hook in ("moment", "advance") else None
-
-        def open_interface(self):
-            pass
-
-    counting = session(COUNT, Cart(), rate=100, hung_after=0.2)
+    robot = Bare(time_step=0.01 if hook in ("moment", "advance") else None)
+    counting = session(COUNT, robot, rate=100, hung_after=0.1)
     counting.start()
     ticks_on(counting)
     counting.pause()
-    setattr(Cart, hook, endless)
+    setattr(robot, hook, endless)
     counting.submit(Resume())
     assert hung(counting).startswith("The robot has not answered for")
-    setattr(Cart, hook, lambda *_: None)
+    setattr(robot, hook, lambda *_: None)
     counting.edit(COUNT.replace("n + 1", "n + 2"))
     assert "n + 2" in ticks_on(counting).program.text
     was_lost = any(notice.kind == "fault" for notice in counting.bridge.safety.notices)
-    assert was_lost == (Cart.time_step is None)
+    assert was_lost == (robot.time_step is None)
     assert counting.bridge.status.state == "connected", "it is found again as soon as the hook returns"
 
 

@@ -232,7 +232,7 @@ def test_a_frame_shows_a_moment_of_a_run_and_what_happened_since_the_beginning()
 
 
 def test_applied_edits_are_counted_and_others_have_a_reason():
-    i = started(PROGRAM), robot()
+    i = started(PROGRAM)
     i.patch(parse(PROGRAM + "; the same"))
     i.rename("state", "m/b", "c")
     assert (i.revision, i.patch_reason, i.restarts) == (2, "", 0)

@@ -1,8 +1,8 @@
 """The edges of the loop: what it tells its bridge, what it refuses, how it stands still and goes on."""
 
 import pytest
+from support.robots import Bare
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, SessionClosedError
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.live import clock as clocks
@@ -12,37 +12,10 @@ COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 DRIVE = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
 
 
-class Diary(Bridge):
-    """A robot that records the calls of a session."""
-
-    name = "diary"
-    stop_timeout = None
-
-    def __init__(self, hardware=False, fails=""):
-        self.hardware, self.fails, self.calls = hardware, fails, []
-
-    def open_interface(self):
-        """There is nothing to open."""
-
-    def note(self, what):
-        self.calls.append(what)
-        if what == self.fails:
-            raise OSError("the cable is gone")
-
-    def on_start(self):
-        self.note("start")
-
-    def on_pause(self):
-        self.note("pause")
-
-    def on_resume(self):
-        self.note("resume")
-
-    def stop(self):
-        self.note("stop")
-
-    def rewind(self, moment):
-        self.note("rewind")
+@pytest.fixture
+def diary():
+    """A robot that notes the calls of a session."""
+    return Bare(notes="on_start on_pause on_resume stop rewind")
 
 
 @pytest.fixture
@@ -63,31 +36,37 @@ def turn(session, wall, seconds, times=1):
 # -- the bridge
 
 
-def test_the_bridge_hook_of_the_start_is_called_once_and_then_those_of_pauses(session):
-    running = session(COUNT, diary := Diary())
+def test_the_bridge_hook_of_the_start_is_called_once_and_then_those_of_pauses(session, diary):
+    running = session(COUNT, diary)
     running.resume()
     running.pause()
     running.resume()
-    assert diary.calls == ["start", "pause", "resume"]
+    assert diary.calls == ["on_start", "on_pause", "on_resume"]
 
 
-def test_a_first_step_is_a_start_for_the_bridge(session):
-    stepped = session(COUNT, diary := Diary())
+def test_a_first_step_is_a_start_for_the_bridge(session, diary):
+    stepped = session(COUNT, diary)
     stepped.step()
     stepped.step()
     stepped.resume()
-    assert diary.calls == ["start", "resume"]
+    assert diary.calls == ["on_start", "on_resume"]
 
 
-def test_a_pause_at_an_issue_is_one_for_the_bridge(session):
-    faulty = session(COUNT.replace("n + 1", "n / 0"), diary := Diary(), on_issue="pause")
+def test_a_pause_at_an_issue_is_one_for_the_bridge(session, diary):
+    faulty = session(COUNT.replace("n + 1", "n / 0"), diary, on_issue="pause")
     faulty.run(1)
-    assert diary.calls == ["start", "pause"]
+    assert diary.calls == ["on_start", "on_pause"]
 
 
-@pytest.mark.parametrize("hook", ["start", "pause"])
-def test_a_bridge_whose_hook_fails_is_lost_and_its_robot_stopped(session, hook):
-    running = session(COUNT, diary := Diary(fails=hook))
+@pytest.mark.parametrize("hook", ["on_start", "on_pause"])
+def test_a_bridge_whose_hook_fails_is_lost_and_its_robot_stopped(session, diary, hook):
+    def fail():
+        diary.calls.append(hook)
+        raise OSError("the cable is gone")
+
+    fail.__name__ = hook
+    setattr(diary, hook, fail)
+    running = session(COUNT, diary)
     running.open()
     running.resume()
     running.pause()
@@ -96,8 +75,8 @@ def test_a_bridge_whose_hook_fails_is_lost_and_its_robot_stopped(session, hook):
     assert "the cable is gone" in running.frame.bridge
 
 
-def test_an_edit_that_restarts_the_program_stops_the_robot_and_another_does_not(session):
-    running = session(COUNT, diary := Diary())
+def test_an_edit_that_restarts_the_program_stops_the_robot_and_another_does_not(session, diary):
+    running = session(COUNT, diary)
     running.run(1)
     running.edit(COUNT.replace("n := [0]", "n := [5]"))
     assert "stop" not in diary.calls
@@ -105,8 +84,9 @@ def test_an_edit_that_restarts_the_program_stops_the_robot_and_another_does_not(
     assert diary.calls[-1] == "stop"
 
 
-def test_an_armed_robot_is_not_taken_back_whatever_its_bridge_says(session):
-    running = session(COUNT, diary := Diary(hardware=True))
+def test_an_armed_robot_is_not_taken_back_whatever_its_bridge_says(session, diary):
+    diary.hardware = True
+    running = session(COUNT, diary)
     running.run(1)
     diary.arm()
     with pytest.raises(BridgeError, match="armed"):
@@ -233,8 +213,8 @@ def test_what_is_closed_cannot_be_stopped_or_started(session):
     assert closed.status == "closed"
 
 
-def test_a_fault_of_our_own_stops_the_robot_and_is_in_the_frame_at_once(session, monkeypatch):
-    broken = session(COUNT, diary := Diary())
+def test_a_fault_of_our_own_stops_the_robot_and_is_in_the_frame_at_once(session, diary, monkeypatch):
+    broken = session(COUNT, diary)
     broken.run(0.3)
     frames = []
     monkeypatch.setattr(type(broken.interpreter), "step", lambda *_: {}["our own mistake"])

@@ -12,6 +12,7 @@ from threading import Thread
 
 import pytest
 import wild
+from support.robots import Bare
 from support.sessions import seen
 
 from lrp_jupyter import logs
@@ -415,24 +416,18 @@ def test_what_is_done_to_the_world_in_the_middle_of_a_tick_is_reproduced(tmp_pat
     assert (again.difference, seen(again.session)) == (None, present)
 
 
-class Beeper(Bridge):
-    """A robot whose methods have parameters, and whose reading is a list."""
-
-    name = "beeper"
-    hardware = False
-
-    def open_interface(self):
-        """Add the members."""
-        self.add_variable("ls", lambda: [1, 2, (3,)])
-        self.add_method("move", lambda linear, angular=0.0: None, limits={"linear": 0.5})
-        self.add_method("beep", lambda *, times=1: None)
+def beeper(robot):
+    """Methods with parameters, and a reading that is a list."""
+    robot.add_variable("ls", lambda: [1, 2, (3,)])
+    robot.add_method("move", lambda linear, angular=0.0: None, limits={"linear": 0.5})
+    robot.add_method("beep", lambda *, times=1: None)
 
 
 def test_the_methods_of_a_recorded_robot_take_the_arguments_that_it_took(tmp_path):
     path = tmp_path / "run.lrplog"
     blocks = "[robot.move(0.9, 0.1)] [robot.beep(times=2)] [n = robot.ls + [(4,)]] [robot.beep(3)]"
     text = f"(var n := [0])(machine m (state a (running {blocks})))(spawn m a)"
-    with Session(text, Beeper, clock=VirtualClock()) as session, session.record(path):
+    with Session(text, Bare(beeper), clock=VirtualClock()) as session, session.record(path):
         session.run(1)
         (issue,) = session.issues
     with reproduce(read_recording(path)).session as again:
@@ -442,24 +437,18 @@ def test_the_methods_of_a_recorded_robot_take_the_arguments_that_it_took(tmp_pat
     assert reproduce(read_recording(path)).difference is None
 
 
-class Publisher(Bridge):
-    """A robot that takes messages of ROS."""
-
-    name = "publisher"
-    hardware = False
-
-    def open_interface(self):
-        """Add the methods."""
-        types = Types()
-        for name, kind in {"drive": "geometry_msgs/TwistStamped", "say": "std_msgs/String"}.items():
-            self.add_method(name, lambda message: None, message=types.message(kind), limits={})
+def publisher(robot):
+    """Methods that take messages of ROS."""
+    types = Types()
+    for name, kind in {"drive": "geometry_msgs/TwistStamped", "say": "std_msgs/String"}.items():
+        robot.add_method(name, lambda message: None, message=types.message(kind), limits={})
 
 
 def test_the_messages_of_a_recorded_robot_have_their_fields(tmp_path):
     path = tmp_path / "run.lrplog"
     blocks = "[robot.drive(linear=1, header_frame_id='map')] [robot.say(data='on')] [robot.say(dat='off')]"
     text = f"(machine m (state a (running {blocks})))(spawn m a)"
-    with Session(text, Publisher, clock=VirtualClock()) as session, session.record(path):
+    with Session(text, Bare(publisher), clock=VirtualClock()) as session, session.record(path):
         session.run(1)
         (issue,) = session.issues
         assert "it has `data`" in issue.message
@@ -547,18 +536,9 @@ def test_what_cannot_be_written_ends_the_recording_not_the_session(tmp_path):
     path, knot = tmp_path / "run.lrplog", []
     knot.append(knot)
 
-    class Odd(Bridge):
-        """A robot that takes anything."""
-
-        name = "odd"
-        hardware = False
-
-        def open_interface(self):
-            """Add a command."""
-            self.add_method("take", lambda thing: None)
-
+    odd = Bare(lambda robot: robot.add_method("take", lambda thing: None))
     text = "(machine m (state a (onentry [print('\\ud800')] [robot.take(knot)])))(spawn m a)"
-    session = Session(text, Odd(), clock=VirtualClock(), namespace={"knot": knot})
+    session = Session(text, odd, clock=VirtualClock(), namespace={"knot": knot})
     with session:
         recording = session.record(path)
         recording.__enter__()

@@ -5,8 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
+from support.robots import Bare
+from support.waiting import until
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.live import clock, driver, monitor
@@ -51,29 +52,7 @@ def impatient(monkeypatch):
 @pytest.fixture
 def pushcart():
     """A robot that notes what is done to it."""
-
-    class Pushcart(Bridge):
-        hardware = False
-        stop_timeout = None
-
-        def __init__(self):
-            self.stops = 0
-            self.paused = threading.Event()
-            self.stopped = threading.Event()
-
-        def open_interface(self):
-            pass
-
-        def stop(self):
-            self.stops += 1
-            self.stopped.set()
-
-        def on_pause(self):
-            super().on_pause()
-            self.paused.set()
-
-    yield Pushcart()
-    Bridge.registry.pop(Pushcart.name)
+    return Bare(notes="stop on_pause")
 
 
 def test_a_started_program_runs_by_itself(session):
@@ -195,7 +174,7 @@ def test_a_block_that_does_not_return_is_shown_and_stops_the_robot(session, gate
     assert "`a.running` has run for" in frame.reason
     assert frame.hung.where == "a.running"
     assert frame.hung.seconds >= 0.0
-    assert pushcart.stops >= 1
+    assert "stop" in pushcart.calls
     gates["gate"].set()
     assert holding.wait_for(lambda frame: frame.status == "running", LONG).hung is None
 
@@ -290,11 +269,10 @@ def test_stopping_the_robot_does_not_wait_for_the_block(session, gates, pushcart
     holding.start()
     assert gates["entered"].wait(LONG)
     holding.stop_robot()
-    assert pushcart.stopped.is_set()
-    assert not pushcart.paused.is_set()
+    assert pushcart.calls == ["stop"]
     gates["gate"].set()
     assert holding.wait_for(lambda frame: frame.status == "paused", LONG).reason == "The robot was stopped."
-    assert pushcart.paused.is_set()
+    until(lambda: "on_pause" in pushcart.calls)
 
 
 def test_a_robot_that_is_not_watched_pauses(session, pushcart):
@@ -302,13 +280,13 @@ def test_a_robot_that_is_not_watched_pauses(session, pushcart):
     counting.start()
     frame = counting.wait_for(lambda frame: frame.status == "paused", LONG)
     assert "not been watched" in frame.reason
-    assert pushcart.stops >= 1
+    assert "stop" in pushcart.calls
 
 
 def test_a_robot_that_is_not_watched_stops_although_a_block_has_not_returned(session, pushcart, gates):
     text = "(machine m (state a (onentry [gate.wait()]))) (spawn m a)"
     session(text, pushcart, rate=0.01, namespace=gates, dead_man=0.05, hung_after=LONG).start()
-    assert pushcart.stopped.wait(LONG / 2)
+    until(lambda: "stop" in pushcart.calls)
 
 
 def test_a_program_that_was_stopped_starts_from_the_beginning(session):
@@ -386,7 +364,7 @@ def test_a_fault_of_our_own_in_the_thread_stops_the_robot_and_is_reported(sessio
     frame = counting.wait_for(lambda frame: frame.status == "broken", LONG)
     assert frame.issues == ()
     assert "our own mistake" in counting.fault
-    assert pushcart.stops >= 1
+    assert "stop" in pushcart.calls
 
 
 def test_a_program_that_runs_free_lets_others_run(session, monkeypatch):

@@ -4,9 +4,9 @@ import math
 from dataclasses import replace
 
 import pytest
+from support.robots import Bare
 
 from lrp_jupyter import programs
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
@@ -97,27 +97,14 @@ def test_a_touch_is_told_with_its_moment_and_its_solid():
         assert session.what_if(seconds=1).changed.touch is None  # it touches it already
 
 
-class Counter(Bridge, offered=False):
-    """A robot without a world of its own, whose reading counts the ticks."""
-
-    name = "counter"
-    hardware = False
-
-    def open_interface(self):
-        self.count = 0
-        self.add_variable("count", lambda: self.count)
-
-    def sense(self, now):
-        self.count += 1
-
-
 def test_the_readings_of_a_robot_that_cannot_be_simulated_are_fed():
     program = """\
     (machine m (state a (running [robot.count])) (state b (running [robot.count]))
       (on [robot.count > 15] a -> b))
     (spawn m a)
     """
-    with Session(program, Counter) as session:
+    counter = Bare(lambda robot: robot.add_variable("count", lambda: len(robot.calls)), notes="sense")
+    with Session(program, counter) as session:
         session.run(3)
         what_if = session.what_if(5, program.replace("15", "20"), 2.4)
         assert what_if.open_loop

@@ -5,8 +5,8 @@ import math
 
 import pytest
 from smil import evaluate, placed
+from support.robots import Bare
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live import clock as clocks
@@ -217,14 +217,7 @@ def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(sess
 
 
 def test_an_armed_robot_cannot_be_rewound_and_a_disarmed_one_can(session):
-    class Barrow(Bridge):
-        def open_interface(self):
-            self.add_method("move", lambda linear: None)
-
-        def stop(self):
-            pass
-
-    barrow = Barrow()
+    barrow = Bare(lambda robot: robot.add_method("move", lambda linear: None), hardware=True)
     running = session("(machine m (state a (running [robot.move(1)]))) (spawn m a)", barrow)
     running.run(1)
     barrow.arm()
@@ -236,32 +229,17 @@ def test_an_armed_robot_cannot_be_rewound_and_a_disarmed_one_can(session):
     barrow.disarm()
     running.rewind(3)
     assert running.frame.tick == 7
-    Bridge.registry.pop("barrow")
 
 
 def test_a_bridge_that_fails_is_lost_and_the_loop_continues(session):
-    class Wreck(Bridge):
-        hardware = False
-        stop_timeout = None
+    def fail(*_):
+        raise OSError("the cable is gone")
 
-        def open_interface(self):
-            self.set_status("connected")
-
-        def on_start(self):
-            raise OSError("the cable is gone")
-
-        def sense(self, now):
-            raise OSError("the cable is gone")
-
-        def stop(self):
-            pass
-
-    wreck = Wreck()
+    wreck = Bare(on_start=fail, sense=fail)
     running = session("(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)", wreck)
     running.run(1)
     assert (running.frame.variables[("n",)], running.frame.issues) == ("9", ())
     assert "the cable is gone" in running.frame.bridge
-    Bridge.registry.pop("wreck")
 
 
 def test_a_trace_is_one_object_per_event_with_what_it_concerns(session, trace):

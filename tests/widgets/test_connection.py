@@ -8,8 +8,8 @@ from itertools import cycle, repeat
 from threading import Event, current_thread, main_thread
 
 import pytest
+from support.robots import Bare
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.live.commands import Call
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
@@ -493,21 +493,9 @@ def test_a_fault_of_the_lab_is_reported_in_the_lab(bench, monkeypatch):
     lab.connection.fault = ""
 
 
-class Counted(Bridge):
-    """A robot that counts how often it is read."""
-
-    name = "counted"
-    stop_timeout = None
-
-    def __init__(self, hardware):
-        self.hardware, self.reads = hardware, 0
-
-    def open_interface(self):
-        self.add_variable("x", self.read)
-
-    def read(self):
-        self.reads += 1
-        return self.reads
+def counted(robot):
+    """Count how often a robot is read."""
+    robot.add_variable("x", lambda: robot.calls.append("read") or len(robot.calls))
 
 
 @pytest.fixture
@@ -515,15 +503,15 @@ def reads(bench):
     """How often a robot is read in three seconds, for the views of a session that is as it is told."""
 
     def count(hardware=False, views=1, then=lambda session: None):
-        lab = bench("(machine m (state a)) (spawn m a)", bridge=(robot := Counted(hardware)))
+        lab = bench("(machine m (state a)) (spawn m a)", bridge=(robot := Bare(counted, hardware=hardware)))
         for number in range(views):
             lab.page(f"page {number}")
         lab.session.step()
         then(lab.session)
-        before = robot.reads
+        before = len(robot.calls)
         for _ in range(96):
             lab.publish(after=1 / 32)
-        return robot.reads - before
+        return len(robot.calls) - before
 
     return count
 
@@ -542,7 +530,7 @@ def test_a_robot_is_not_asked_again_before_it_has_answered(bench):
     gate, inside = Event(), Event()
     lab = bench(
         "(machine m (state a (running [inside.set() or gate.wait(60)]))) (spawn m a)",
-        bridge=(robot := Counted(hardware=False)),
+        bridge=(robot := Bare(counted)),
         namespace={"gate": gate, "inside": inside},
     )
     lab.page()
@@ -552,7 +540,7 @@ def test_a_robot_is_not_asked_again_before_it_has_answered(bench):
         lab.publish()
     gate.set()
     lab.session.call(lambda: None)
-    assert robot.reads == 1
+    assert len(robot.calls) == 1
 
 
 def test_views_get_a_snapshot_of_the_session_that_takes_the_place_of_another(bench):

@@ -4,8 +4,8 @@ import math
 import threading
 
 import pytest
+from support.robots import Bare
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.widgets.requests import CompleteRequest, HoverRequest, fields_of
 
@@ -98,18 +98,6 @@ class Marked:
         return "marked"
 
 
-class Holder(Bridge):
-    """A robot with a reading of a type of its own."""
-
-    name = "holder"
-
-    def __init__(self, reading):
-        self.reading = reading
-
-    def open_interface(self):
-        self.add_variable("thing", lambda: [self.reading], "a thing")
-
-
 def hovered(lab, chain):
     """Return the card of a name, asked for on a thread of its own, and publish nothing."""
     return HoverRequest("page", 1, chain, "").answer(lab.connection)["hover"]
@@ -117,7 +105,8 @@ def hovered(lab, chain):
 
 def test_hover_calls_the_code_of_a_value_only_on_the_loops_thread(bench):
     marked = Marked()
-    lab = bench("(machine m (state a (running [robot.thing]))) (spawn m a)", bridge=Holder(marked))
+    holder = Bare(lambda robot: robot.add_variable("thing", lambda: [marked], "a thing"))
+    lab = bench("(machine m (state a (running [robot.thing]))) (spawn m a)", bridge=holder)
     lab.session.start(paused=True)
     lab.session.call(lab.session.bridge.refresh)
     assert hovered(lab, "robot.thing")["value"] == "[marked]"

@@ -7,8 +7,8 @@ from typing import get_type_hints
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.robots import Bare
 
-from lrp_jupyter.bridges import Bridge
 from lrp_jupyter.live.frame import Hung
 from lrp_jupyter.widgets import layouts
 from lrp_jupyter.widgets.protocol import FrameMessage, ViewState
@@ -159,21 +159,9 @@ def test_a_long_layout_delays_no_command(bench, monkeypatch, act):
     assert len(page.merged("layouts")["m"]["states"]) == 2
 
 
-class Ear(Bridge):
-    """A robot that is fed what it hears; the test is its clock."""
-
-    name = "test-ear"
-
-    def __init__(self):
-        self.time = 0.0
-        self.fed.clock = lambda: self.time
-
-    def open_interface(self):
-        self.feed("sound", doc="loudness")
-
-
 def test_a_reading_that_is_too_old_is_shown_with_its_age_where_one_that_is_missing_is_waited_for(bench):
-    ear = Ear()
+    ear = Bare(lambda robot: robot.feed("sound", doc="loudness"), time=0.0)
+    ear.fed.clock = lambda: ear.time
     lab = bench("(machine m (state a) (state b) (on [robot.sound > 5] a -> b)) (spawn m a)", bridge=ear)
     page = lab.page()
 
