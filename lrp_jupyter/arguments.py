@@ -16,14 +16,8 @@ A_PROGRAM = "a Program, which `parse(text)` makes of a text"
 def check_type(name: str, value: object, kind: type | tuple[type, ...], what: str) -> None:
     """Raise a TypeError if an argument has another type; a truth value is not accepted as a number.
 
-    Parameters
-    ----------
-    name : str
-        The argument's name.
-    value : object
-    kind : type or tuple of types
-    what : str
-        What the argument is, in words: ``a text``.
+    `name`: the argument's name.
+    `what`: what the argument is, in words: ``a text``.
     """
     if not isinstance(value, kind) or isinstance(value, (bool, type)):
         raise TypeError(f"`{name}` must be {what}, not {_kind(value)}.")
@@ -49,15 +43,9 @@ def check_number(
 ) -> None:
     """Raise an error if an argument is not a number, or too small.
 
-    Parameters
-    ----------
-    name : str
-        The argument's name.
-    value : object
-    what : str
-        What the argument is, in words: ``a number of seconds``.
-    above, least : float
-        The number must be greater than `above`, and not less than `least`.
+    `name`: the argument's name.
+    `what`: what the argument is, in words: ``a number of seconds``.
+    `above`, `least`: the number must be greater than `above`, and not less than `least`.
     """
     check_type(name, value, Real, what)
     if not (value > above and value >= least):

@@ -24,10 +24,7 @@ _LARGEST = 32_000_000  # bytes that are read
 def write_file(path: str | os.PathLike[str], text: str) -> None:
     """Write a text to a file, as a whole or not at all; a link is replaced, not followed.
 
-    Raises
-    ------
-    FileError
-        It cannot be written; the message gives the reason.
+    Raises FileError: it cannot be written; the message gives the reason.
     """
     file = Path(path)
     try:
@@ -68,10 +65,7 @@ def unwritable(path: str | os.PathLike[str], error: OSError | ValueError) -> Fil
 def append_line(path: str | os.PathLike[str], line: str) -> None:
     """Append a line to a file that only this user can read; never through a link.
 
-    Raises
-    ------
-    OSError
-        It cannot be written.
+    Raises OSError: it cannot be written.
     """
     flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
     handle = os.open(path, flags, 0o600)
@@ -111,10 +105,7 @@ def read_file(path: str | os.PathLike[str]) -> str | None:
 def read_text(path: str | os.PathLike[str]) -> str:
     """Return the text of a file that a person named, its line ends unchanged.
 
-    Raises
-    ------
-    FileError
-        The file cannot be read, or is not UTF-8.
+    Raises FileError: the file cannot be read, or is not UTF-8.
     """
     try:
         data = Path(path).read_bytes()
@@ -126,12 +117,9 @@ def read_text(path: str | os.PathLike[str]) -> str:
 def run_python(path: str | os.PathLike[str], names: dict[str, Any]) -> None:
     """Run a Python file of the user with these global names.
 
-    Raises
-    ------
-    FileError
-        The file cannot be read.
-    LRPError
-        It raised something; the message has the line of the file, and the cause is what it raised.
+    Raises FileError: the file cannot be read.
+    Raises LRPError: it raised something; the message has the line of the file, and the cause is what it
+        raised.
     """
     try:
         exec(compile(read_text(path), str(path), "exec"), names)

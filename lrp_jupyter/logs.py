@@ -74,10 +74,7 @@ class _Log(io.TextIOWrapper):
 def open_log(path: str | os.PathLike[str]) -> IO[str]:
     """Open a file that is written line by line; compressed, if its name ends with ``.gz``.
 
-    Raises
-    ------
-    FileError
-        It cannot be written; the message gives the reason.
+    Raises FileError: it cannot be written; the message gives the reason.
     """
     try:
         opener = gzip.open if Path(path).suffix == ".gz" else open
@@ -90,11 +87,8 @@ def open_log(path: str | os.PathLike[str]) -> IO[str]:
 def read_log(path: str | os.PathLike[str]) -> tuple[bytes, bool]:
     """Read a file of lines; return what is there of it, and whether its compressed data is complete.
 
-    Raises
-    ------
-    FileError
-        It cannot be read, is too large, or its name ends with ``.gz`` and its data is not compressed or
-        damaged.
+    Raises FileError: it cannot be read, is too large, or its name ends with ``.gz`` and its data is not
+        compressed or damaged.
     """
     try:
         with open(path, "rb") as stream:
@@ -132,13 +126,8 @@ def _gunzipped(stream: IO[bytes]) -> tuple[bytes, bool]:
 def at_line(name: str, number: int, what: str) -> FileError:
     """Return an error that begins with a line of a file.
 
-    Parameters
-    ----------
-    name : str
-        Of the file, as it is shown.
-    number : int
-        Of the line, from 1.
-    what : str
-        A sentence.
+    `name`: of the file, as it is shown.
+    `number`: of the line, from 1.
+    `what`: a sentence.
     """
     return FileError(f"`{name}`, line {number}: {what}")

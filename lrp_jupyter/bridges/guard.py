@@ -55,14 +55,10 @@ def now() -> float:
 class Stopper:
     """How another process can stop a robot.
 
-    Parameters
-    ----------
-    target : str, class or function
-        ``"module:Class"`` or ``"module:function"``, or the object itself, also one of a notebook. A class
-        connects in its constructor and has the methods ``stop()`` and, where wanted, ``close()``. A subclass
-        of `Bridge` is opened, and its ``stop`` is called; a function is called for every stop.
-    arguments : mapping of str to object
-        Keyword arguments of the class or the function, with a JSON form.
+    `target`: ``"module:Class"`` or ``"module:function"``, or the object itself, also one of a notebook. A
+        class connects in its constructor and has the methods ``stop()`` and, where wanted, ``close()``. A
+        subclass of `Bridge` is opened, and its ``stop`` is called; a function is called for every stop.
+    `arguments`: keyword arguments of the class or the function, with a JSON form.
     """
 
     target: str | Callable[..., object]
@@ -71,10 +67,7 @@ class Stopper:
     def as_json(self) -> str:
         """Return a text in one line, with what else the process needs to know.
 
-        Raises
-        ------
-        BridgeError
-            The target or an argument cannot be sent to another process.
+        Raises BridgeError: the target or an argument cannot be sent to another process.
         """
         target: dict[str, str] = {}
         if isinstance(self.target, str):
@@ -123,15 +116,7 @@ class Guard:
 
     Owner: its thread. `check` and `moves` are called on the thread that commands the robot, before it does.
 
-    Parameters
-    ----------
-    bridge : Guarded
-
-    Attributes
-    ----------
-    is_on : bool
-    trouble : str
-        Why the robot is not guarded; empty if it is, or if the bridge has no stopper.
+    `trouble`: why the robot is not guarded; empty if it is, or if the bridge has no stopper.
     """
 
     def __init__(self, bridge: Guarded) -> None:
@@ -284,15 +269,8 @@ class Guard:
 class _Process:
     """One guard process, with a thread that listens to it until it has ended.
 
-    Attributes
-    ----------
-    order : str
-        The stopper, as it was sent.
-
-    Raises
-    ------
-    BridgeError
-        It cannot be started.
+    `order`: the stopper, as it was sent.
+    Raises BridgeError: it cannot be started.
     """
 
     def __init__(self, stopper: Stopper) -> None:

@@ -35,10 +35,7 @@ _LOOK = 0.25  # s between two looks at the parent and the connection
 class _Robot:
     """What a stopper makes: a class, a bridge or a function.
 
-    Raises
-    ------
-    Exception
-        Whatever the class or the bridge raises when it connects.
+    Raises Exception: whatever the class or the bridge raises when it connects.
     """
 
     def __init__(self, target: Any, arguments: dict[str, Any]) -> None:
@@ -73,18 +70,11 @@ class _Robot:
 class _Watch:
     """The beats, as they come; on a thread of its own.
 
-    Attributes
-    ----------
-    silence : float
-        Seconds without a beat after which the parent is taken for suspended.
-    moves : bool
-        Whether the robot may move.
-    last : float
-        When the last beat came.
-    ended, over : bool
-        Whether the end was announced; whether there will be no more beats.
-    wake : Event
-        Set with every beat.
+    `silence`: seconds without a beat after which the parent is taken for suspended.
+    `moves`: whether the robot may move.
+    `last`: when the last beat came.
+    `ended`, `over`: whether the end was announced; whether there will be no more beats.
+    `wake`: set with every beat.
     """
 
     def __init__(self, pipe: BufferedReader, parent: int, silence: float) -> None:

@@ -27,10 +27,7 @@ from lrp_jupyter.errors import BridgeError, did_you_mean
 def real_number(value: object, what: str) -> float:
     """Return `value` as a float.
 
-    Raises
-    ------
-    BridgeError
-        `value` is not a finite real number; ``True`` does not count as one.
+    Raises BridgeError: `value` is not a finite real number; ``True`` does not count as one.
     """
     if type(value) is not float and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
         raise BridgeError(f"`{what}` must be a number, not {value!r} ({type(value).__name__}).")
@@ -44,14 +41,9 @@ def real_number(value: object, what: str) -> float:
 class Plain:
     """A kind of field that is not a message.
 
-    Parameters
-    ----------
-    type : str
-        Its name in views.
-    default : object
-        The value of a field that is not set.
-    check : callable
-        Maps a value and the name of the field to what is stored, or raises `BridgeError`.
+    `type`: its name in views.
+    `default`: the value of a field that is not set.
+    `check`: maps a value and the name of the field to what is stored, or raises `BridgeError`.
     """
 
     type: str

@@ -16,14 +16,9 @@ class RobotStopped:
 class CommandsHeld:
     """Of the commands of the next tick, only so many are sent.
 
-    Parameters
-    ----------
-    sent : int
-        How many are.
-    blind : str
-        Why those that move the robot are not: its data are too old. Empty if it was stopped instead.
-    lost : str
-        Why those after them were refused: the robot did not answer. Empty if it did.
+    `sent`: how many are.
+    `blind`: why those that move the robot are not: its data are too old. Empty if it was stopped instead.
+    `lost`: why those after them were refused: the robot did not answer. Empty if it did.
     """
 
     sent: int

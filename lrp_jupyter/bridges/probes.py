@@ -110,10 +110,7 @@ def drive(bridge: Bridge, method: RobotMethod) -> None:
 def drive_a_little(bridge: Bridge) -> None:
     """Give the first velocity command of a robot, as slow as is sensible.
 
-    Raises
-    ------
-    NotChecked
-        It has none.
+    Raises NotChecked: it has none.
     """
     moving = [method for method in commands(bridge) if method.velocity and _first_number(method)]
     if not moving:

@@ -20,17 +20,9 @@ from lrp_jupyter.errors import NoDataYet
 class RecordedBridge(Bridge, offered=False):
     """A robot made of recorded readings.
 
-    Parameters
-    ----------
-    name : str
-        That of the bridge whose readings were recorded.
-    members : iterable of RobotVariable and RobotMethod
-        What it offered.
-
-    Attributes
-    ----------
-    given : mapping of str to object
-        The readings of the next tick, by path; an error where a reading failed.
+    `name`: that of the bridge whose readings were recorded.
+    `members`: what it offered.
+    `given`: the readings of the next tick, by path; an error where a reading failed.
     """
 
     name = "recorded"
@@ -92,11 +84,8 @@ def recorded_members(
 ) -> Iterator[RobotVariable | RobotMethod]:
     """Yield the members of a robot by their descriptions in a recording.
 
-    Parameters
-    ----------
-    descriptions : iterable of mapping
-    value_of : callable
-        Returns the default value of a parameter, or of a field of a message, by what was recorded of it.
+    `value_of`: returns the default value of a parameter, or of a field of a message, by what was recorded of
+        it.
     """
     source = _Source()
     for each in descriptions:

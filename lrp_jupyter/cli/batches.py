@@ -105,10 +105,7 @@ def _show_sweep(result: Sweep) -> None:
 def parse_axes(assignments: Sequence[str]) -> dict[str, tuple[Value, ...]]:
     """Return the values of each variable of a sweep.
 
-    Raises
-    ------
-    typer.BadParameter
-        An assignment is neither ``NAME=FROM:TO:COUNT`` nor ``NAME=A,B,…``.
+    Raises typer.BadParameter: an assignment is neither ``NAME=FROM:TO:COUNT`` nor ``NAME=A,B,…``.
     """
     axes: dict[str, tuple[Value, ...]] = {}
     for name, text in pairs_of(assignments, "--set"):

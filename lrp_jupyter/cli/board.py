@@ -29,27 +29,15 @@ _BEGIN, _END = "\x1b[?2026h", "\x1b[?2026l"  # synchronized output: unknown mode
 class BoardState:
     """Everything that the board shows at one moment: its view state.
 
-    Parameters
-    ----------
-    frame : Frame
-    name, where : str
-        The program's name, and its robot.
-    map : sequence of str
-        Rows of the sketch of the world; empty where there is none.
-    readings : sequence of (str, str)
-        Members of the robot that the program reads, and their values.
-    since : mapping of path to float
-        When the active states were entered.
-    last : sequence of str
-        The last transitions, the newest first.
-    changed : collection of path
-        Variables that changed since the last redraw.
-    keys : bool
-        Whether the keyboard is read.
-    differs : str
-        Why the file on disk is not what runs, a sentence; empty if it is.
-    trouble : str
-        Why the robot does not move: it is lost, or its data are too old. Empty if neither.
+    `name`, `where`: the program's name, and its robot.
+    `map`: rows of the sketch of the world; empty where there is none.
+    `readings`: members of the robot that the program reads, and their values.
+    `since`: when the active states were entered.
+    `last`: the last transitions, the newest first.
+    `changed`: variables that changed since the last redraw.
+    `keys`: whether the keyboard is read.
+    `differs`: why the file on disk is not what runs, a sentence; empty if it is.
+    `trouble`: why the robot does not move: it is lost, or its data are too old. Empty if neither.
     """
 
     frame: Frame
@@ -66,12 +54,7 @@ class BoardState:
 
 
 class Board:
-    """A live display in the terminal; a context manager that restores the cursor at its end.
-
-    Parameters
-    ----------
-    console : Console
-    """
+    """A live display in the terminal; a context manager that restores the cursor at its end."""
 
     def __init__(self, console: Console) -> None:
         self.console = console
@@ -110,13 +93,8 @@ class Board:
 def board_text(state: BoardState, width: int, rows: dict[str, int] | None = None) -> list[Text]:
     """Return the lines of the board.
 
-    Parameters
-    ----------
-    state : BoardState
-    width : int
-        Columns of the terminal.
-    rows : dict, optional
-        The most lines that each part has had so far; updated in place.
+    `width`: columns of the terminal.
+    `rows`: the most lines that each part has had so far; updated in place.
     """
     rows = {} if rows is None else rows
     parts = [

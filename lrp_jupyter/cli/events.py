@@ -26,23 +26,12 @@ class EventCollector:
 
     Events after the end of the run are dropped: with a clock, the run may stop a few steps late.
 
-    Parameters
-    ----------
-    seconds : float
-        Length of the run; may be infinite.
-    until : str, optional
-        The state that ends the run; :attr:`reached` is set when it is entered.
-    traced : bool
-        Whether to collect the lines of a trace.
-
-    Attributes
-    ----------
-    lines : deque of str
-        Lines of the trace not written yet.
-    pending : deque of TraceEvent
-        Events worth printing, not printed yet.
-    since : dict of path to float
-        When the active states were entered, in seconds.
+    `seconds`: length of the run; may be infinite.
+    `until`: the state that ends the run; :attr:`reached` is set when it is entered.
+    `traced`: whether to collect the lines of a trace.
+    `lines`: lines of the trace not written yet.
+    `pending`: events worth printing, not printed yet.
+    `since`: when the active states were entered, in seconds.
     """
 
     def __init__(self, seconds: float = math.inf, until: str | None = None, traced: bool = False) -> None:
@@ -74,11 +63,7 @@ class EventCollector:
 class EventPrinter:
     """Print events as lines of text.
 
-    Parameters
-    ----------
-    console : Console
-    quiet : bool
-        Whether to print issues only; the trace has the rest.
+    `quiet`: whether to print issues only; the trace has the rest.
     """
 
     def __init__(self, console: Console, quiet: bool) -> None:

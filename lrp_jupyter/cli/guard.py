@@ -35,10 +35,7 @@ _STOPS = 20  # a message may be lost, or the robot may be connected later than t
 def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, after: float) -> int:
     """Guard a robot until Ctrl-C; return the exit code.
 
-    Raises
-    ------
-    BridgeError
-        The robot or the broker cannot be reached, or an option is wrong.
+    Raises BridgeError: the robot or the broker cannot be reached, or an option is wrong.
     """
     robot: Side
     if backend == MQTT:
@@ -84,15 +81,9 @@ class Side(Protocol):
 def watch(robot: Side, after: float, say: Callable[[str], object], over: threading.Event) -> None:
     """Stop the robot whenever its last command moves it and none has come for a while.
 
-    Parameters
-    ----------
-    robot : Side
-    after : float
-        Seconds.
-    say : callable
-        Called with a sentence whenever the robot is stopped, or the connection has changed.
-    over : Event
-        Ends it.
+    `after`: seconds.
+    `say`: called with a sentence whenever the robot is stopped, or the connection has changed.
+    `over`: ends it.
     """
     state, stopped, stops = "", 0.0, 0
     while not over.wait(_LOOK):
@@ -114,17 +105,9 @@ def watch(robot: Side, after: float, say: Callable[[str], object], over: threadi
 class RosSide:
     """A velocity topic of ROS.
 
-    Parameters
-    ----------
-    topic, type_ : str
-        Without a type that of the live topic.
-    **where
-        Options of `RosBridge`: back end, host.
-
-    Raises
-    ------
-    BridgeError
-        ROS cannot be reached, or the topic is not one of velocities.
+    `topic`, `type_`: without a type that of the live topic.
+    `where`: options of `RosBridge`: back end, host.
+    Raises BridgeError: ROS cannot be reached, or the topic is not one of velocities.
     """
 
     def __init__(self, topic: str, type_: str, **where: Any) -> None:
@@ -163,14 +146,7 @@ class RosSide:
 class MqttSide:
     """A topic of an MQTT broker, with JSON: the zero has the form of the last command.
 
-    Parameters
-    ----------
-    topic, host : str
-
-    Raises
-    ------
-    BridgeError
-        There is no broker, or paho-mqtt is not installed.
+    Raises BridgeError: there is no broker, or paho-mqtt is not installed.
     """
 
     def __init__(self, topic: str, host: str | None) -> None:

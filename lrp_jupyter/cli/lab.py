@@ -32,10 +32,7 @@ def shipped_notebooks() -> Path:
 def copy_notebooks(folder: Path) -> list[Path]:
     """Copy notebooks, pictures and example bridges to a folder, without overwriting existing files.
 
-    Returns
-    -------
-    list of Path
-        The files copied by this call.
+    The files copied by this call.
     """
     copied = []
     source = shipped_notebooks()
@@ -83,10 +80,7 @@ def use_settings() -> None:
 def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
     """Run JupyterLab in this process until it is stopped.
 
-    Raises
-    ------
-    LRPError
-        JupyterLab is not installed, or the folder cannot be written.
+    Raises LRPError: JupyterLab is not installed, or the folder cannot be written.
     """
     if find_spec("jupyterlab") is None:
         raise LRPError('JupyterLab is not installed. Install it with `pip install "lrp-jupyter[lab]"`.')

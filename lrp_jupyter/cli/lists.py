@@ -97,10 +97,7 @@ def list_bridges() -> None:
 def list_options(name: str) -> None:
     """Print the options of a bridge, with their types and default values.
 
-    Raises
-    ------
-    BridgeError
-        There is no bridge of that name.
+    Raises BridgeError: there is no bridge of that name.
     """
     from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges
     from lrp_jupyter.bridges.options import options_of

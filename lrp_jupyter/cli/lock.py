@@ -22,10 +22,7 @@ def watched_lock(seconds: float) -> Iterator[None]:
 
     Does nothing where there are no such timers (Windows), or where stderr is not a file.
 
-    Parameters
-    ----------
-    seconds : float
-        Seconds of computing of the whole process.
+    `seconds`: seconds of computing of the whole process.
     """
     try:
         faulthandler.register(signal.SIGVTALRM, chain=True)

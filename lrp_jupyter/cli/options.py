@@ -25,32 +25,18 @@ from lrp_jupyter.live.timing import FASTEST, SLOWEST
 class RunOptions:
     """Options of a run.
 
-    Parameters
-    ----------
-    bridge, world : str or None
-        None selects what the text names, or the simulator with the world `line`.
-    rate : float
-        Ticks per second; 0 for as many as possible.
-    seconds : float
-        Length of the run; may be infinite.
-    until : str or None
-        The state that ends the run when it is entered.
-    speed : float
-        Factor of real time; infinite means never to wait.
-    noise : dict
-        Imperfections of the simulated robot.
-    assignments : tuple of Assignment
-        Other initial values.
-    trace : str or None
-        A file, or ``-`` for stdout.
-    record, animate : str or None
-        A file.
-    breakpoints : tuple of str
-        ``STATE``, ``TRANSITION``, ``left STATE``, ``event NAME`` or ``when EXPRESSION``.
-    fires : tuple of (str, float)
-        Transitions that are fired by hand, each with its time in seconds.
-    answers : dict
-        Options of the bridge, and answers to its questions.
+    `bridge`, `world`: None selects what the text names, or the simulator with the world `line`.
+    `rate`: ticks per second; 0 for as many as possible.
+    `seconds`: length of the run; may be infinite.
+    `until`: the state that ends the run when it is entered.
+    `speed`: factor of real time; infinite means never to wait.
+    `noise`: imperfections of the simulated robot.
+    `assignments`: other initial values.
+    `trace`: a file, or ``-`` for stdout.
+    `record`, `animate`: a file.
+    `breakpoints`: ``STATE``, ``TRANSITION``, ``left STATE``, ``event NAME`` or ``when EXPRESSION``.
+    `fires`: transitions that are fired by hand, each with its time in seconds.
+    `answers`: options of the bridge, and answers to its questions.
     """
 
     bridge: str | None
@@ -85,10 +71,7 @@ def parse_options(
 ) -> RunOptions:
     """Return the options of a run, with those parsed that are more than a text or a number.
 
-    Raises
-    ------
-    typer.BadParameter
-        An option has an invalid value.
+    Raises typer.BadParameter: an option has an invalid value.
     """
     if not (rate == 0 or SLOWEST <= rate <= FASTEST):
         raise typer.BadParameter(
@@ -110,10 +93,7 @@ def parse_options(
 def pairs_of(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
     """Return the names and values of the texts ``NAME=VALUE`` of an option.
 
-    Raises
-    ------
-    typer.BadParameter
-        A text has no name or no ``=``.
+    Raises typer.BadParameter: a text has no name or no ``=``.
     """
     pairs = []
     for text in texts:
@@ -165,10 +145,7 @@ class Assignment(NamedTuple):
 def with_initials(program: Program, assignments: Sequence[Assignment]) -> Program:
     """Return the program with its initialisers replaced by the assigned expressions.
 
-    Raises
-    ------
-    UnknownElementError
-        The variable does not exist, or several have that name.
+    Raises UnknownElementError: the variable does not exist, or several have that name.
     """
     for variable, expression in assignments:
         try:

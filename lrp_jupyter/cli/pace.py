@@ -56,13 +56,8 @@ class Pace(Protocol):
 class Clocked:
     """Advances a session in wall time, at the session's speed.
 
-    Parameters
-    ----------
-    session : Session
-    seconds : float
-        Length of the run, in its own time; may be infinite.
-    over : callable
-        Returns whether the run has ended for another reason.
+    `seconds`: length of the run, in its own time; may be infinite.
+    `over`: returns whether the run has ended for another reason.
     """
 
     def __init__(self, session: Session, seconds: float, over: Callable[[], bool]) -> None:
@@ -108,15 +103,9 @@ class Clocked:
 class Racing:
     """Advances a session without waiting, in slices of virtual time; ends at the exact step.
 
-    Parameters
-    ----------
-    session : Session
-    seconds : float
-        Length of the run; may be infinite.
-    until : str, optional
-        The state that ends the run.
-    wake : SimpleQueue
-        Gets an item when the run is over.
+    `seconds`: length of the run; may be infinite.
+    `until`: the state that ends the run.
+    `wake`: gets an item when the run is over.
     """
 
     def __init__(self, session: Session, seconds: float, until: str | None, wake: SimpleQueue[None]) -> None:

@@ -564,12 +564,8 @@ def _short(value: object) -> str:
 def open_robot(source: Source, wanted: RunOptions) -> Bridge:
     """Return the opened bridge of a run; hardware that was named is armed.
 
-    Raises
-    ------
-    BridgeError
-        The bridge or world does not exist, or its robot cannot be reached.
-    typer.BadParameter
-        An option does not fit the bridge.
+    Raises BridgeError: the bridge or world does not exist, or its robot cannot be reached.
+    Raises typer.BadParameter: an option does not fit the bridge.
     """
     simulated = bool(wanted.world or wanted.noise or wanted.seed is not None)
     alone = source.world == "none" and not simulated

@@ -19,13 +19,8 @@ from lrp_jupyter.files import decoded, read_text
 class Source(NamedTuple):
     """A program's text and its origin.
 
-    Parameters
-    ----------
-    name : str
-        As given on the command line; findings and tracebacks show it.
-    text : str
-    path : Path or None
-        None for a bundled program and for standard input.
+    `name`: as given on the command line; findings and tracebacks show it.
+    `path`: None for a bundled program and for standard input.
     """
 
     name: str
@@ -46,10 +41,7 @@ class Source(NamedTuple):
 def read_source(what: str) -> Source:
     """Read a file, a bundled program, or (``-``) standard input.
 
-    Raises
-    ------
-    FileError
-        The file cannot be read; the message lists the alternatives.
+    Raises FileError: the file cannot be read; the message lists the alternatives.
     """
     if what == "-":
         return Source("<stdin>", decoded(sys.stdin.buffer.read(), "Standard input"))
@@ -73,13 +65,8 @@ class Watch:
 
     The folder is watched, not the file: many editors save by replacing the file.
 
-    Parameters
-    ----------
-    path : Path
-    text : str
-        The text already read.
-    saved : callable
-        Called with each new text, on the watching thread; with the error, once, when the file is gone or
+    `text`: the text already read.
+    `saved`: called with each new text, on the watching thread; with the error, once, when the file is gone or
         is not a text any more.
     """
 

@@ -62,10 +62,7 @@ class Keys:
 def recorded_signals(wake: SimpleQueue[None]) -> Iterator[list[int]]:
     """Record the signals that end a run, instead of being killed by them while the robot still moves.
 
-    Parameters
-    ----------
-    wake : SimpleQueue
-        Receives an item with each signal; safe in a signal handler, where an Event might deadlock.
+    `wake`: receives an item with each signal; safe in a signal handler, where an Event might deadlock.
     """
     caught: list[int] = []
 

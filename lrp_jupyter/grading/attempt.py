@@ -26,20 +26,12 @@ Ended = Literal["", "text", "time", "memory", "crash", "fault"]
 class Job:
     """One run that is to be made.
 
-    Parameters
-    ----------
-    texts : tuple of str
-        Applied one after the other to the running program: the second one after `live` seconds, if the
+    `texts`: applied one after the other to the running program: the second one after `live` seconds, if the
         challenge says so, the others at equal intervals.
-    task : Challenge
-    world : str or World
-        One of the challenge's.
-    seed : int
-        Of the robot's noise, and of Python's random numbers.
-    limit : float
-        Wall seconds that it may take.
-    namespace : mapping of str to object
-        Names that blocks can read.
+    `world`: one of the challenge's.
+    `seed`: of the robot's noise, and of Python's random numbers.
+    `limit`: wall seconds that it may take.
+    `namespace`: names that blocks can read.
     """
 
     texts: tuple[str, ...]
@@ -66,22 +58,12 @@ class Job:
 class Attempt(NamedTuple):
     """One run that was made.
 
-    Parameters
-    ----------
-    world : str
-    seed : int
-    seconds : float
-        Its length, in its own time.
-    verdicts : tuple of Verdict
-    hints : tuple of str
-        For the mistakes that were found, the most important first.
-    share : float
-        Of the points, 0 to 1.
-    ended : {"", "text", "time", "memory", "crash", "fault"}
-        Why there was no complete run: the text is not a valid program, it took too long to compute, it
+    `seconds`: its length, in its own time.
+    `hints`: for the mistakes that were found, the most important first.
+    `share`: of the points, 0 to 1.
+    `ended`: why there was no complete run: the text is not a valid program, it took too long to compute, it
         needed too much memory, its process ended, or not the program failed but what runs and judges it.
-    path : tuple of (x, y)
-        Where the robot was, in metres.
+    `path`: where the robot was, in metres.
     """
 
     world: str
@@ -136,10 +118,7 @@ def failed(job: Job, ended: Ended, sentence: str, reason: str, hint: str = "") -
 def attempt(job: Job) -> Attempt:
     """Run a program in virtual time, and judge it.
 
-    Raises
-    ------
-    LRPError
-        The interpreter itself failed.
+    Raises LRPError: the interpreter itself failed.
     """
     before = random.getstate()
     random.seed(job.seed)
@@ -166,10 +145,7 @@ def attempt(job: Job) -> Attempt:
 def _run(job: Job) -> Referee:
     """Run the program.
 
-    Raises
-    ------
-    SessionTimeoutError
-        It took longer than the limit.
+    Raises SessionTimeoutError: it took longer than the limit.
     """
     end = perf_counter() + job.limit
     task = job.task

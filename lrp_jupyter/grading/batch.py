@@ -19,18 +19,11 @@ Progress = Callable[[int, int], object]
 class HowRun(NamedTuple):
     """How the runs of a batch are made.
 
-    Parameters
-    ----------
-    limit : float
-        Wall seconds of computing that one run may take.
-    memory : float
-        Megabytes that one run may need more than at its beginning.
-    processes : int or None
-        How many runs at a time; default: one for each processor.
-    scheduler : str or None
-        The address of a Dask scheduler whose workers make the runs, or ``"local"``.
-    namespace : dict or None
-        Names that blocks can read.
+    `limit`: wall seconds of computing that one run may take.
+    `memory`: megabytes that one run may need more than at its beginning.
+    `processes`: how many runs at a time; default: one for each processor.
+    `scheduler`: the address of a Dask scheduler whose workers make the runs, or ``"local"``.
+    `namespace`: names that blocks can read.
     """
 
     limit: float = 60
@@ -59,10 +52,7 @@ def grade_all(
     A program that hangs, crashes or is not a valid program is not run again, and costs only its own grade; so
     does a fault of the interpreter. Equal texts are run once.
 
-    Raises
-    ------
-    LRPError
-        The cluster cannot be reached.
+    Raises LRPError: the cluster cannot be reached.
     """
     how.check()
     options: dict[str, Any] = {"limit": how.limit, "namespace": how.namespace}

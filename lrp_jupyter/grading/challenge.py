@@ -93,10 +93,7 @@ class Challenge:
     def __post_init__(self) -> None:
         """Check the values, and read the files of worlds.
 
-        Raises
-        ------
-        LRPError
-            A world cannot be read, or a value makes no sense.
+        Raises LRPError: a world cannot be read, or a value makes no sense.
         """
         check_type("name", self.name, str, "a text")
         check_number("seconds", self.seconds, "a number of seconds", above=0)

@@ -23,20 +23,11 @@ _WITHOUT_WORKERS = 60.0  # s
 class Cluster:
     """A cluster to which runs are sent.
 
-    Parameters
-    ----------
-    address : str
-        Of its scheduler, or ``"local"``: then a cluster is started on this machine, reachable from here only,
-        and ends with this object.
-    make : callable
-        What a Dask worker does with a request: a function of a module.
-    processes : int
-        How many Dask workers a local cluster has.
-
-    Raises
-    ------
-    LRPError
-        Dask is not installed, or the scheduler cannot be reached.
+    `address`: of its scheduler, or ``"local"``: then a cluster is started on this machine, reachable from
+        here only, and ends with this object.
+    `make`: what a Dask worker does with a request: a function of a module.
+    `processes`: how many Dask workers a local cluster has.
+    Raises LRPError: dask is not installed, or the scheduler cannot be reached.
     """
 
     patience = 5.0
@@ -67,10 +58,7 @@ class Cluster:
     def size(self) -> int:
         """How many runs its workers make at a time.
 
-        Raises
-        ------
-        LRPError
-            There has been no worker for a minute, or the scheduler is gone.
+        Raises LRPError: there has been no worker for a minute, or the scheduler is gone.
         """
         try:
             threads = sum(map(int, self._client.nthreads().values()))
@@ -93,10 +81,7 @@ class Cluster:
     def result(self, future: Future[bytes]) -> bytes:
         """Return the answer of a run; empty if it has ended the Dask workers that tried it.
 
-        Raises
-        ------
-        LRPError
-            The scheduler is gone, or a worker cannot make runs.
+        Raises LRPError: the scheduler is gone, or a worker cannot make runs.
         """
         try:
             return future.result()

@@ -45,14 +45,8 @@ def by_run(
 ) -> str:
     """Return the map of one variable: a column for each value, a row for each run, coloured by its time.
 
-    Parameters
-    ----------
-    title, variable : str
-    values : sequence of str
-    grades : sequence of Grade
-        One for each value. A run that was not made counts as failed.
-    remarks : sequence of str
-        ``fastest`` or ``most robust`` below a value.
+    `grades`: one for each value. A run that was not made counts as failed.
+    `remarks`: ``fastest`` or ``most robust`` below a value.
     """
     rows = list(dict.fromkeys((each.world, each.seed) for grade in grades for each in grade.attempts))
     times = [each.seconds for grade in grades for each in grade.attempts if each.passed]
@@ -119,17 +113,10 @@ def by_values(
 ) -> str:
     """Return the map of two variables: the share of the runs that passed for each pair of values.
 
-    Parameters
-    ----------
-    title : str
-    variables : sequence of str
-        The first one is drawn to the right, the second one upwards.
-    axes : tuple of sequence of str
-        Their values.
-    shares : sequence of float
-        0 to 1; those of the second variable change fastest.
-    remarks : sequence of str
-        As with :func:`by_run`.
+    `variables`: the first one is drawn to the right, the second one upwards.
+    `axes`: their values.
+    `shares`: 0 to 1; those of the second variable change fastest.
+    `remarks`: as with :func:`by_run`.
     """
     across, up = axes
     width, height = _wide([*across, "100%"], 52), 34.0

@@ -45,13 +45,8 @@ class Mark(NamedTuple):
 class Marks:
     """The marks of a class for one challenge.
 
-    Parameters
-    ----------
-    challenge : str
-    marks : tuple of Mark
-        In the order of the submissions.
-    out_of : float
-        The points for a program that passes.
+    `marks`: in the order of the submissions.
+    `out_of`: the points for a program that passes.
     """
 
     challenge: str
@@ -143,10 +138,7 @@ def grade_class(
 ) -> Marks:
     """Grade the submissions of a class; one that cannot be read gets no points, and the others theirs.
 
-    Raises
-    ------
-    LRPError
-        The cluster cannot be reached.
+    Raises LRPError: the cluster cannot be reached.
     """
     texts = [each.text for each in submissions if each.text is not None]
     graded = iter(grade_all(texts, task, seeds, how, progress))

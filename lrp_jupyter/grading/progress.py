@@ -15,12 +15,8 @@ if TYPE_CHECKING:
 def shown_progress(what: str, lines: bool = False) -> Iterator[Callable[[int, int], object]]:
     """Yield a function that shows how many runs of how many are done.
 
-    Parameters
-    ----------
-    what : str
-        What is being done: ``grading``.
-    lines : bool
-        Whether lines are printed where there can be no bar.
+    `what`: what is being done: ``grading``.
+    `lines`: whether lines are printed where there can be no bar.
     """
     if sys.platform == "emscripten":  # without rich, and nothing is shown before the batch ends
         yield lambda done, of: None

@@ -24,27 +24,14 @@ _T = TypeVar("_T")
 class Sample(NamedTuple):
     """The robot at one tick.
 
-    Parameters
-    ----------
-    time : float
-        Seconds since the run began.
-    x, y, heading : float
-        Metres, metres, radians.
-    lights : tuple of int
-        0 black … 255 white.
-    distances : tuple of float
-        Metres; ``inf`` where nothing is in reach.
-    bumper : bool
-    touched : frozenset of str
-        Names of the solids touched since the tick before; `edge` is the edge of the world.
-    solids : tuple of (x, y, angle)
-    active : tuple of paths
-    command : tuple of float
-        The commanded speeds: m/s, rad/s.
-    lamp : bool
-        Whether the lamp is lit.
-    version : int
-        Of the program that ran: how many edits there were before that changed what it says.
+    `time`: seconds since the run began.
+    `x`, `y`, `heading`: metres, metres, radians.
+    `lights`: 0 black … 255 white.
+    `distances`: metres; ``inf`` where nothing is in reach.
+    `touched`: names of the solids touched since the tick before; `edge` is the edge of the world.
+    `command`: the commanded speeds: m/s, rad/s.
+    `lamp`: whether the lamp is lit.
+    `version`: of the program that ran: how many edits there were before that changed what it says.
     """
 
     time: float
@@ -79,23 +66,12 @@ def angle_between(first: Sample, second: Sample) -> float:
 class RunRecord:
     """One run of a program in a world: what criteria and hints are functions of.
 
-    Attributes
-    ----------
-    world : World
-    samples : list of Sample
-    programs : list of Program
-        The programs that ran, one after the other: edits while it ran add to them, unless they only change
-        comments or layout.
-    issues : tuple of Issue
-        The open ones.
-    notices : tuple of Notice
-        What the robot's safety has done, such as stopping a robot that got no commands.
-    commands : int
-        Number of commands that the robot got.
-    restarts : int
-    restart_reason : str
-    findings : tuple of Finding
-        What the checks find in the last text; known when the run has ended without passing.
+    `programs`: the programs that ran, one after the other: edits while it ran add to them, unless they only
+        change comments or layout.
+    `issues`: the open ones.
+    `notices`: what the robot's safety has done, such as stopping a robot that got no commands.
+    `commands`: number of commands that the robot got.
+    `findings`: what the checks find in the last text; known when the run has ended without passing.
     """
 
     world: World
@@ -154,14 +130,9 @@ class RunRecord:
 
         What was combined is remembered, so that asking at every tick costs one step each time.
 
-        Parameters
-        ----------
-        step : callable
-            Takes the result so far, a sample, and the sample before it. Must not change the result in
+        `step`: takes the result so far, a sample, and the sample before it. Must not change the result in
             place, unless every call gets a new `start`.
-        start : object
-        key : object
-            Under which the result is remembered; by default the function `step` itself.
+        `key`: under which the result is remembered; by default the function `step` itself.
         """
         key = step if key is None else key
         done: int

@@ -17,11 +17,7 @@ from lrp_jupyter.sim.world import World
 class Referee:
     """Judges one run, tick by tick.
 
-    Parameters
-    ----------
-    task : Challenge
-    world : World
-        In which the robot drives.
+    `world`: in which the robot drives.
     """
 
     def __init__(self, task: Challenge, world: World) -> None:

@@ -25,16 +25,10 @@ _CELL = re.compile(r"\s*%%lrp\b(.*)")
 class Submission(NamedTuple):
     """A program that was handed in.
 
-    Parameters
-    ----------
-    student : str
-        The name of the student's folder or, where there is none, that of the file.
-    file : str
-        Its path; of several files among which none can be chosen, that of their folder.
-    text : str or None
-        None if it cannot be read.
-    problem : str
-        Why it cannot be read, a sentence.
+    `student`: the name of the student's folder or, where there is none, that of the file.
+    `file`: its path; of several files among which none can be chosen, that of their folder.
+    `text`: None if it cannot be read.
+    `problem`: why it cannot be read, a sentence.
     """
 
     student: str
@@ -46,10 +40,7 @@ class Submission(NamedTuple):
 def find_submissions(paths: Sequence[str | Path], task: Challenge) -> list[Submission]:
     """Return the submissions in files and folders; one that cannot be read says why.
 
-    Raises
-    ------
-    FileError
-        A path does not exist, or there is no submission in any of them.
+    Raises FileError: a path does not exist, or there is no submission in any of them.
     """
     found = []
     for path in map(Path, paths):
@@ -137,10 +128,7 @@ def read_submission(file: Path, task: Challenge) -> str:
 
     This is the last cell with the challenge as its option, or else the only ``%%lrp`` cell.
 
-    Raises
-    ------
-    FileError
-        The file cannot be read, or it is not clear which cell is meant.
+    Raises FileError: the file cannot be read, or it is not clear which cell is meant.
     """
     if file.suffix != ".ipynb":
         return read_text(file)

@@ -349,10 +349,7 @@ def sweep_axes(
 def _checked(name: str, values: Iterable[Any]) -> tuple[Value, ...]:
     """Return the values of a variable, each once, as values that Python can read again.
 
-    Raises
-    ------
-    TypeError, ValueError
-        One is neither a number, a text nor a truth value, or there is none.
+    Raises TypeError, ValueError: one is neither a number, a text nor a truth value, or there is none.
     """
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise TypeError(f"`{name}` must be a list of values, as in `{name}=[0.4, 0.8, 1.2]`.")

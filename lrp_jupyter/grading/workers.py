@@ -51,30 +51,17 @@ def run_jobs(
 
     To close the iterator early ends the runs that have begun.
 
-    Parameters
-    ----------
-    jobs : sequence of Job
-    memory : float
-        Megabytes for each.
-    stop_at_end : bool
-        Whether no other run of a program is begun after one that took too long, crashed or is not a valid
-        program. Where there are several programs, the second run of each waits for the first one, so that a
-        program that hangs does not hold up the others.
-    keep_going : bool
-        Whether the other runs are made after a fault of the interpreter, which is then an attempt.
-    processes : int, optional
-        How many at a time; default: one for each processor.
-    scheduler : str, optional
-        The address of a Dask scheduler, or ``"local"`` for a Dask cluster on this machine; its workers
-        make the runs.
-    halt : Event, optional
-        With it :func:`halt_runs` ends the runs from another thread.
-
-    Raises
-    ------
-    LRPError
-        The interpreter itself failed, a name of the notebook cannot be sent to another process, or the
-        cluster cannot be reached.
+    `memory`: megabytes for each.
+    `stop_at_end`: whether no other run of a program is begun after one that took too long, crashed or is not
+        a valid program. Where there are several programs, the second run of each waits for the first one, so
+        that a program that hangs does not hold up the others.
+    `keep_going`: whether the other runs are made after a fault of the interpreter, which is then an attempt.
+    `processes`: how many at a time; default: one for each processor.
+    `scheduler`: the address of a Dask scheduler, or ``"local"`` for a Dask cluster on this machine; its
+        workers make the runs.
+    `halt`: with it :func:`halt_runs` ends the runs from another thread.
+    Raises LRPError: the interpreter itself failed, a name of the notebook cannot be sent to another process,
+        or the cluster cannot be reached.
     """
     queue = _Queue(jobs, stop_at_end)
     if sys.platform == "emscripten":
@@ -145,12 +132,8 @@ class _Queue:
 class _Crew(Protocol):
     """Who makes runs: processors or a cluster.
 
-    Attributes
-    ----------
-    size : int
-        How many runs at a time; it may change.
-    patience : float or None
-        Seconds after which one looks at it again although no run has ended.
+    `size`: how many runs at a time; it may change.
+    `patience`: seconds after which one looks at it again although no run has ended.
     """
 
     @property
@@ -195,10 +178,7 @@ _ENDING = 5.0  # s that a worker has to end by itself
 class _Worker:
     """The near end of a worker.
 
-    Attributes
-    ----------
-    serves : Event or None
-        The event that stops the run that it makes; None while it is idle.
+    `serves`: the event that stops the run that it makes; None while it is idle.
     """
 
     def __init__(self) -> None:
@@ -272,10 +252,8 @@ def answer(request: bytes, halt: threading.Event | None = None) -> bytes:
 def isolated(job: Job, memory: float) -> Attempt:
     """Make one run in a process of its own.
 
-    Raises
-    ------
-    LRPError
-        The interpreter itself failed, or a name of the notebook cannot be sent to another process.
+    Raises LRPError: the interpreter itself failed, or a name of the notebook cannot be sent to another
+        process.
     """
     return _made(job, answer(_packed(job, memory)))
 
@@ -314,10 +292,7 @@ atexit.register(close_workers)
 def _packed(job: Job, memory: float) -> bytes:
     """Pickle a job with those names of its namespace that its blocks use, and what they need in turn.
 
-    Raises
-    ------
-    LRPError
-        A name cannot be sent.
+    Raises LRPError: a name cannot be sent.
     """
     import cloudpickle
 

@@ -61,22 +61,12 @@ def arrange(
     Layers by longest path, the start state first and ``*`` at the left; an ellipse in the order of
     the text where edges are dense.
 
-    Parameters
-    ----------
-    sizes : mapping of str to (float, float)
-        Width and height of every node in px, in the order of the text.
-    links : sequence of (str, str)
-        One for each edge; both ends are in `sizes`.
-    starts : sequence of str
-        Start states.
-    panel : (float, float), optional
-        Width and height of the panel that shows it, in px: the layers lie below or beside each other, are
-        narrow ones, or turn back in columns, whichever is shown larger.
-
-    Returns
-    -------
-    dict of str to (float, float)
-        The middle of every node, in px.
+    `sizes`: width and height of every node in px, in the order of the text.
+    `links`: one for each edge; both ends are in `sizes`.
+    `starts`: start states.
+    `panel`: width and height of the panel that shows it, in px: the layers lie below or beside each other,
+        are narrow ones, or turn back in columns, whichever is shown larger.
+    The middle of every node, in px.
     """
     states = [name for name in sizes if name != ANY]
     if not states:
@@ -281,19 +271,10 @@ def order(
 ) -> dict[str, float]:
     """Order nodes inside their layers.
 
-    Parameters
-    ----------
-    names : sequence of str
-        In the order of the text, which decides where nothing else does.
-    links : iterable of (str, str)
-        Directions and links inside a layer do not matter.
-    level : mapping of str to int
-        The layer of each name, from 0.
-
-    Returns
-    -------
-    dict of str to float
-        The place of each name across its layer, in units of one place; the middle of a layer is 0.
+    `names`: in the order of the text, which decides where nothing else does.
+    `links`: directions and links inside a layer do not matter.
+    `level`: the layer of each name, from 0.
+    The place of each name across its layer, in units of one place; the middle of a layer is 0.
     """
     rows, above, below = _rows(names, links, level)
     best, fewest = rows, _crossings(rows, below)

@@ -20,10 +20,7 @@ _STYLE = {
 def dot(subject: Program | Machine) -> str:
     """Return a program or a machine as a Graphviz graph, each machine a cluster inside that of its state.
 
-    Returns
-    -------
-    str
-        Input for ``dot``; the names of the nodes are paths.
+    Input for ``dot``; the names of the nodes are paths.
     """
     program = Program(machines=(subject,)) if isinstance(subject, Machine) else subject
     graph = state_graph(program, expand=False)
@@ -144,11 +141,7 @@ def _escaped(text: str) -> str:
 def tree(subject: Program | Machine, active: Iterable[Sequence[str]] = ()) -> str:
     """Return the machines, their states and the machines nested in them, one per line.
 
-    Parameters
-    ----------
-    subject : Program or Machine
-    active : iterable of path
-        Paths of the innermost active states; they and the states around them are marked ``●``.
+    `active`: paths of the innermost active states; they and the states around them are marked ``●``.
     """
     machines = (subject,) if isinstance(subject, Machine) else subject.machines
     on = {tuple(path[:end]) for path in active for end in range(1, len(path) + 1)}

@@ -64,12 +64,8 @@ class Rect(NamedTuple):
 class Cells:
     """Rectangles by the cells of a square grid; each is registered in every cell that it reaches into.
 
-    Parameters
-    ----------
-    size : float
-        Width and height of a cell, in px.
-    margin : float
-        Rectangles are registered as if they were so much larger on every side, in px.
+    `size`: width and height of a cell, in px.
+    `margin`: rectangles are registered as if they were so much larger on every side, in px.
     """
 
     def __init__(self, size: float, margin: float = 0.0) -> None:

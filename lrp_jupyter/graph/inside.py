@@ -21,14 +21,9 @@ BORDER = 8.0
 class Nested:
     """Machines inside one state.
 
-    Parameters
-    ----------
-    layouts : sequence of Layout
-        At least one.
-    width, height : float
-        Size of the state around them, in px.
-    centre : (float, float)
-        Centre of that state, in the coordinates of the first machine, in px.
+    `layouts`: at least one.
+    `width`, `height`: size of the state around them, in px.
+    `centre`: centre of that state, in the coordinates of the first machine, in px.
     """
 
     layouts: Sequence[Layout]

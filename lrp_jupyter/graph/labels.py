@@ -68,13 +68,8 @@ def place_labels(
 ) -> list[Rect]:
     """Place a label beside each arrow in one greedy pass; a placed one is an obstacle for the next.
 
-    Parameters
-    ----------
-    routes : sequence of Route
-    sizes : sequence of (float, float)
-        Width and height of each label, in px.
-    obstacles : iterable of Rect
-        States and other things that no label may cover.
+    `sizes`: width and height of each label, in px.
+    `obstacles`: states and other things that no label may cover.
     """
     cells = _Obstacles()
     for box in obstacles:
@@ -159,16 +154,8 @@ ELLIPSIS = "…"
 def text_width(text: str, size: float) -> float:
     """Estimate the width of a line of text.
 
-    Parameters
-    ----------
-    text : str
-    size : float
-        Font size in px.
-
-    Returns
-    -------
-    float
-        Width in px.
+    `size`: font size in px.
+    Width in px.
     """
     return sum(map(_character_width, text)) * size / 1000
 

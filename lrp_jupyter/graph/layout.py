@@ -73,31 +73,18 @@ def layout(
 ) -> Layout:
     """Lay out one machine.
 
-    Parameters
-    ----------
-    machine : Machine
-    previous : Layout, optional
-        The last layout of the same machine: its states keep their places. Without it everything is
+    `previous`: the last layout of the same machine: its states keep their places. Without it everything is
         arranged again, except for what is moved.
-    program : Program, optional
-        The program that contains it; provides start states, events in scope and where an ``exit`` leads.
-    path : tuple of str, optional
-        The machine's path, by default its name alone.
-    moved : mapping of str to (x, y), optional
-        States moved by hand and where to, in px; they stay moved in later layouts. The place of one that is
-        not in the machine is reserved for it.
-    now : float
-        Time in seconds, on any clock; for the places that are reserved.
-    panel : (float, float), optional
-        Width and height of the panel that shows it, in px: new places are chosen so that it fits.
-    inside : mapping of str to Layout, optional
-        Layouts of nested machines by their paths, to be drawn inside their states.
-
-    Returns
-    -------
-    Layout
-        Plain dicts, lists, strings and numbers: ``json.dumps`` takes it as it is. The same arguments
-        always give the same result.
+    `program`: the program that contains it; provides start states, events in scope and where an ``exit``
+        leads.
+    `path`: the machine's path, by default its name alone.
+    `moved`: states moved by hand and where to, in px; they stay moved in later layouts. The place of one that
+        is not in the machine is reserved for it.
+    `now`: time in seconds, on any clock; for the places that are reserved.
+    `panel`: width and height of the panel that shows it, in px: new places are chosen so that it fits.
+    `inside`: layouts of nested machines by their paths, to be drawn inside their states.
+    Plain dicts, lists, strings and numbers: ``json.dumps`` takes it as it is. The same arguments always give
+        the same result.
     """
     where = path or (str(machine.name),)
     return _Drawing(machine, where, program, inside or {}).draw(previous, moved or {}, now, panel)

@@ -51,23 +51,12 @@ def keep_positions(
 ) -> dict[str, Position]:
     """Compute a position for every node: its old one, the one it was moved to, or a free one.
 
-    Parameters
-    ----------
-    sizes : mapping of str to (float, float)
-        Width and height of every node in px, in the order of the text.
-    states : sequence of str
-        Those of them that are states of the program.
-    links : sequence of (str, str)
-        One for each arrow between two of them.
-    starts, previous, moved, now, panel
-        As for :func:`~lrp_jupyter.graph.layout.layout`.
-    insides : mapping of str to (float, float), optional
-        For the states in which machines are drawn, the centre of these, in their own coordinates.
-
-    Returns
-    -------
-    dict of str to Position
-        First those of `sizes` in their order, then those that are reserved.
+    `sizes`: width and height of every node in px, in the order of the text.
+    `states`: those of them that are states of the program.
+    `links`: one for each arrow between two of them.
+    `starts`, `previous`, `moved`, `now`, `panel`: as for :func:`~lrp_jupyter.graph.layout.layout`.
+    `insides`: for the states in which machines are drawn, the centre of these, in their own coordinates.
+    First those of `sizes` in their order, then those that are reserved.
     """
     positions: dict[str, Position] = {}
     if previous is not None:
@@ -236,20 +225,14 @@ def free_place(
 ) -> tuple[Point | None, int]:
     """Return the free position nearest to some points, and the effort that is left.
 
-    Parameters
-    ----------
-    size : (float, float)
-        Width and height of the node to place, in px.
-    towards : sequence of (float, float)
-        Positions of its neighbours.
-    taken : Cells
-        Rectangles to keep away from.
-    lines : sequence of (point, point)
-        Edges that it should not cover.
-    effort : int
-        How many nodes and edges may be compared. If that is not enough to find a position, there is none.
-    panel : (float, float), optional
-        Width and height of the panel that shows it: in a wide one a position beside is nearer than one below.
+    `size`: width and height of the node to place, in px.
+    `towards`: positions of its neighbours.
+    `taken`: rectangles to keep away from.
+    `lines`: edges that it should not cover.
+    `effort`: how many nodes and edges may be compared. If that is not enough to find a position, there is
+        none.
+    `panel`: width and height of the panel that shows it: in a wide one a position beside is nearer than one
+        below.
     """
     wide = min(STRETCH, max(1 / STRETCH, panel[0] / panel[1])) if panel else 1.0
     along, down = max(1.0, 1 / wide), max(1.0, wide)

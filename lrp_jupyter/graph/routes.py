@@ -32,21 +32,12 @@ STEP = 36.0
 class Route:
     """The path of one arrow.
 
-    Parameters
-    ----------
-    d, head : str
-        SVG path data of the shaft and of the head.
-    points : list of (float, float)
-        Points along the shaft, evenly by parameter, from source to target.
-    side : int
-        The better side for its label: 1 is the right hand (of a walker, y
-        grows downwards), -1 the left.
-    mark : str
-        SVG path data of the cross on a broken arrow, else empty.
-    obstacles : list of Rect
-        What of it no label may cover.
-    middle : float
-        The parameter of the best place for its label.
+    `d`, `head`: SVG path data of the shaft and of the head.
+    `points`: points along the shaft, evenly by parameter, from source to target.
+    `side`: the better side for its label: 1 is the right hand (of a walker, y grows downwards), -1 the left.
+    `mark`: SVG path data of the cross on a broken arrow, else empty.
+    `obstacles`: what of it no label may cover.
+    `middle`: the parameter of the best place for its label.
     """
 
     d: str
@@ -61,15 +52,8 @@ class Route:
 def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:
     """Return the distances of the middles of the arrows between two states from the straight line.
 
-    Parameters
-    ----------
-    forward, backward : int
-        How many arrows lead each way.
-
-    Returns
-    -------
-    two lists of float
-        px, positive to the right hand of the arrow's own direction.
+    `forward`, `backward`: how many arrows lead each way.
+    px, positive to the right hand of the arrow's own direction.
     """
     if forward and backward:
         return (
@@ -152,18 +136,9 @@ def obstacles(boxes: Iterable[Rect]) -> Cells:
 def chords(boxes: Mapping[str, Rect], cells: Cells, pairs: Mapping[Pair, int]) -> dict[Pair, Chord]:
     """Spread the arrows of each state along its sides, in the order of where they lead.
 
-    Parameters
-    ----------
-    boxes : mapping of str to Rect
-    cells : Cells
-        The same as :func:`obstacles`.
-    pairs : mapping of (str, str) to int
-        How many arrows run between two states, both ways together; each pair once.
-
-    Returns
-    -------
-    dict of (str, str) to (point, point)
-        Inside the two boxes: where the straight line between them begins and ends.
+    `cells`: the same as :func:`obstacles`.
+    `pairs`: how many arrows run between two states, both ways together; each pair once.
+    Inside the two boxes: where the straight line between them begins and ends.
     """
     sides: dict[tuple[str, bool, bool], list[tuple[float, Pair, int]]] = {}
     ends: dict[tuple[str, Pair], Point] = {}
@@ -204,21 +179,11 @@ def detour(
 ) -> float:
     """Compute how far all arrows between two states are bent together to pass the states between.
 
-    Parameters
-    ----------
-    source, target : Rect
-    offsets : sequence of float
-        What :func:`bends` returns for each arrow, px, positive to the right hand on the way from `source`
-        to `target`.
-    cells : Cells
-        All states, as :func:`obstacles`.
-    chord : (point, point), optional
-        From where to where; by default from middle to middle.
-
-    Returns
-    -------
-    float
-        px, to be added to each offset; 0 where the way is clear, and the least evil where none is.
+    `offsets`: what :func:`bends` returns for each arrow, px, positive to the right hand on the way from
+        `source` to `target`.
+    `cells`: all states, as :func:`obstacles`.
+    `chord`: from where to where; by default from middle to middle.
+    px, to be added to each offset; 0 where the way is clear, and the least evil where none is.
     """
     length = math.dist((source.x, source.y), (target.x, target.y))
     samples = max(SAMPLES, math.ceil(length / STEP))
@@ -275,16 +240,10 @@ def arc(
 ) -> Route:
     """Route an arrow from border to border.
 
-    Parameters
-    ----------
-    source, target : Rect
-    offset, around : float
-        How far the middle leaves the straight line, px, positive to the right hand: among arrows
-        between the same states, and by the :func:`detour` of all of them.
-    chord : (point, point), optional
-        From where to where; by default from middle to middle.
-    broken : bool
-        Whether it leads nowhere: there is a gap with a cross in the middle, and no head.
+    `offset`, `around`: how far the middle leaves the straight line, px, positive to the right hand: among
+        arrows between the same states, and by the :func:`detour` of all of them.
+    `chord`: from where to where; by default from middle to middle.
+    `broken`: whether it leads nowhere: there is a gap with a cross in the middle, and no head.
     """
     p, c, q = _bent(source, target, offset, around, chord)
     start = _leaving(source, p, c, q)
@@ -319,13 +278,8 @@ def straight(source: Rect, target: Point, *, broken: bool = False) -> Route:
 def loop(box: Rect, index: int = 0, count: int = 1, *, broken: bool = False) -> Route:
     """Route an arrow from a state to itself, on top; several are placed side by side.
 
-    Parameters
-    ----------
-    box : Rect
-    index, count : int
-        Which of how many loops of this state.
-    broken : bool
-        Whether it can never fire: it has a cross and no head.
+    `index`, `count`: which of how many loops of this state.
+    `broken`: whether it can never fire: it has a cross and no head.
     """
     step = min(34.0, 0.9 * box.width / count)
     x = box.x + step * (index - (count - 1) / 2)

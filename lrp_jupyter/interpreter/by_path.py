@@ -75,10 +75,7 @@ class ByPath(Mapping[Path, V]):
 def full_path(wanted: Path | str, known: Collection[Path]) -> Path:
     """Return the path of a variable, for its whole path or its unambiguous name.
 
-    Raises
-    ------
-    UnknownElementError
-        There is no such variable now, or several have that name.
+    Raises UnknownElementError: there is no such variable now, or several have that name.
     """
     path = as_path(wanted)
     found = _matching(path, known)

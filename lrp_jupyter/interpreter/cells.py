@@ -18,16 +18,8 @@ from lrp_jupyter.interpreter.events import UNSET
 class Slot:
     """An existing variable: its cell, and its value when it was last compared.
 
-    Parameters
-    ----------
-    cell : types.CellType
-
-    Attributes
-    ----------
-    last : object
-        Up to date only if values are compared: the variable is `leaked`, or the run has observers.
-    leaked : bool
-        A function that was defined in a block can write it, long after that block has returned.
+    `last`: up to date only if values are compared: the variable is `leaked`, or the run has observers.
+    `leaked`: a function that was defined in a block can write it, long after that block has returned.
     """
 
     __slots__ = ("cell", "last", "leaked")
@@ -57,12 +49,8 @@ def put(cell: CellType, value: object) -> None:
 class Writes(NamedTuple):
     """The free variables that a code object writes.
 
-    Parameters
-    ----------
-    own : tuple of str
-        Those that it writes itself while it runs.
-    inner : frozenset of str
-        Those that functions, classes and comprehensions inside it write, possibly later.
+    `own`: those that it writes itself while it runs.
+    `inner`: those that functions, classes and comprehensions inside it write, possibly later.
     """
 
     own: tuple[str, ...]

@@ -37,13 +37,8 @@ _PLAIN = frozenset(
 class Packed(NamedTuple):
     """Values packed for copying.
 
-    Parameters
-    ----------
-    data : bytes
-    shared : tuple
-        The objects that are not copied.
-    uncopied : tuple of str
-        The names of the types of those among them that could not be copied.
+    `shared`: the objects that are not copied.
+    `uncopied`: the names of the types of those among them that could not be copied.
     """
 
     data: bytes
@@ -54,14 +49,10 @@ class Packed(NamedTuple):
 def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[object], object]) -> Packed:
     """Pack values; they are read now, and can be unpacked any number of times.
 
-    Parameters
-    ----------
-    values : sequence
-        One that cannot be copied, because of whatever it does or how deep it is nested, is shared.
-    cells : mapping of int to int
-        The numbers of the program's variables, by id of the cell.
-    known : callable
-        Returns what stands for an object that every copy has for itself, such as `robot`; None for any other.
+    `values`: one that cannot be copied, because of whatever it does or how deep it is nested, is shared.
+    `cells`: the numbers of the program's variables, by id of the cell.
+    `known`: returns what stands for an object that every copy has for itself, such as `robot`; None for any
+        other.
     """
     refused: dict[int, object] = {}
     while True:
@@ -87,18 +78,9 @@ def _is_packed(
 def unpack(packed: Packed, cells: list[CellType], find: Callable[[object], object]) -> list[Any]:
     """Return new copies of the values that were packed.
 
-    Parameters
-    ----------
-    packed : Packed
-    cells : list of types.CellType
-        The variables by number.
-    find : callable
-        Returns the object that stands here for what `known` returned.
-
-    Raises
-    ------
-    ValueError
-        The code of a value, such as its `__setstate__`, fails.
+    `cells`: the variables by number.
+    `find`: returns the object that stands here for what `known` returned.
+    Raises ValueError: the code of a value, such as its `__setstate__`, fails.
     """
     try:
         values: list[Any] = _Unpacker(packed, cells, find).load()

@@ -46,23 +46,15 @@ class Firing(NamedTuple):
 class TraceEvent(NamedTuple):
     """One event of a run.
 
-    Parameters
-    ----------
-    kind : str
-        One of :data:`EVENT_KINDS`.
-    path : tuple of str
-        The element, as spawned: a state (entered, left, forced), a machine (spawned,
-        discarded), a transition (fired: the machine's path and the id), a variable (changed);
-        empty for the program as a whole.
-    tick : int
-        The tick in which it happened; the first is 1. Between two ticks: that of the last one.
-    now : float
-        Seconds.
-    data : object
-        fired: a :class:`Firing`; changed: the new value or
-        :data:`UNSET`; issue: the :class:`Issue`; patched: the :class:`Patch`; restarted: the
-        reason, a sentence; forced: ``"transition"``, ``"teleport"`` or ``"fire"``; commanded: the command
-        of the robot; printed: the text; else None.
+    `kind`: one of :data:`EVENT_KINDS`.
+    `path`: the element, as spawned: a state (entered, left, forced), a machine (spawned, discarded), a
+        transition (fired: the machine's path and the id), a variable (changed); empty for the program as a
+        whole.
+    `tick`: the tick in which it happened; the first is 1. Between two ticks: that of the last one.
+    `now`: seconds.
+    `data`: fired: a :class:`Firing`; changed: the new value or :data:`UNSET`; issue: the :class:`Issue`;
+        patched: the :class:`Patch`; restarted: the reason, a sentence; forced: ``"transition"``,
+        ``"teleport"`` or ``"fire"``; commanded: the command of the robot; printed: the text; else None.
     """
 
     kind: str

@@ -16,17 +16,10 @@ from lrp_jupyter.language.program import Element, Path
 class Fired(NamedTuple):
     """A transition fired, and its destination was entered.
 
-    Parameters
-    ----------
-    transition : Element
-    label : str
-        How the transition is displayed.
-    machine : path
-        Where it stands, as spawned.
-    source, state : path
-        The states that were left and entered, by path of definition.
-    path : path
-        The entered state, as spawned; in the outer machine, if the transition is an ``exit``.
+    `label`: how the transition is displayed.
+    `machine`: where it stands, as spawned.
+    `source`, `state`: the states that were left and entered, by path of definition.
+    `path`: the entered state, as spawned; in the outer machine, if the transition is an ``exit``.
     """
 
     transition: Element
@@ -41,14 +34,9 @@ class Fired(NamedTuple):
 class Spawned(NamedTuple):
     """A machine was spawned.
 
-    Parameters
-    ----------
-    machine : path
-        As spawned.
-    by : path
-        The state whose ``onentry`` did it, as spawned; empty for a top-level spawn.
-    defined : path
-        The machine, by path of definition.
+    `machine`: as spawned.
+    `by`: the state whose ``onentry`` did it, as spawned; empty for a top-level spawn.
+    `defined`: the machine, by path of definition.
     """
 
     machine: Path
@@ -76,18 +64,10 @@ class Discarded(NamedTuple):
 class Faulted(NamedTuple):
     """A block raised, or something else was at fault.
 
-    Parameters
-    ----------
-    element : Element
-    ordinal : int
-        Index of the block within the element.
-    kind : str
-        One of the kinds of issues.
-    message : str
-    machine : path
-        If a transition was tested: the machine in which it stands, as spawned.
-    transition : Element or None
-        The transition that was tested.
+    `ordinal`: index of the block within the element.
+    `kind`: one of the kinds of issues.
+    `machine`: if a transition was tested: the machine in which it stands, as spawned.
+    `transition`: the transition that was tested.
     """
 
     element: Element
@@ -102,14 +82,10 @@ class Faulted(NamedTuple):
 class Commanded(NamedTuple):
     """A command was applied between two ticks; what it did comes before it.
 
-    Parameters
-    ----------
-    kind : str
-        ``patched``, ``renamed``, ``restarted``, ``forced``, ``assigned``, ``paused`` or ``resumed``.
-    text : str
-        The reason of a restart, ``transition``, ``teleport`` or ``fire``, the variable that was assigned, …
-    state : path
-        The state that was forced, by path of definition.
+    `kind`: ``patched``, ``renamed``, ``restarted``, ``forced``, ``assigned``, ``paused`` or ``resumed``.
+    `text`: the reason of a restart, ``transition``, ``teleport`` or ``fire``, the variable that was assigned,
+        …
+    `state`: the state that was forced, by path of definition.
     """
 
     kind: str

@@ -23,10 +23,7 @@ How = Literal["transition", "teleport", "fire"]
 def find_state(run: Run, path: Path) -> StatePlan:
     """Return a state by its path of definition, or by its path as spawned.
 
-    Raises
-    ------
-    UnknownElementError
-        If there is none.
+    Raises UnknownElementError: if there is none.
     """
     state = run.plan.state(path)
     if state is None:
@@ -43,12 +40,8 @@ def find_state(run: Run, path: Path) -> StatePlan:
 def find_destination(run: Run, path: Path) -> StatePlan:
     """Return the state to which a transition leads from the active state of its machine.
 
-    Raises
-    ------
-    UnknownElementError
-        If there is no such transition.
-    ValueError
-        If it does not leave the active state, or leads nowhere.
+    Raises UnknownElementError: if there is no such transition.
+    Raises ValueError: if it does not leave the active state, or leads nowhere.
     """
     names = resolve(run.program)
     element = Element("transition", (*names.defined(path[:-1]), path[-1]))

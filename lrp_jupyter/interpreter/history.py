@@ -35,18 +35,11 @@ _tick = attrgetter("tick")
 class TickFacts:
     """What happened in a tick.
 
-    Parameters
-    ----------
-    tick : int
-        The first is 1.
-    now : float
-        Seconds.
-    before : tuple of Fact
-        What happened between the tick before and this one.
-    facts : tuple of Fact
-        What happened in it, in order.
-    history : History
-        Whose tick it is.
+    `tick`: the first is 1.
+    `now`: seconds.
+    `before`: what happened between the tick before and this one.
+    `facts`: what happened in it, in order.
+    `history`: whose tick it is.
     """
 
     tick: int
@@ -70,20 +63,12 @@ class TickFacts:
 class PastMachine:
     """A machine that ran.
 
-    Parameters
-    ----------
-    path : path
-        As spawned.
-    state : path
-        Its active state, by path of definition.
-    entered : float
-        When that was entered, in seconds.
-    cells : mapping of str to types.CellType
-        The variables that its blocks can access.
-    own : tuple of str
-        Those that are its own.
-    inside : tuple of PastMachine
-        The machines that the active state had spawned, in order.
+    `path`: as spawned.
+    `state`: its active state, by path of definition.
+    `entered`: when that was entered, in seconds.
+    `cells`: the variables that its blocks can access.
+    `own`: those that are its own.
+    `inside`: the machines that the active state had spawned, in order.
     """
 
     path: Path
@@ -109,14 +94,9 @@ class PastMachine:
 class PastState:
     """The state of a run at one moment.
 
-    Parameters
-    ----------
-    program : Program
-        The program that ran.
-    machines : tuple of PastMachine
-        The root machines.
-    cells : mapping of str to types.CellType
-        The global variables.
+    `program`: the program that ran.
+    `machines`: the root machines.
+    `cells`: the global variables.
     """
 
     program: Program
@@ -149,12 +129,7 @@ class PastState:
 
 
 class History:
-    """Reads the journal of a run. Used on the thread that ticks, between two ticks.
-
-    Parameters
-    ----------
-    run : Run
-    """
+    """Reads the journal of a run. Used on the thread that ticks, between two ticks."""
 
     def __init__(self, run: Run) -> None:
         self.run = run
@@ -189,10 +164,7 @@ class History:
     def facts(self, tick: int) -> TickFacts:
         """Return what happened in a tick.
 
-        Raises
-        ------
-        KeyError
-            The journal does not hold this tick.
+        Raises KeyError: the journal does not hold this tick.
         """
         now = self.time(tick)
         place = self._place(tick)
@@ -203,10 +175,7 @@ class History:
     def time(self, tick: int) -> float:
         """Return the time of a tick, in seconds.
 
-        Raises
-        ------
-        KeyError
-            The journal does not hold this tick.
+        Raises KeyError: the journal does not hold this tick.
         """
         self._read()
         if tick not in self.ticks:
@@ -288,10 +257,7 @@ class History:
     def state(self, tick: int, *, before: bool = False) -> PastState:
         """Return the state after a tick; or `before` it, when it began.
 
-        Raises
-        ------
-        ValueError
-            The journal does not hold this tick.
+        Raises ValueError: the journal does not hold this tick.
         """
         run = self.run
         ticks = self.ticks
@@ -317,11 +283,7 @@ class History:
 
         All that is read of the run is copied now, so that any thread can go through them later.
 
-        Parameters
-        ----------
-        paths : iterable of path
-            As spawned; one that did not exist then is missing.
-        after : int
+        `paths`: as spawned; one that did not exist then is missing.
         """
         run, first = self.run, max(after + 1, self.ticks.start)
         view = _View()
@@ -368,11 +330,7 @@ class History:
         Each comes with the variables that the blocks of the machine could access, and with what returns the
         value that a cell held.
 
-        Parameters
-        ----------
-        tick : int
-        machine_at : callable
-            Returns the path of definition that the machine had in a tick; empty for the top level.
+        `machine_at`: returns the path of definition that the machine had in a tick; empty for the top level.
         """
         view, number = _View(), self.run.ticks + 1
         passed = True  # whether the beginning of the tick is behind

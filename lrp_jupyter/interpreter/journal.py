@@ -100,10 +100,7 @@ class Journal:
     Code that changes the run appends to ``log`` directly. The log begins with the time at which the
     first tick that can be undone began.
 
-    Parameters
-    ----------
-    ticks : int, optional
-        The number of ticks that can be undone.
+    `ticks`: the number of ticks that can be undone.
     """
 
     __slots__ = (
@@ -255,21 +252,9 @@ class Journal:
     def undo(self, tick: int, ticks: int) -> float:
         """Undo what came after the last tick, then `ticks` ticks, then what came before those.
 
-        Parameters
-        ----------
-        tick : int
-            The number of the last tick.
-        ticks : int
-
-        Returns
-        -------
-        float
-            The time at which the tick that is now the last one ended.
-
-        Raises
-        ------
-        ValueError
-            If the journal does not reach back that far.
+        `tick`: the number of the last tick.
+        The time at which the tick that is now the last one ended.
+        Raises ValueError: if the journal does not reach back that far.
         """
         if not 0 <= ticks <= self.reach(tick):
             raise ValueError(f"Cannot go back {ticks} ticks: the journal holds {self.reach(tick)}.")
@@ -311,11 +296,7 @@ class SavedState:
 
     There may be hundreds, each of a whole run: flat lists, so that the garbage collector has little to visit.
 
-    Parameters
-    ----------
-    parts : iterable of (object, names)
-        Objects, and the names of the attributes to save. Their values are not copied.
-    cells : iterable of types.CellType
+    `parts`: objects, and the names of the attributes to save. Their values are not copied.
     """
 
     __slots__ = ("_cells", "_parts", "_values")

@@ -31,16 +31,10 @@ Policy = Literal["restart", "keep"]
 class Patch:
     """The effect of an edit.
 
-    Parameters
-    ----------
-    changes : ChangeSet
-        The differences in meaning.
-    applied : bool
-        False: the old program keeps running, or one without what is not meant yet.
-    restarted : bool
-        The program starts again at the next tick.
-    reason : str or None
-        Why it restarted, was not applied, or was applied only in part: a sentence.
+    `changes`: the differences in meaning.
+    `applied`: false: the old program keeps running, or one without what is not meant yet.
+    `restarted`: the program starts again at the next tick.
+    `reason`: why it restarted, was not applied, or was applied only in part: a sentence.
     """
 
     changes: ChangeSet
@@ -195,15 +189,9 @@ def carry_issues(
 ) -> None:
     """Resolve issues of removed, changed or repaired elements; move the others with the text. Paper: §6.2.
 
-    Parameters
-    ----------
-    issues : IssueLog
-    before, program : Program
-        The programs before and after the edit.
-    successors : Successors
-        The map from elements of the old program to those of the new one.
-    changed : tuple of Element
-        The elements whose content differs.
+    `before`, `program`: the programs before and after the edit.
+    `successors`: the map from elements of the old program to those of the new one.
+    `changed`: the elements whose content differs.
     """
     old, plan = link(before), link(program)
     twice = {site.element: site.offset for site in plan.duplicates}

@@ -46,14 +46,8 @@ _OF_FAULTS: Mapping[str, ReasonCode] = {
 class Cause:
     """Why a transition fired in a tick, or did not, in terms of the tick.
 
-    Parameters
-    ----------
-    code : str
-    machine : PastMachine or None
-        The machine of the transition when the tick began, if it ran.
-    fired : Fired or None
-        The transition that fired: this one, or the one in the way.
-    fault : Faulted or None
+    `machine`: the machine of the transition when the tick began, if it ran.
+    `fired`: the transition that fired: this one, or the one in the way.
     """
 
     code: ReasonCode
@@ -65,17 +59,8 @@ class Cause:
 def cause_of(history: History, element: Element, tick: int) -> Cause:
     """Return why a transition fired in a tick, or did not.
 
-    Parameters
-    ----------
-    history : History
-    element : Element
-        The transition, by path of definition.
-    tick : int
-
-    Raises
-    ------
-    ValueError
-        The tick is not recorded.
+    `element`: the transition, by path of definition.
+    Raises ValueError: the tick is not recorded.
     """
     return cause_in(history.state(tick, before=True), history.facts(tick), element)
 
@@ -83,14 +68,9 @@ def cause_of(history: History, element: Element, tick: int) -> Cause:
 def cause_in(state: PastState, facts: TickFacts, element: Element) -> Cause:
     """Return why a transition fired in a tick, or did not.
 
-    Parameters
-    ----------
-    state : PastState
-        That of the run when the tick began.
-    facts : TickFacts
-        What happened in the tick.
-    element : Element
-        The transition, by path of definition.
+    `state`: that of the run when the tick began.
+    `facts`: what happened in the tick.
+    `element`: the transition, by path of definition.
     """
     noun = transition_of(state.program, element)
     if noun is None:

@@ -31,11 +31,7 @@ def render(value: object, foreign: Foreign = repr) -> str:
 
     Only a KeyboardInterrupt is raised; whatever else prevents a text is named in it.
 
-    Parameters
-    ----------
-    value : object
-    foreign : callable
-        Returns the text of a value, or a part of one, that has a ``__repr__`` of its own.
+    `foreign`: returns the text of a value, or a part of one, that has a ``__repr__`` of its own.
     """
     writer = _Writer(foreign)
     try:

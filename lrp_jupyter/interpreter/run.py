@@ -437,10 +437,7 @@ class Run:
     def remember(self, ended: int | None = None) -> None:
         """Save the whole state before a change outside a tick.
 
-        Parameters
-        ----------
-        ended : int, optional
-            Number of completed ticks; all, unless this is called inside a tick.
+        `ended`: number of completed ticks; all, unless this is called inside a tick.
         """
         if self.journal is not None:
             self.journal.save(self.ticks if ended is None else ended, self.saved_state)

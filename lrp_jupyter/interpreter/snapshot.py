@@ -35,17 +35,10 @@ class _Machine(NamedTuple):
 class Snapshot:
     """The state of a run between two ticks.
 
-    Parameters
-    ----------
-    source : tuple of str, or Program
-        The text of the program and its file name; the program itself if it has no text.
-    tick : int
-    now : float
-        Seconds.
-    values : Packed
-        The contents of the variables, and the values beside them.
-    beside : tuple of str
-        The names of the latter.
+    `source`: the text of the program and its file name; the program itself if it has no text.
+    `now`: seconds.
+    `values`: the contents of the variables, and the values beside them.
+    `beside`: the names of the latter.
     """
 
     source: tuple[str, str] | Program
@@ -87,14 +80,9 @@ def take(
 ) -> Snapshot:
     """Take a snapshot of a run, between two ticks.
 
-    Parameters
-    ----------
-    run : Run
-    known : callable
-        Returns what stands for an object that every run has for itself, such as its robot; None for any
+    `known`: returns what stands for an object that every run has for itself, such as its robot; None for any
         other.
-    beside : mapping of str to object
-        Values that are copied together with the variables.
+    `beside`: values that are copied together with the variables.
     """
     cells: list[CellType] = []
 

@@ -55,10 +55,7 @@ class VariableMapping(Mapping[Path, object]):
     def path(self, wanted: Path | str) -> Path:
         """Return the path of a variable, with a value or not, for its path or its unambiguous name.
 
-        Raises
-        ------
-        UnknownElementError
-            If there is no such variable now, or several have that name.
+        Raises UnknownElementError: if there is no such variable now, or several have that name.
         """
         environment, name = find_variable(self._run, wanted)
         return (*environment.path, name)
@@ -73,10 +70,7 @@ class VariableMapping(Mapping[Path, object]):
 def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
     """Return the environment that holds a variable now, and the variable's name.
 
-    Raises
-    ------
-    UnknownElementError
-        If there is no such variable now, or several have that name.
+    Raises UnknownElementError: if there is no such variable now, or several have that name.
     """
     *where, name = as_path(path)
     for key, environment in run.live.items():
@@ -90,10 +84,7 @@ def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
 def assign(run: Run, path: Path | str, value: object) -> None:
     """Assign a value to a variable.
 
-    Raises
-    ------
-    UnknownElementError
-        If there is no such variable now.
+    Raises UnknownElementError: if there is no such variable now.
     """
     environment, name = find_variable(run, path)
     cell = environment.own[name].cell
@@ -105,12 +96,8 @@ def assign(run: Run, path: Path | str, value: object) -> None:
 def evaluate(run: Run, path: Path | str, expression: str) -> object:
     """Return the value of a Python expression, evaluated in a variable's scope.
 
-    Raises
-    ------
-    UnknownElementError
-        If there is no such variable now.
-    Exception
-        Whatever the expression raises.
+    Raises UnknownElementError: if there is no such variable now.
+    Raises Exception: whatever the expression raises.
     """
     environment, _ = find_variable(run, path)
     return bind_code(run, _compiled(expression, environment), environment.visible)()
@@ -121,13 +108,8 @@ class BlockTest:
 
     It is compiled and bound when the program or the variables of that scope are others than before.
 
-    Parameters
-    ----------
-    block : Block
-    machine : path
-        Path of definition; empty for the top level.
-    filename : str
-        That of tracebacks.
+    `machine`: path of definition; empty for the top level.
+    `filename`: that of tracebacks.
     """
 
     def __init__(self, block: Block, machine: Path = (), filename: str = EXPRESSION) -> None:
@@ -139,14 +121,9 @@ class BlockTest:
     def holds(self, run: Run) -> bool:
         """Return whether it is True now; False while the machine does not run.
 
-        Raises
-        ------
-        SyntaxError
-            A variable that it declares `nonlocal` is missing.
-        LRPError
-            Its value is no boolean.
-        Exception
-            Whatever the block raises.
+        Raises SyntaxError: a variable that it declares `nonlocal` is missing.
+        Raises LRPError: its value is no boolean.
+        Raises Exception: whatever the block raises.
         """
         environment = run.live.get(self._machine)
         visible = (environment or run.globals).visible
@@ -165,10 +142,7 @@ class BlockTest:
 def check_expression(expression: str) -> str:
     """Return an expression without the space around it.
 
-    Raises
-    ------
-    SyntaxError
-        It is not an expression of Python.
+    Raises SyntaxError: it is not an expression of Python.
     """
     text = expression.strip()
     if not facts_of(text).valid:

@@ -88,10 +88,7 @@ class ParsedBlock(NamedTuple):
 def read(text: str) -> ParsedBlock:
     """Return the tree and the names of a block; only short blocks are cached, because trees are large.
 
-    Raises
-    ------
-    SyntaxError
-        As :func:`parse_block`.
+    Raises SyntaxError: as :func:`parse_block`.
     """
     return _read_short(text) if len(text) <= SHORT else _read(text)
 
@@ -161,17 +158,10 @@ def _is_simple(tree: ast.Module, source: str) -> bool:
 class Place(NamedTuple):
     """One place where a block uses a name.
 
-    Parameters
-    ----------
-    name : str
-    start, end : int
-        Its characters in the program's text.
-    writes : bool
-        Whether it is assigned (or deleted) here.
-    imported : str
-        The module's whole name where it is bound by ``import x.y``, else empty.
-    hidden : frozenset of str
-        Names that have another meaning at this place, because an inner function binds them.
+    `start`, `end`: its characters in the program's text.
+    `writes`: whether it is assigned (or deleted) here.
+    `imported`: the module's whole name where it is bound by ``import x.y``, else empty.
+    `hidden`: names that have another meaning at this place, because an inner function binds them.
     """
 
     name: str
@@ -185,14 +175,10 @@ class Place(NamedTuple):
 class BlockNames(NamedTuple):
     """The names of a block that are not its inner functions' own: they may be variables of the program.
 
-    Parameters
-    ----------
-    reads, assigns : frozenset of str
-        Names that the block reads, and those that it assigns on its own level or by `nonlocal`.
-    places : tuple of Place
-        Every such name, in order of position.
-    inner : frozenset of str
-        Names that functions, lambdas, classes and comprehensions in the block bind for themselves.
+    `reads`, `assigns`: names that the block reads, and those that it assigns on its own level or by
+        `nonlocal`.
+    `places`: every such name, in order of position.
+    `inner`: names that functions, lambdas, classes and comprehensions in the block bind for themselves.
     """
 
     reads: frozenset[str]
@@ -270,25 +256,12 @@ def _outside(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Itera
 def compile_block(block: Block, names: Collection[str], filename: str, name: str = "block") -> CodeType:
     """Compile a block for :func:`bind`.
 
-    Parameters
-    ----------
-    block : Block
-    names : collection of str
-        The variables of the program in the block's scope; `robot` and `print` are always available.
-    filename : str
-        Name of the program's file, for tracebacks.
-    name : str
-        Name of the block in tracebacks.
-
-    Returns
-    -------
-    types.CodeType
-        Its free variables are among `names` and `PROVIDED`; its lines and columns are the program's.
-
-    Raises
-    ------
-    SyntaxError
-        For what the parser cannot know: a `nonlocal` whose variable was removed. `lineno` is the program's.
+    `names`: the variables of the program in the block's scope; `robot` and `print` are always available.
+    `filename`: name of the program's file, for tracebacks.
+    `name`: name of the block in tracebacks.
+    Its free variables are among `names` and `PROVIDED`; its lines and columns are the program's.
+    Raises SyntaxError: for what the parser cannot know: a `nonlocal` whose variable was removed. `lineno` is
+        the program's.
     """
     seen = frozenset([word for word in _words(block.text) if word in names])
     try:
@@ -303,13 +276,8 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
 def bind(code: CodeType, namespace: dict[str, Any], cells: Mapping[str, CellType]) -> Callable[[], object]:
     """Return a compiled block as a function.
 
-    Parameters
-    ----------
-    code : types.CodeType
-    namespace : dict
-        The function's globals, not copied; nothing is written into it.
-    cells : mapping of str to types.CellType
-        One for every free variable of the code.
+    `namespace`: the function's globals, not copied; nothing is written into it.
+    `cells`: one for every free variable of the code.
     """
     return FunctionType(
         code, namespace, code.co_name, None, tuple([cells[name] for name in code.co_freevars])

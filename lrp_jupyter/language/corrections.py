@@ -35,13 +35,8 @@ _FIRST_WORD = re.compile(r"\s*([^\W\d]\w*)")
 class Corrected(NamedTuple):
     """A corrected text, the errors of the original, and the way back.
 
-    Parameters
-    ----------
-    text : str
-    found : list of Diagnosis
-        At offsets of the original text, as are their edits.
-    moved : callable
-        Returns an error of the corrected text with its offsets in the original.
+    `found`: at offsets of the original text, as are their edits.
+    `moved`: returns an error of the corrected text with its offsets in the original.
     """
 
     text: str

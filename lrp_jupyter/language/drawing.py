@@ -37,10 +37,7 @@ _KEYWORD = re.compile(rf"({'|'.join(FORMS)})(?:\s+(?=\S)|(?=\[))")
 class DrawnProgram:
     """A program with its text, as nested forms and resolved names.
 
-    Raises
-    ------
-    LRPSyntaxError
-        The text is not a valid program.
+    Raises LRPSyntaxError: the text is not a valid program.
     """
 
     def __init__(self, text: str) -> None:
@@ -107,10 +104,7 @@ class DrawnProgram:
     def edits(self, edits: Iterable[Edit]) -> list[Edit]:
         """Return edits in the order of the text, insertions at one place as one, if they make a program.
 
-        Raises
-        ------
-        ValueError
-            They do not.
+        Raises ValueError: they do not.
         """
         joined: list[Edit] = []
         for edit in sorted(edits, key=lambda edit: edit[:2]):
@@ -179,17 +173,8 @@ class WrittenTransition(NamedTuple):
 def new_state(text: str, machine: Path, name: str) -> list[Edit]:
     """Return the edits for a new state; the first one of a machine that nothing spawns is its start.
 
-    Parameters
-    ----------
-    text : str
-    machine : tuple of str
-        Empty to make a machine as well.
-    name : str
-
-    Raises
-    ------
-    ValueError
-        The name cannot be used.
+    `machine`: empty to make a machine as well.
+    Raises ValueError: the name cannot be used.
     """
     drawing = DrawnProgram(text)
     name = _new_name(name)
@@ -227,22 +212,11 @@ def _state(drawing: DrawnProgram, scope: Scope, name: str) -> list[Edit]:
 def new_transition(text: str, machine: Path, source: str, destination: str, trigger: str) -> list[Edit]:
     """Return the edits for a new transition.
 
-    Parameters
-    ----------
-    text : str
-    machine : tuple of str
-    source : str
-        A state of the machine, or ``*``.
-    destination : str
-        A state of the machine; it is made if there is none of this name.
-    trigger : str
-        An event, a block, a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; anything else
-        becomes a condition. A keyword before it decides: ``ontime [pause]``.
-
-    Raises
-    ------
-    ValueError
-        It would not be a valid program.
+    `source`: a state of the machine, or ``*``.
+    `destination`: a state of the machine; it is made if there is none of this name.
+    `trigger`: an event, a block, a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; anything
+        else becomes a condition. A keyword before it decides: ``ontime [pause]``.
+    Raises ValueError: it would not be a valid program.
     """
     drawing = DrawnProgram(text)
     scope = drawing.machine(machine)
@@ -284,18 +258,9 @@ def _milliseconds(text: str) -> str:
 def new_form(text: str, path: Path, form: str) -> list[Edit]:
     """Return the edits that add a form to a state, to a machine, or to the program.
 
-    Parameters
-    ----------
-    text : str
-    path : tuple of str
-        Of the state or machine; empty for the program.
-    form : str
-        ``event late [time > 3]``, with or without its brackets.
-
-    Raises
-    ------
-    ValueError
-        It is not one form, or one that does not belong there.
+    `path`: of the state or machine; empty for the program.
+    `form`: ``event late [time > 3]``, with or without its brackets.
+    Raises ValueError: it is not one form, or one that does not belong there.
     """
     drawing = DrawnProgram(text)
     if path in drawing.names.by_path:
@@ -343,10 +308,7 @@ def delete_state(text: str, path: Path) -> list[Edit]:
     A transition with other sources, or with other exceptions from ``*``, loses this one only. A machine
     that starts in the state starts in the first other one; if there is none, its spawn is removed.
 
-    Raises
-    ------
-    ValueError
-        There are two states of this name.
+    Raises ValueError: there are two states of this name.
     """
     drawing = DrawnProgram(text)
     scope, state = drawing.state(path)
@@ -387,10 +349,7 @@ def delete_machine(text: str, path: Path) -> list[Edit]:
 def change_transition(text: str, path: Path, form: str) -> list[Edit]:
     """Return the edits that write a transition in another way, with or without its brackets.
 
-    Raises
-    ------
-    ValueError
-        It is not a transition.
+    Raises ValueError: it is not a transition.
     """
     drawing = DrawnProgram(text)
     old = drawing.written(drawing.arrow(path)).form
@@ -405,20 +364,9 @@ def retarget(
 ) -> list[Edit]:
     """Return the edits that connect one end of a transition to another state.
 
-    Parameters
-    ----------
-    text : str
-    path : tuple of str
-    end : {"source", "destination"}
-    name : str
-        The other state; as a source also ``*``.
-    old : str
-        Of several sources the one that is replaced.
-
-    Raises
-    ------
-    UnknownElementError
-        There is no such state.
+    `name`: the other state; as a source also ``*``.
+    `old`: of several sources the one that is replaced.
+    Raises UnknownElementError: there is no such state.
     """
     drawing = DrawnProgram(text)
     arrow = drawing.arrow(path)
@@ -446,10 +394,7 @@ def retarget(
 def reverse(text: str, path: Path) -> list[Edit]:
     """Return the edits that exchange the source and the destination of a transition.
 
-    Raises
-    ------
-    ValueError
-        It does not lead from one state to one of the same machine.
+    Raises ValueError: it does not lead from one state to one of the same machine.
     """
     drawing = DrawnProgram(text)
     arrow = drawing.arrow(path)

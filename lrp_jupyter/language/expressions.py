@@ -70,19 +70,12 @@ class UnknownValueError(Exception):
 class Evaluation:
     """An expression and its parts with their values.
 
-    Parameters
-    ----------
-    value : object
-    values : mapping of str to object
-        The value of every name, attribute, call and arithmetic part that was evaluated, by its text, in the
-        order of evaluation; constants are left out.
-    decides : str
-        The text of the part that made the whole what it is: a comparison, or the smallest part that is one
-        operand of `and`, `or` and `not`.
-    decided : object
-        The value of that part: below a `not`, the opposite of the whole.
-    is_whole : bool
-        Whether that part is the whole expression.
+    `values`: the value of every name, attribute, call and arithmetic part that was evaluated, by its text, in
+        the order of evaluation; constants are left out.
+    `decides`: the text of the part that made the whole what it is: a comparison, or the smallest part that is
+        one operand of `and`, `or` and `not`.
+    `decided`: the value of that part: below a `not`, the opposite of the whole.
+    `is_whole`: whether that part is the whole expression.
     """
 
     value: object
@@ -110,20 +103,10 @@ def names_in(expression: ast.expr) -> frozenset[str]:
 def evaluate(expression: ast.expr, lookup: Lookup, *, calls: bool = False) -> Evaluation:
     """Evaluate an expression.
 
-    Parameters
-    ----------
-    expression : ast.expr
-    lookup : callable
-        Returns the value of a name; raises `NameError` or :class:`UnknownValueError`.
-    calls : bool
-        Whether functions that may do anything are called; else their value is not known.
-
-    Raises
-    ------
-    UnknownValueError
-        A part's value is not known.
-    Exception
-        Whatever the expression raises.
+    `lookup`: returns the value of a name; raises `NameError` or :class:`UnknownValueError`.
+    `calls`: whether functions that may do anything are called; else their value is not known.
+    Raises UnknownValueError: a part's value is not known.
+    Raises Exception: whatever the expression raises.
     """
     evaluator = _Evaluator(lookup, calls)
     value = evaluator.of(expression)

@@ -47,10 +47,7 @@ def formatted(text: str) -> str:
 def formatting(text: str) -> tuple[Edit, ...]:
     """Return the edits that :func:`formatted` makes: each replaces white space by other white space.
 
-    Raises
-    ------
-    LRPSyntaxError
-        The text is not a program.
+    Raises LRPSyntaxError: the text is not a program.
     """
     after = formatted(text)
     edits = []

@@ -71,15 +71,8 @@ _SINGLE = frozenset({"VAR", "EVENT"})  # forms with one block
 def shape_of(types: tuple[str, ...]) -> Shape | Mistake | None:
     """Parse one form, given by the types of its tokens.
 
-    Parameters
-    ----------
-    types : tuple of str
-        The first is the keyword's; ``PROGRAM`` for the top level.
-
-    Returns
-    -------
-    Shape or Mistake or None
-        None for a valid form that is not a transition.
+    `types`: the first is the keyword's; ``PROGRAM`` for the top level.
+    None for a valid form that is not a transition.
     """
     shape = _shape(_condensed(types))
     return _shape(types) if isinstance(shape, Mistake) else shape

@@ -22,12 +22,8 @@ _Kept = TypeVar("_Kept")
 class Successors:
     """Maps each element of an old program to that of a new program.
 
-    Parameters
-    ----------
-    moved : mapping of Element to Element
-        The elements of the old program whose path or label changed.
-    gone : tuple of Element
-        The outermost elements missing from the new program; everything inside them is gone too.
+    `moved`: the elements of the old program whose path or label changed.
+    `gone`: the outermost elements missing from the new program; everything inside them is gone too.
     """
 
     moved: Mapping[Element, Element] = field(default_factory=dict)
@@ -74,18 +70,10 @@ def after_rename(old: Program, new: Program) -> Successors:
 def after_undo(program: Program, undone: Sequence[Successors]) -> Successors:
     """Return the map of an undo of edits.
 
-    Parameters
-    ----------
-    program : Program
-        The program after these edits.
-    undone : sequence of Successors
-        The map of each edit, the last edit first.
-
-    Returns
-    -------
-    Successors
-        From the elements of `program` to what they were. What an edit added keeps its path: whether it
-        exists in the program of before is for the caller to see.
+    `program`: the program after these edits.
+    `undone`: the map of each edit, the last edit first.
+    From the elements of `program` to what they were. What an edit added keeps its path: whether it exists in
+        the program of before is for the caller to see.
     """
     steps = [{new: old for old, new in successors.moved.items()} for successors in undone]
     moved = {}

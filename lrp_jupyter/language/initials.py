@@ -10,10 +10,7 @@ from lrp_jupyter.language.program import Machine, Path, Program, Variable, path_
 def find_variable(program: Program, wanted: Path) -> tuple[Path, Variable]:
     """Return the variable of a path, or of a name that only one variable has, and its path.
 
-    Raises
-    ------
-    UnknownElementError
-        There is none, or several have that name.
+    Raises UnknownElementError: there is none, or several have that name.
     """
     known = _variables(program)
     if wanted in known:
@@ -37,12 +34,8 @@ def find_variable(program: Program, wanted: Path) -> tuple[Path, Variable]:
 def with_initial(text: str, variable: Path, expression: str) -> str:
     """Return a text with the initialiser of a variable replaced by an expression.
 
-    Raises
-    ------
-    LRPSyntaxError
-        The text is not a valid program.
-    UnknownElementError
-        There is no such variable, or several have that name.
+    Raises LRPSyntaxError: the text is not a valid program.
+    Raises UnknownElementError: there is no such variable, or several have that name.
     """
     _, found = find_variable(parse(text), variable)
     start, end = found.initial.span

@@ -20,20 +20,12 @@ _LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
 def aligned(text: str, column: int, base: int) -> str:
     """Return the text of a block without white space around it, its lines below its first statement.
 
-    Parameters
-    ----------
-    text : str
-        The text between the brackets.
-    column : int
-        Of the first character after the opening bracket, from 0: the first statement's, unless that stands
-        on a line of its own.
-    base : int
-        The column at which the line with the bracket begins: such a statement stands :data:`STEP` further.
-
-    Returns
-    -------
-    str
-        The text as it is, if its meaning would change.
+    `text`: the text between the brackets.
+    `column`: of the first character after the opening bracket, from 0: the first statement's, unless that
+        stands on a line of its own.
+    `base`: the column at which the line with the bracket begins: such a statement stands :data:`STEP`
+        further.
+    The text as it is, if its meaning would change.
     """
     better = text.strip(" \t").rstrip()
     lines = [_MARGIN.match(text, start)[0] for start in logical_lines(text)]  # type: ignore[index]
@@ -56,13 +48,8 @@ def _moved(text: str, by: int) -> str:
 def reindented(text: str, inside: Iterable[tuple[int, int]], margin: Callable[[str], str]) -> str:
     """Return a text with the margins of all lines but the first changed, except those of lines in strings.
 
-    Parameters
-    ----------
-    text : str
-    inside : iterable of (int, int)
-        The ranges of the strings.
-    margin : callable
-        Returns the new margin for an old one.
+    `inside`: the ranges of the strings.
+    `margin`: returns the new margin for an old one.
     """
     spans = list(inside)
 

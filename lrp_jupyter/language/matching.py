@@ -21,17 +21,10 @@ _LEGAL = {keyword: LEGAL.get(keyword, frozenset()) for keyword in KEYWORDS} | LE
 class Matching(NamedTuple):
     """How to interpret the brackets of forms; each is identified by the index of its token.
 
-    Parameters
-    ----------
-    findings : list of Diagnosis
-    extra : frozenset of int
-        Closing brackets to ignore.
-    lost : frozenset of int
-        Keywords to parse as if a ``(`` preceded them.
-    closing : dict of int to int
-        Number of ``)`` to insert before a token.
-    too_deep : bool
-        Whether forms are nested too deeply to parse the text.
+    `extra`: closing brackets to ignore.
+    `lost`: keywords to parse as if a ``(`` preceded them.
+    `closing`: number of ``)`` to insert before a token.
+    `too_deep`: whether forms are nested too deeply to parse the text.
     """
 
     findings: list[Diagnosis]

@@ -122,18 +122,9 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
 
     It goes into the first machine of that state. If there is none, one is made, which starts in it.
 
-    Parameters
-    ----------
-    text : str
-    path : tuple of str
-    into : str
-        The other state.
-
-    Raises
-    ------
-    ValueError
-        The language cannot express what its transitions would have to do, or a name would mean something
-        else.
+    `into`: the other state.
+    Raises ValueError: the language cannot express what its transitions would have to do, or a name would mean
+        something else.
     """
     drawing = DrawnProgram(text)
     scope, state = drawing.state(path)
@@ -175,11 +166,8 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
 def unnest(text: str, path: Path) -> list[Edit]:
     """Return the edits that move a state out of the state around it; a machine that becomes empty is removed.
 
-    Raises
-    ------
-    ValueError
-        It is not inside another state, the language cannot express what its transitions would have to do,
-        or a name would mean something else.
+    Raises ValueError: it is not inside another state, the language cannot express what its transitions would
+        have to do, or a name would mean something else.
     """
     drawing = DrawnProgram(text)
     scope, state = drawing.state(path)

@@ -38,16 +38,9 @@ _TRANSITIONS = frozenset(f"{keyword.upper()}_FORM" for keyword in FORMS)
 def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape | None, span: Span) -> Node:
     """Return the element that a form describes.
 
-    Parameters
-    ----------
-    keyword : str
-    types : sequence of str
-        The types of its tokens, first that of the keyword.
-    parts : sequence of Part
-        The values of its tokens.
-    shape : Shape or None
-        Of a transition.
-    span : Span
+    `types`: the types of its tokens, first that of the keyword.
+    `parts`: the values of its tokens.
+    `shape`: of a transition.
     """
     if shape is not None:
         trigger, source, sources, destination, name = shape

@@ -18,9 +18,6 @@ def degrees(angle: float) -> float:
 def builtin(name: str) -> object:
     """Return the value of a name that neither the program nor the notebook defines.
 
-    Raises
-    ------
-    AttributeError
-        Python does not define it either.
+    Raises AttributeError: python does not define it either.
     """
     return degrees if name == "degrees" else getattr(builtins, name)

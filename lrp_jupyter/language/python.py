@@ -18,11 +18,8 @@ _TIMES = 50
 def parse_python(source: str, filename: str = "<unknown>", mode: str = "exec") -> Any:
     """Return the tree of a Python text: :func:`ast.parse`.
 
-    Raises
-    ------
-    SyntaxError
-    RecursionError, MemoryError
-        It is nested too deeply.
+    Raises SyntaxError.
+    Raises RecursionError, MemoryError: it is nested too deeply.
     """
     return asked_again(ast.parse, source, filename, mode)
 

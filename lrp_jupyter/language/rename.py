@@ -50,12 +50,8 @@ class Symbol:
 def symbols(program: Program) -> tuple[list[Symbol], list[Mention]]:
     """Return what the names of a program define and mention.
 
-    Returns
-    -------
-    symbols : list of Symbol
-        The definitions, in the order of the text, without second definitions of a name.
-    mentions : list of Mention
-        Every reference, resolved or not, in the order of the text.
+    symbols : list of Symbol: the definitions, in the order of the text, without second definitions of a name.
+    mentions : list of Mention: every reference, resolved or not, in the order of the text.
     """
     names = resolve(program)
     found = {element: Symbol(element, name.span) for element, name in _definitions(names)}
@@ -110,10 +106,7 @@ def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
 def references(program: Program, offset: int) -> Symbol | None:
     """Return the element that the name at an offset of the program's text refers to.
 
-    Returns
-    -------
-    Symbol or None
-        None if there is no name, or one that does not refer to an element of the program.
+    None if there is no name, or one that does not refer to an element of the program.
     """
     for symbol in symbols(program)[0]:
         for start, end in (symbol.definition, *symbol.references):
@@ -125,19 +118,9 @@ def references(program: Program, offset: int) -> Symbol | None:
 def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
     """Return the program's text with one element renamed, everything else unchanged.
 
-    Parameters
-    ----------
-    program : Program
-    kind : {"state", "machine", "event", "variable", "transition"}
-    path : tuple of str
-    new_name : str
-
-    Raises
-    ------
-    UnknownElementError
-        The element does not exist.
-    ValueError
-        The name is not valid or is taken, or the rename would change the meaning of another name.
+    Raises UnknownElementError: the element does not exist.
+    Raises ValueError: the name is not valid or is taken, or the rename would change the meaning of another
+        name.
     """
     if not program.text:
         program = parse(to_source(program), program.filename)

@@ -31,18 +31,11 @@ _MARGIN = 4.0  # those that cost this much more than the best are dropped
 class Bracket(NamedTuple):
     """A bracket of a form, for the search.
 
-    Parameters
-    ----------
-    keyword : str
-        Empty for a closing bracket, ``?`` for an unknown keyword.
-    column : int
-        Its column if it is the first in its line, else -1.
-    indent : int
-        Indentation of its line.
-    lost : bool
-        Whether there is no ``(``, but a keyword begins the line, so that a ``(`` may be missing.
-    followed : bool
-        Whether something else than a bracket is next.
+    `keyword`: empty for a closing bracket, ``?`` for an unknown keyword.
+    `column`: its column if it is the first in its line, else -1.
+    `indent`: indentation of its line.
+    `lost`: whether there is no ``(``, but a keyword begins the line, so that a ``(`` may be missing.
+    `followed`: whether something else than a bracket is next.
     """
 
     keyword: str
@@ -55,15 +48,10 @@ class Bracket(NamedTuple):
 class Repair(NamedTuple):
     """The repair of the brackets, which are identified by their position in the sequence.
 
-    Parameters
-    ----------
-    extra : tuple of int
-        Closing brackets that are superfluous.
-    lost : tuple of int
-        Keywords that need a ``(``.
-    unclosed : tuple of (int, int)
-        An opening bracket, and the one before which its ``)`` is missing (the length of the sequence at
-        the end).
+    `extra`: closing brackets that are superfluous.
+    `lost`: keywords that need a ``(``.
+    `unclosed`: an opening bracket, and the one before which its ``)`` is missing (the length of the sequence
+        at the end).
     """
 
     extra: tuple[int, ...]

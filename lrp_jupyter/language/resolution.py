@@ -59,22 +59,14 @@ class Repeat(NamedTuple):
 class Scope:
     """The top level of a program or a machine, with what is defined in it.
 
-    Parameters
-    ----------
-    path : tuple of str
-        Empty for the top level.
-    outer : Scope or None
-        The machine around it, or the top level; None for the top level.
-    state : str
-        The state of `outer` that contains it; empty for a root machine.
-    noun : Machine or None
-        None for the top level.
-    variables, events, states : dict
-        Its own definitions by name, only the first of each name.
-    machines : dict of str to dict of str to Scope
-        By state, then by name; at the top level under the empty state.
-    visible, visible_events : dict of str to Scope
-        The scope that defines each variable visible to its blocks, and each event usable by its transitions.
+    `path`: empty for the top level.
+    `outer`: the machine around it, or the top level; None for the top level.
+    `state`: the state of `outer` that contains it; empty for a root machine.
+    `noun`: None for the top level.
+    `variables`, `events`, `states`: its own definitions by name, only the first of each name.
+    `machines`: by state, then by name; at the top level under the empty state.
+    `visible`, `visible_events`: the scope that defines each variable visible to its blocks, and each event
+        usable by its transitions.
     """
 
     path: Path
@@ -160,18 +152,10 @@ class Scope:
 class PlacedBlock(NamedTuple):
     """A block with the element that it belongs to and its scope.
 
-    Parameters
-    ----------
-    element : Element
-        The element that contains it.
-    ordinal : int
-        Its index among the element's items, from 0.
-    block : Block
-    purpose : str
-        What its value is used for; that of an action is not used.
-    scope : Scope
-    visible : mapping of str to Scope
-        The scope that defines each variable visible to it.
+    `element`: the element that contains it.
+    `ordinal`: its index among the element's items, from 0.
+    `purpose`: what its value is used for; that of an action is not used.
+    `visible`: the scope that defines each variable visible to it.
     """
 
     element: Element
@@ -216,16 +200,9 @@ class Spawning(NamedTuple):
 class Arrow(NamedTuple):
     """A transition and what its names refer to.
 
-    Parameters
-    ----------
-    element : Element
-    noun : Transition
-    scope : Scope
-    owner : Scope or None
-        The scope that defines the event or variable that it names.
-    homes : tuple of Scope
-        The machines among whose states its destination is looked up: its own; for `exit` those whose states
-        spawn its own machine.
+    `owner`: the scope that defines the event or variable that it names.
+    `homes`: the machines among whose states its destination is looked up: its own; for `exit` those whose
+        states spawn its own machine.
     """
 
     element: Element
@@ -266,14 +243,9 @@ class Resolution:
     Its scopes live as long as it does. They refer to each other in circles, which it opens at its end:
     otherwise each edit would leave thousands of objects to the garbage collector, which stops all threads.
 
-    Parameters
-    ----------
-    top : Scope
-        The top level.
-    scopes : tuple of Scope
-        The top level and every machine, outer before inner.
-    repeats : tuple of Repeat
-        Second definitions of a name, in the order of the text.
+    `top`: the top level.
+    `scopes`: the top level and every machine, outer before inner.
+    `repeats`: second definitions of a name, in the order of the text.
     """
 
     def __init__(self, program: Program) -> None:

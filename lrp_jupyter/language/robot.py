@@ -18,20 +18,12 @@ from lrp_jupyter.language.python import parse_python
 class Parameters(NamedTuple):
     """What a method accepts.
 
-    Parameters
-    ----------
-    text : str
-        As written in a definition: ``(down=True)``.
-    names : tuple of str
-        Names under which arguments can be passed, those that can also be passed by position first.
-    positional : int or None
-        How many can be passed by position; None for any number.
-    required : tuple of str
-        Those without a default.
-    fields : frozenset of str
-        Names of numbers in a message, which can only be passed by name; empty without a message.
-    is_open : bool
-        Whether other names are accepted, too.
+    `text`: as written in a definition: ``(down=True)``.
+    `names`: names under which arguments can be passed, those that can also be passed by position first.
+    `positional`: how many can be passed by position; None for any number.
+    `required`: those without a default.
+    `fields`: names of numbers in a message, which can only be passed by name; empty without a message.
+    `is_open`: whether other names are accepted, too.
     """
 
     text: str
@@ -45,16 +37,10 @@ class Parameters(NamedTuple):
 class RobotMember(NamedTuple):
     """A member of the robot.
 
-    Parameters
-    ----------
-    path : str
-        Below ``robot``: ``light.data``.
-    type : str
-        Name of the type of a reading; empty where it is unknown.
-    parameters : Parameters or None
-        Of a method; None for a reading.
-    acts : bool
-        Whether it is a method that makes the robot do something, and returns nothing.
+    `path`: below ``robot``: ``light.data``.
+    `type`: name of the type of a reading; empty where it is unknown.
+    `parameters`: of a method; None for a reading.
+    `acts`: whether it is a method that makes the robot do something, and returns nothing.
     """
 
     path: str
@@ -67,12 +53,8 @@ class RobotMember(NamedTuple):
 class RobotMembers:
     """The members of a robot; it equals only itself, so that results for it can be cached.
 
-    Parameters
-    ----------
-    members : mapping of str to RobotMember
-        By their paths.
-    complete : bool
-        Whether the robot has no others, now and later.
+    `members`: by their paths.
+    `complete`: whether the robot has no others, now and later.
     """
 
     members: Mapping[str, RobotMember]

@@ -40,16 +40,8 @@ def block_end(text: str, start: int) -> int:
     Only square brackets are counted, so an unclosed ``(`` inside a block does not hide its end.
     A string that is not closed ends with its line.
 
-    Parameters
-    ----------
-    text : str
-    start : int
-        Offset of the opening ``[``.
-
-    Returns
-    -------
-    int
-        Offset of the matching ``]``; -1 if there is none.
+    `start`: offset of the opening ``[``.
+    Offset of the matching ``]``; -1 if there is none.
     """
     depth = 0
     position = start
@@ -145,18 +137,8 @@ _STATEMENT_LINE = re.compile(r"(?:\r\n|\r|\n)([ \t\f]*+)(?=[^\s#])")
 def string_end(text: str, quote_at: int, floor: int) -> tuple[int, bool]:
     """Return the end of the string whose opening quote is at an offset.
 
-    Parameters
-    ----------
-    text : str
-    quote_at : int
-    floor : int
-        Offset before which no prefix is looked for.
-
-    Returns
-    -------
-    end : int
-        Offset after the closing quotes, or the end of the line if there are none.
-    closed : bool
+    `floor`: offset before which no prefix is looked for.
+    end : int: offset after the closing quotes, or the end of the line if there are none.
     """
     end = _string_end(text, quote_at, floor, 0)
     if end >= 0:

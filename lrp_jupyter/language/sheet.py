@@ -85,12 +85,8 @@ class WrittenForm:
 class Sheet:
     """The text of a valid program, as nested forms.
 
-    Attributes
-    ----------
-    root : WrittenForm
-        The top level.
-    line_end : str
-        The first line end of the text.
+    `root`: the top level.
+    `line_end`: the first line end of the text.
     """
 
     def __init__(self, text: str) -> None:

@@ -81,16 +81,11 @@ def _meaning(text: str) -> str:
 class Block:
     """Python between square brackets.
 
-    Parameters
-    ----------
-    text : str
-        The text between the brackets, unchanged.
-    span : Span
-        Both brackets included.
-    line, column : int
-        Position of the first character after the opening bracket, from 1; columns in characters.
-    before : int
-        Bytes (UTF-8) before that character in its line: Python counts columns so.
+    `text`: the text between the brackets, unchanged.
+    `span`: both brackets included.
+    `line`, `column`: position of the first character after the opening bracket, from 1; columns in
+        characters.
+    `before`: bytes (UTF-8) before that character in its line: Python counts columns so.
     """
 
     text: str

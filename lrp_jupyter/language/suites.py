@@ -44,10 +44,8 @@ def parse_block(text: str) -> ast.Module:
     Any layout of the same code has the same ``ast.dump``. Positions refer to the generated source, not to
     the text.
 
-    Raises
-    ------
-    SyntaxError
-        With ``lineno``, ``offset``, ``end_lineno`` and ``end_offset`` in `text`, in characters, all from 1.
+    Raises SyntaxError: with ``lineno``, ``offset``, ``end_lineno`` and ``end_offset`` in `text`, in
+        characters, all from 1.
     """
     return parse_suite(text)[0]
 

@@ -162,18 +162,11 @@ class Epsilon(Trigger):
 class TriggerForm(NamedTuple):
     """The syntax of the form with one keyword.
 
-    Parameters
-    ----------
-    usage : str
-        An example of it.
-    make : callable
-        Returns the trigger for the name, block or number after the keyword, or for None.
-    name : str
-        What a name as trigger refers to; empty where there is no trigger.
-    block : str
-        What a block as trigger must contain.
-    outward : bool
-        Whether it leads out of its machine.
+    `usage`: an example of it.
+    `make`: returns the trigger for the name, block or number after the keyword, or for None.
+    `name`: what a name as trigger refers to; empty where there is no trigger.
+    `block`: what a block as trigger must contain.
+    `outward`: whether it leads out of its machine.
     """
 
     usage: str

@@ -47,12 +47,8 @@ _ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
 class Cursor(NamedTuple):
     """Where the cursor of an editor is.
 
-    Parameters
-    ----------
-    offset : int
-        In characters.
-    meant : bool
-        Whether the word that it touches is meant: it is not while it is being typed.
+    `offset`: in characters.
+    `meant`: whether the word that it touches is meant: it is not while it is being typed.
     """
 
     offset: int
@@ -63,17 +59,11 @@ class Cursor(NamedTuple):
 class Unmeant:
     """What of a program is not meant yet.
 
-    Parameters
-    ----------
-    instead : Program
-        The program without it.
-    reason : str
-        Why it waits: ``waits:`` and a sentence, without a full stop; empty if it does not.
-    always : bool
-        Whether `instead` runs in any case; else only where the program would change the actions of an active
-        state, remove it, or restart.
-    element : Element or None
-        The element that contains it; its faults are not reported.
+    `instead`: the program without it.
+    `reason`: why it waits: ``waits:`` and a sentence, without a full stop; empty if it does not.
+    `always`: whether `instead` runs in any case; else only where the program would change the actions of an
+        active state, remove it, or restart.
+    `element`: the element that contains it; its faults are not reported.
     """
 
     instead: Program
@@ -85,15 +75,9 @@ class Unmeant:
 class Judgement(NamedTuple):
     """What a text means while the cursor is in it.
 
-    Parameters
-    ----------
-    program : Program or None
-        The program that the text describes.
-    findings : tuple of Finding
-        Those to be shown: without those about what is not meant yet.
-    unmeant : Unmeant or None
-    hides : bool
-        Whether any finding is not shown.
+    `program`: the program that the text describes.
+    `findings`: those to be shown: without those about what is not meant yet.
+    `hides`: whether any finding is not shown.
     """
 
     program: Program | None
@@ -117,19 +101,11 @@ def judge(
 ) -> Judgement:
     """Return what a text means while cursors are in it.
 
-    Parameters
-    ----------
-    text : str
-    program : Program or None
-        The program that it describes.
-    findings : tuple of Finding
-        The findings about it.
-    cursors : iterable of Cursor
-        Of several editors: what is half typed at any of them waits.
-    running : Program
-        The program that runs now.
-    check : callable
-        Returns the findings about a program.
+    `program`: the program that it describes.
+    `findings`: the findings about it.
+    `cursors`: of several editors: what is half typed at any of them waits.
+    `running`: the program that runs now.
+    `check`: returns the findings about a program.
     """
     left, waits, span, hides = findings, None, Span(0, 0), False
     for cursor in sorted(cursors, reverse=True):  # what is undone at one then moves none that is left

@@ -21,29 +21,17 @@ _WORDS = {  # when it pauses, and why it has paused
 class Breakpoint:
     """A condition for a pause.
 
-    Parameters
-    ----------
-    number : int
-        The first is 1.
-    kind : str
-        ``entered``, ``left``, ``fired``, ``event`` or ``condition``.
-    element : Element or None
-        The state, transition or event; None for a condition.
-    expression : str
-        The condition.
-    machine : path
-        The machine in whose scope the condition is evaluated, by path of definition; empty for the top level.
-    enabled : bool
-        Whether it pauses; hits are counted in any case.
-    hits : int
-    after : int
-        The hit from which on it pauses.
-    once : bool
-        Whether it is switched off when it has paused.
-    dormant : bool
-        Whether its element, or the machine of its condition, is missing from the program that runs.
-    problem : str
-        A sentence: why its condition could not be evaluated the last time; else empty.
+    `number`: the first is 1.
+    `kind`: ``entered``, ``left``, ``fired``, ``event`` or ``condition``.
+    `element`: the state, transition or event; None for a condition.
+    `expression`: the condition.
+    `machine`: the machine in whose scope the condition is evaluated, by path of definition; empty for the top
+        level.
+    `enabled`: whether it pauses; hits are counted in any case.
+    `after`: the hit from which on it pauses.
+    `once`: whether it is switched off when it has paused.
+    `dormant`: whether its element, or the machine of its condition, is missing from the program that runs.
+    `problem`: a sentence: why its condition could not be evaluated the last time; else empty.
     """
 
     number: int

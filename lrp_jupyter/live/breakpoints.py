@@ -33,10 +33,7 @@ def noun_of(kind: BreakpointKind) -> str:
 def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
     """Return a state, transition or event by its name, label or path.
 
-    Raises
-    ------
-    UnknownElementError
-        There is none, or there are several.
+    Raises UnknownElementError: there is none, or there are several.
     """
     path, text = as_path(wanted), path_text(as_path(wanted))
     known = [element for element in resolve(program).elements() if element.kind == kind]
@@ -68,23 +65,10 @@ def breakpoint_of(
 ) -> Breakpoint:
     """Return a new breakpoint, which has no number yet.
 
-    Parameters
-    ----------
-    program : Program
-    kind : str
-    wanted : str or path
-        The element by its name, label or path; or the condition.
-    machine : str or path
-        The machine in whose scope a condition is evaluated; by default the top level.
-    after : int
-    once : bool
-
-    Raises
-    ------
-    UnknownElementError
-        There is no such element, or there are several.
-    SyntaxError
-        The condition is not an expression.
+    `wanted`: the element by its name, label or path; or the condition.
+    `machine`: the machine in whose scope a condition is evaluated; by default the top level.
+    Raises UnknownElementError: there is no such element, or there are several.
+    Raises SyntaxError: the condition is not an expression.
     """
     if kind != "condition":
         return Breakpoint(0, kind, element_of(program, noun_of(kind), wanted), after=after, once=once)
@@ -93,12 +77,7 @@ def breakpoint_of(
 
 
 class Breakpoints:
-    """The breakpoints of a session. Used on the thread that ticks.
-
-    Parameters
-    ----------
-    interpreter : Interpreter
-    """
+    """The breakpoints of a session. Used on the thread that ticks."""
 
     def __init__(self, interpreter: Interpreter) -> None:
         self._interpreter = interpreter
@@ -134,10 +113,7 @@ class Breakpoints:
     def change(self, number: int, enabled: bool | None = None, after: int | None = None) -> None:
         """Switch a breakpoint on or off, or set the hit from which on it pauses.
 
-        Raises
-        ------
-        ValueError
-            There is no such breakpoint.
+        Raises ValueError: there is no such breakpoint.
         """
         known = self._known(number)
         self._all[number] = replace(
@@ -149,10 +125,7 @@ class Breakpoints:
     def remove(self, number: int) -> None:
         """Remove a breakpoint.
 
-        Raises
-        ------
-        ValueError
-            There is no such breakpoint.
+        Raises ValueError: there is no such breakpoint.
         """
         self._known(number)
         del self._all[number]

@@ -31,24 +31,14 @@ COPIED = (*PLAIN, tuple, frozenset, list, dict, set, bytearray, deque)
 class SessionCheckpoint(NamedTuple):
     """A moment of a session from which a copy can go on.
 
-    Parameters
-    ----------
-    snapshot : Snapshot
-        Of the interpreter, with those objects of the namespace that are copied.
-    time, due : float
-        Seconds of the run, and when the next tick is due.
-    rate : float
-        Ticks per second.
-    running : bool
-        Whether it was not paused.
-    inputs : int
-        How many inputs had come.
-    moment : object
-        The bridge's own moment.
-    random : tuple
-        The state of Python's own random numbers.
-    armed : bool
-        Whether commands were sent to the robot.
+    `snapshot`: of the interpreter, with those objects of the namespace that are copied.
+    `time`, `due`: seconds of the run, and when the next tick is due.
+    `rate`: ticks per second.
+    `running`: whether it was not paused.
+    `inputs`: how many inputs had come.
+    `moment`: the bridge's own moment.
+    `random`: the state of Python's own random numbers.
+    `armed`: whether commands were sent to the robot.
     """
 
     snapshot: Snapshot

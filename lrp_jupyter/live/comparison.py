@@ -22,15 +22,9 @@ _TELLING = ("issue", "fired", "forced", "restarted")
 class FirstDifference:
     """The first place where a run is not as it was recorded.
 
-    Parameters
-    ----------
-    tick : int
-    time : float
-        Seconds.
-    machine : str
-        The machine in which it is; empty where that is none, or not known.
-    recorded, now : dict or None
-        What happened only in the recording, and only now: the most telling line of the tick.
+    `time`: seconds.
+    `machine`: the machine in which it is; empty where that is none, or not known.
+    `recorded`, `now`: what happened only in the recording, and only now: the most telling line of the tick.
     """
 
     tick: int
@@ -54,14 +48,10 @@ class FirstDifference:
 class Comparison:
     """Compares what follows with what was recorded.
 
-    Parameters
-    ----------
-    recorded : iterable of dict
-        What followed in the recorded run.
-    other : bool
-        Whether the program is another one: then neither the lines of its text nor its edits are compared.
-    has_values : bool
-        Whether variables are compared, too, and not only what the program does.
+    `recorded`: what followed in the recorded run.
+    `other`: whether the program is another one: then neither the lines of its text nor its edits are
+        compared.
+    `has_values`: whether variables are compared, too, and not only what the program does.
     """
 
     def __init__(self, recorded: Iterable[Line], other: bool = False, has_values: bool = True) -> None:

@@ -43,13 +43,8 @@ _REST = 0.1  # wall seconds that a driver waits after a fault
 class LoopThread:
     """A daemon thread that drives the loop.
 
-    Parameters
-    ----------
-    loop : Loop
-    turning : RLock
-        Held during each turn; another thread that drives for a while acquires it.
-    name : str
-        The thread's name.
+    `turning`: held during each turn; another thread that drives for a while acquires it.
+    `name`: the thread's name.
     """
 
     def __init__(self, loop: Loop, turning: threading.RLock, name: str) -> None:
@@ -171,11 +166,7 @@ class LoopTask:
 class Driver:
     """Decides which thread may run a loop, and lets other threads submit commands to it.
 
-    Parameters
-    ----------
-    loop : Loop
-    name : str
-        Name of the session, for its threads.
+    `name`: name of the session, for its threads.
     """
 
     def __init__(self, loop: Loop, name: str) -> None:
@@ -268,10 +259,7 @@ class Driver:
     def limited(self, seconds: float) -> Iterator[None]:
         """End the run of :meth:`exclusive` if a block takes longer than these wall seconds.
 
-        Raises
-        ------
-        SessionTimeoutError
-            It did.
+        Raises SessionTimeoutError: it did.
         """
         monitor = self._monitor
         if monitor is None:
@@ -305,9 +293,7 @@ class Driver:
     def ask(self, command: Command) -> Future[Any]:
         """Queue a command, and apply it here if nothing else drives the loop; does not wait.
 
-        Raises
-        ------
-        SessionClosedError
+        Raises SessionClosedError.
         """
         self.check_open()
         answer = self.loop.inbox.put(command)
@@ -319,9 +305,7 @@ class Driver:
     def submit(self, command: Command) -> Future[Any]:
         """Queue a command and do not wait.
 
-        Raises
-        ------
-        SessionClosedError
+        Raises SessionClosedError.
         """
         self.check_open()
         return self.loop.inbox.put(command)
@@ -329,10 +313,8 @@ class Driver:
     def wait(self, answer: Future[Any], kind: type[Command]) -> Any:
         """Wait for what :meth:`ask` returned; inside a block return None, as it is applied after the tick.
 
-        Raises
-        ------
-        SessionTimeoutError
-            The command is not applied yet and stays in the queue; the message names what blocks it.
+        Raises SessionTimeoutError: the command is not applied yet and stays in the queue; the message names
+            what blocks it.
         """
         if self._inside_block:
             return None
@@ -366,10 +348,7 @@ class Driver:
     def exclusive(self, what: str) -> Iterator[None]:
         """Drive the loop on the calling thread for a while; the driver's own thread is suspended.
 
-        Raises
-        ------
-        SessionTimeoutError
-            The driver's thread does not finish its turn.
+        Raises SessionTimeoutError: the driver's thread does not finish its turn.
         """
         motor = self._motor
         if motor is not None:

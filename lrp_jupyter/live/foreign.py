@@ -18,10 +18,8 @@ Arguments = ParamSpec("Arguments")
 class Foreign:
     """One call of foreign code; another call is another object.
 
-    Parameters
-    ----------
-    name : str
-        Its name in messages, such as ``x.__repr__``; empty where a block of the program may be the caller.
+    `name`: its name in messages, such as ``x.__repr__``; empty where a block of the program may be the
+        caller.
     """
 
     __slots__ = ("name",)

@@ -35,21 +35,13 @@ from lrp_jupyter.live.replay import Entry, Ticked, merged
 class ForkStart(NamedTuple):
     """What a copy of a session is made of.
 
-    Parameters
-    ----------
-    checkpoint : SessionCheckpoint
-        Where it begins.
-    entries : tuple
-        What is repeated up to the moment of the copy.
-    later : tuple
-        What came after that.
-    bridge : Bridge
-        The copy of the robot at the checkpoint.
-    recorded : PastState or None
-        What the moment of the copy was; None if nothing is repeated, or it is not recorded, or the robot is
-        a real one.
-    namespace : mapping of str to object
-        The namespace as it was at the checkpoint, apart from what was changed in place since.
+    `checkpoint`: where it begins.
+    `entries`: what is repeated up to the moment of the copy.
+    `later`: what came after that.
+    `bridge`: the copy of the robot at the checkpoint.
+    `recorded`: what the moment of the copy was; None if nothing is repeated, or it is not recorded, or the
+        robot is a real one.
+    `namespace`: the namespace as it was at the checkpoint, apart from what was changed in place since.
     """
 
     checkpoint: SessionCheckpoint
@@ -63,12 +55,8 @@ class ForkStart(NamedTuple):
 def fork_start(loop: Loop, at: int | None) -> ForkStart:
     """Return what a copy is made of, now or after an earlier tick; between two ticks.
 
-    Raises
-    ------
-    ValueError
-        The tick is not, or no longer, recorded.
-    BridgeError
-        The world cannot be reproduced so long ago.
+    Raises ValueError: the tick is not, or no longer, recorded.
+    Raises BridgeError: the world cannot be reproduced so long ago.
     """
     loop.settle()
     now, record = loop.interpreter.tick, loop.record
@@ -106,17 +94,9 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
 def check_repeated(recorded: PastState, copy: Interpreter) -> None:
     """Check that the repeated ticks have led to where they led before.
 
-    Parameters
-    ----------
-    recorded : PastState
-        Where they led before.
-    copy : Interpreter
-        In which they were repeated.
-
-    Raises
-    ------
-    ValueError
-        They have not.
+    `recorded`: where they led before.
+    `copy`: in which they were repeated.
+    Raises ValueError: they have not.
     """
     repeated = copy.history.state(copy.tick)  # an `onpause` at an issue of this tick came after it
     variables = repeated.variables
@@ -148,11 +128,7 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
 def private_namespace(namespace: Mapping[str, Any], state: tuple[Any, ...]) -> dict[str, Any]:
     """Return a copy of a namespace in which `random` and its functions draw numbers of their own.
 
-    Parameters
-    ----------
-    namespace : mapping of str to object
-    state : tuple
-        The state in which the generator begins.
+    `state`: the state in which the generator begins.
     """
     generator = random.Random()
     generator.setstate(state)

@@ -89,16 +89,8 @@ def input_line(what: object, loop: Loop) -> Line:
 def input_of(line: Line, program: Callable[[str], Program]) -> object:
     """Return the input of a line.
 
-    Parameters
-    ----------
-    line : dict
-    program : callable
-        Returns the program of a text.
-
-    Raises
-    ------
-    FileError
-        There is no such input.
+    `program`: returns the program of a text.
+    Raises FileError: there is no such input.
     """
     match line["input"]:
         case "pause":

@@ -43,16 +43,10 @@ class Rewound:
 class Input(NamedTuple):
     """An input of a session.
 
-    Parameters
-    ----------
-    number : int
-        In the order of application; the first is 1.
-    tick : int
-        How many ticks were completed before it.
-    time : float
-        Seconds of the run at which it was applied.
-    what : object
-        :class:`Paused`, :class:`Resumed`, a command, or an input of the robot's world.
+    `number`: in the order of application; the first is 1.
+    `tick`: how many ticks were completed before it.
+    `time`: seconds of the run at which it was applied.
+    `what`: :class:`Paused`, :class:`Resumed`, a command, or an input of the robot's world.
     """
 
     number: int
@@ -119,10 +113,7 @@ class Inputs:
     def undo(self, tick: int, stays: Callable[[object], bool] = lambda what: False) -> list[Input]:
         """Drop those that came after a tick, but not what `stays` of what came before the next one.
 
-        Returns
-        -------
-        list of Input
-            Those that were dropped, in order.
+        Those that were dropped, in order.
         """
         kept: list[tuple[Input, int]] = []
         dropped = []

@@ -31,14 +31,9 @@ from lrp_jupyter.interpreter.faults import Interrupted
 class RunningBlock(NamedTuple):
     """A block, or foreign code, that a thread is running.
 
-    Parameters
-    ----------
-    name : str
-        ``moving.running``, or what foreign code is: ``x.__repr__``, ``the robot``.
-    line : int
-        The line of the program that runs now, from 1; 0 if none of its code runs.
-    frame : FrameType
-        Identifies this run of it.
+    `name`: ``moving.running``, or what foreign code is: ``x.__repr__``, ``the robot``.
+    `line`: the line of the program that runs now, from 1; 0 if none of its code runs.
+    `frame`: identifies this run of it.
     """
 
     name: str
@@ -55,16 +50,10 @@ def running_block(
 ) -> RunningBlock | None:
     """Return the block that a thread is running now; else the foreign code that its loop has called, or None.
 
-    Parameters
-    ----------
-    thread : int or None
-        The identity of the thread.
-    filenames : container of str
-        The names of the files of blocks; other code has other names.
-    name : str
-        The name of foreign code that runs instead of a block, such as ``x.__repr__``.
-    other : str
-        What foreign code without a name is; empty: only blocks are meant.
+    `thread`: the identity of the thread.
+    `filenames`: the names of the files of blocks; other code has other names.
+    `name`: the name of foreign code that runs instead of a block, such as ``x.__repr__``.
+    `other`: what foreign code without a name is; empty: only blocks are meant.
     """
     frame = None if thread is None else sys._current_frames().get(thread)
     line, block, foreign, called = 0, None, None, True
@@ -105,10 +94,7 @@ _requested: dict[int, FrameType] = {}
 def interrupt(thread: int, block: RunningBlock) -> bool:
     """Make a block raise :class:`~lrp_jupyter.interpreter.faults.Interrupted` at its next bytecode.
 
-    Returns
-    -------
-    bool
-        Whether the thread still runs this block; otherwise nothing is raised.
+    Whether the thread still runs this block; otherwise nothing is raised.
     """
     frame = sys._current_frames().get(thread)
     while frame is not None and frame is not block.frame:

@@ -19,12 +19,8 @@ _RANDOM = "random"
 def leftover(rewound: SessionCheckpoint, clean: SessionCheckpoint) -> str:
     """Return in words something that is left; empty if nothing is, as far as that is known.
 
-    Parameters
-    ----------
-    rewound : SessionCheckpoint
-        The session, when it had gone back.
-    clean : SessionCheckpoint
-        A run that has come to the same tick from before.
+    `rewound`: the session, when it had gone back.
+    `clean`: a run that has come to the same tick from before.
     """
     before, after = rewound.snapshot, clean.snapshot
     left, fresh = before.contents(), after.contents()

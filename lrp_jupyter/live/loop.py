@@ -65,20 +65,11 @@ _RAISED = "The program raised `KeyboardInterrupt`, as Ctrl-C does."
 class Loop:
     """Runs an interpreter against a clock and a robot; see the head of this module.
 
-    Parameters
-    ----------
-    interpreter : Interpreter
-    bridge : Bridge
-        Opened by its owner, not by the loop.
-    clock : Clock
-    rate : float
-        Ticks per second; 0 for as many as possible.
-    changed : callable
-        Called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
-    remembers : bool
-        Whether what happened is kept, for as long as the interpreter's journal.
-    printed : callable
-        Returns the number of lines printed so far.
+    `bridge`: opened by its owner, not by the loop.
+    `rate`: ticks per second; 0 for as many as possible.
+    `changed`: called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
+    `remembers`: whether what happened is kept, for as long as the interpreter's journal.
+    `printed`: returns the number of lines printed so far.
     """
 
     def __init__(
@@ -151,11 +142,8 @@ class Loop:
     def turn(self) -> float:
         """Apply commands, advance the time and tick if a tick is due.
 
-        Returns
-        -------
-        float
-            The time (of the clock) until which there is nothing to do unless a command arrives;
-            infinite if only a command can change anything.
+        The time (of the clock) until which there is nothing to do unless a command arrives; infinite if only
+            a command can change anything.
         """
         self._driven_by = threading.get_ident()
         try:
@@ -277,16 +265,8 @@ class Loop:
         Afterwards the loop has its earlier status: running if a driver drives it, else paused, without
         the pause actions.
 
-        Parameters
-        ----------
-        seconds : float
-        after_tick : callable, optional
-            Called after every tick; a true result ends the run.
-
-        Returns
-        -------
-        bool
-            Whether `after_tick` ended the run; a pause also ends it. What it raises is raised.
+        `after_tick`: called after every tick; a true result ends the run.
+        Whether `after_tick` ended the run; a pause also ends it. What it raises is raised.
         """
         self._check_whole()
         self._driven_by = threading.get_ident()

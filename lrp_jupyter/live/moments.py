@@ -11,14 +11,9 @@ from typing import Any, NamedTuple
 class Moment(NamedTuple):
     """The beginning of a tick.
 
-    Parameters
-    ----------
-    time : float
-        Seconds.
-    world : object
-        The bridge's moment.
-    sensed : object
-        The bridge's token of its readings.
+    `time`: seconds.
+    `world`: the bridge's moment.
+    `sensed`: the bridge's token of its readings.
     """
 
     time: float
@@ -29,12 +24,8 @@ class Moment(NamedTuple):
 class Moments:
     """The moments of the last ticks, in order; or of the last tick only.
 
-    Attributes
-    ----------
-    flat : list or deque
-        Their parts, one after the other: the garbage collector would visit a tuple for each tick.
-    add : callable
-        Adds one: time, the bridge's moment, and the token of its readings.
+    `flat`: their parts, one after the other: the garbage collector would visit a tuple for each tick.
+    `add`: adds one: time, the bridge's moment, and the token of its readings.
     """
 
     def __init__(self, *, only_last: bool = False) -> None:

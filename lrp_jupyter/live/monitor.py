@@ -32,15 +32,9 @@ _REUSED = 1.0  # wall seconds for which the monitor of a run waits for the next 
 class Monitor:
     """A thread that watches a loop and its robot.
 
-    Parameters
-    ----------
-    loop : Loop
-    thread : callable
-        Returns the identity of the thread that drives the loop now, or None.
-    hung_after : float
-        Wall seconds after which a tick is reported.
-    dead_man : float or None
-        Wall seconds without :meth:`seen` after which the program is paused; None: never.
+    `thread`: returns the identity of the thread that drives the loop now, or None.
+    `hung_after`: wall seconds after which a tick is reported.
+    `dead_man`: wall seconds without :meth:`seen` after which the program is paused; None: never.
     """
 
     def __init__(

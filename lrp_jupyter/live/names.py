@@ -22,10 +22,8 @@ ABSENT = object()
 class ChangeNames(Command):
     """Assign or delete names of the namespace, as their owner does: the change is noticed, and recorded.
 
-    Parameters
-    ----------
-    before, after : mapping of str to object
-        Their values; a name that is missing has none. Those before are not needed to repeat it.
+    `before`, `after`: their values; a name that is missing has none. Those before are not needed to repeat
+        it.
     """
 
     before: Mapping[str, object]
@@ -52,14 +50,7 @@ class ChangeNames(Command):
 class WatchedNames:
     """The names that a program uses or has used, with their last known values. It belongs to the loop.
 
-    Parameters
-    ----------
-    namespace : dict
-
-    Attributes
-    ----------
-    values : dict of str to object
-        The values, or `ABSENT`.
+    `values`: the values, or `ABSENT`.
     """
 
     def __init__(self, namespace: dict[str, Any]) -> None:

@@ -12,10 +12,7 @@ from typing import Any
 class Output:
     """Buffer of the last lines printed; thread-safe.
 
-    Parameters
-    ----------
-    lines : int
-        Number of lines to keep; older ones are dropped, but counted.
+    `lines`: number of lines to keep; older ones are dropped, but counted.
     """
 
     def __init__(self, lines: int = 1000) -> None:

@@ -25,10 +25,7 @@ from lrp_jupyter.live.values import numbers_of
 def frame_at(loop: Loop, tick: int) -> Frame:
     """Return the frame of a tick that is remembered.
 
-    Raises
-    ------
-    ValueError
-        It is not remembered.
+    Raises ValueError: it is not remembered.
     """
     interpreter, bridge = loop.interpreter, loop.bridge
     history = interpreter.history
@@ -66,12 +63,9 @@ def frame_at(loop: Loop, tick: int) -> Frame:
 def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[], str] | None:
     """Return a function that draws the remembered run, or some ticks of it; None for a robot without a world.
 
-    Raises
-    ------
-    ValueError
-        A tick is not remembered, or the end is before the beginning.
-    BridgeError
-        Another world was loaded between the two, or the world cannot be reproduced so long ago.
+    Raises ValueError: a tick is not remembered, or the end is before the beginning.
+    Raises BridgeError: another world was loaded between the two, or the world cannot be reproduced so long
+        ago.
     """
     last, count = loop.interpreter.tick, len(loop.record.moments)
     first = last - count + 1
@@ -90,10 +84,7 @@ def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[],
 def tick_of(loop: Loop, time: float) -> int:
     """Return the last recorded tick that was not after a time, in seconds of the run.
 
-    Raises
-    ------
-    ValueError
-        There is no such time, it is still to come, or it is not remembered any more.
+    Raises ValueError: there is no such time, it is still to come, or it is not remembered any more.
     """
     if not time >= 0:
         raise ValueError(f"A time is a number of seconds of the run, 0 or more, not {time:g}.")

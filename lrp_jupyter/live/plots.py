@@ -31,12 +31,8 @@ _MOST = 6  # thresholds of a plot
 class Threshold:
     """What a condition compares a plotted name with.
 
-    Parameters
-    ----------
-    text : str
-        As it is written.
-    values : tuple of float or None
-        For every sample; None where it is not known.
+    `text`: as it is written.
+    `values`: for every sample; None where it is not known.
     """
 
     text: str
@@ -47,17 +43,10 @@ class Threshold:
 class Plot:
     """The samples of a variable or a reading, one for each tick.
 
-    Parameters
-    ----------
-    name : str
-        The path of a variable, or ``robot.`` and that of a reading.
-    kind : str
-        ``number`` or ``truth`` (then values are 0 and 1).
-    times : tuple of float
-        Seconds of the run.
-    values : tuple of float or None
-        None where it had no value, or no number.
-    thresholds : tuple of Threshold
+    `name`: the path of a variable, or ``robot.`` and that of a reading.
+    `kind`: ``number`` or ``truth`` (then values are 0 and 1).
+    `times`: seconds of the run.
+    `values`: None where it had no value, or no number.
     """
 
     name: str
@@ -77,12 +66,8 @@ def plottable(loop: Loop) -> list[str]:
 def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
     """Return what computes the samples of names, on any thread and at any time.
 
-    Parameters
-    ----------
-    loop : Loop
-        Between two ticks.
-    wanted : mapping of str to int
-        For each name the tick after which samples are wanted.
+    `loop`: between two ticks.
+    `wanted`: for each name the tick after which samples are wanted.
     """
     if not wanted:
         return list
@@ -144,10 +129,7 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
 
     It raises :class:`UnknownElementError` for a name that was never one of a variable or a reading.
 
-    Raises
-    ------
-    UnknownElementError
-        Several variables have that name.
+    Raises UnknownElementError: several variables have that name.
     """
     whole = [_whole(loop, name) for name in names]
     present = {name for name in whole if _is_present(loop, name)}

@@ -40,13 +40,7 @@ from lrp_jupyter.live.timing import Timing
 class Record:
     """What is kept of a run; see the head of this module.
 
-    Parameters
-    ----------
-    interpreter : Interpreter
-    bridge : Bridge
-    timing : Timing
-    remembers : bool
-        Whether what happened is kept, for as long as the interpreter's journal.
+    `remembers`: whether what happened is kept, for as long as the interpreter's journal.
     """
 
     def __init__(self, interpreter: Interpreter, bridge: Bridge, timing: Timing, remembers: bool) -> None:
@@ -158,10 +152,7 @@ class Record:
     def checkpoint(self, running: bool) -> SessionCheckpoint:
         """Return what a copy of this session needs to go on from here; between two ticks.
 
-        Parameters
-        ----------
-        running : bool
-            Whether the session is not paused.
+        `running`: whether the session is not paused.
         """
         interpreter, timing, namespace = self._interpreter, self._timing, self._interpreter.namespace
         used = {name: namespace.get(name, self) for name in self.names_used()}
@@ -235,18 +226,9 @@ class Record:
 
         The world returns to the moment before the first undone tick, so that the next step repeats it.
 
-        Parameters
-        ----------
-        ticks : int
-        running : bool
-            Whether the session is not paused.
-
-        Raises
-        ------
-        BridgeError
-            A real robot is armed, or the world cannot go back so far.
-        ValueError
-            Fewer ticks can be undone.
+        `running`: whether the session is not paused.
+        Raises BridgeError: a real robot is armed, or the world cannot go back so far.
+        Raises ValueError: fewer ticks can be undone.
         """
         bridge, interpreter, timing = self._bridge, self._interpreter, self._timing
         if bridge.hardware and bridge.safety.armed:

@@ -12,14 +12,9 @@ from lrp_jupyter.language.expressions import UnknownValueError
 class RecordedRobot(NotAValue):
     """A robot that has only the readings of one tick.
 
-    Parameters
-    ----------
-    readings : mapping of str to object
-        By path, with the error where a reading failed.
-    nodes : mapping of str to object
-        The members of the robot.
-    prefix : str
-        The part of the robot that this is: ``"light."``.
+    `readings`: by path, with the error where a reading failed.
+    `nodes`: the members of the robot.
+    `prefix`: the part of the robot that this is: ``"light."``.
     """
 
     def __init__(self, readings: Mapping[str, object], nodes: Mapping[str, object], prefix: str = "") -> None:

@@ -28,13 +28,8 @@ class Recorder(Trace):
 
     A recording that fails, because a disk is full or a value cannot be written, ends; the session goes on.
 
-    Parameters
-    ----------
-    loop : Loop
-        Before its first tick.
-    write : callable
-        Receives every line, with its newline.
-    start : RunStart
+    `loop`: before its first tick.
+    `write`: receives every line, with its newline.
     """
 
     def __init__(self, loop: Loop, write: Callable[[str], object], start: RunStart | None = None) -> None:
@@ -51,10 +46,7 @@ class Recorder(Trace):
     def end(self) -> None:
         """Write the time of the end, and nothing more.
 
-        Raises
-        ------
-        FileError
-            The recording failed before.
+        Raises FileError: the recording failed before.
         """
         self._unobserve()
         loop = self._loop

@@ -11,12 +11,8 @@ from lrp_jupyter.language.program import Element, Path
 class Names:
     """The names that elements had at one tick.
 
-    Parameters
-    ----------
-    moves : sequence of (int, Successors)
-        For each edit that gave elements other paths: after which tick, and the map.
-    tick : float
-        Infinity for the present.
+    `moves`: for each edit that gave elements other paths: after which tick, and the map.
+    `tick`: infinity for the present.
     """
 
     def __init__(self, moves: Iterable[tuple[int, Successors]], tick: float) -> None:

@@ -28,14 +28,9 @@ from lrp_jupyter.live.loop import Loop
 class Ticked(NamedTuple):
     """A tick of a recorded run.
 
-    Parameters
-    ----------
-    tick : int
-        The first is 1.
-    time : float
-        Seconds of the run.
-    readings : mapping of str to object
-        What the program read, where the robot cannot be reproduced.
+    `tick`: the first is 1.
+    `time`: seconds of the run.
+    `readings`: what the program read, where the robot cannot be reproduced.
     """
 
     tick: int
@@ -132,10 +127,7 @@ def _apply(loop: Loop, what: object) -> None:
 def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
     """Check that nothing is left of the ticks that were undone here.
 
-    Raises
-    ------
-    ValueError
-        There is something, so the recorded run went on from another state.
+    Raises ValueError: there is something, so the recorded run went on from another state.
     """
     world = loop.bridge.simulated
     other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"

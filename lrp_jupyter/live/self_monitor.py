@@ -32,11 +32,7 @@ monitoring: Any = getattr(sys, "monitoring", None)
 class SelfMonitor:
     """Watches the blocks of a loop from inside. Needs Python 3.12; before, nothing is watched.
 
-    Parameters
-    ----------
-    loop : Loop
-    hung_after : float
-        Wall seconds after which a block is interrupted.
+    `hung_after`: wall seconds after which a block is interrupted.
     """
 
     within = 0.0

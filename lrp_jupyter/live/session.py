@@ -1351,12 +1351,8 @@ class Session:
     def _repeat(self, entries: Iterable[Entry]) -> None:
         """Repeat ticks and inputs.
 
-        Raises
-        ------
-        SessionTimeoutError
-            A block did not return.
-        ValueError
-            An input cannot be applied again.
+        Raises SessionTimeoutError: a block did not return.
+        Raises ValueError: an input cannot be applied again.
         """
         queued, what = self._loop.inbox.queued, ""
         try:

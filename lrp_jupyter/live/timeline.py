@@ -33,25 +33,15 @@ HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause",
 class Happening:
     """Something that happened in a run.
 
-    Parameters
-    ----------
-    tick : int
-        In which tick, or after which.
-    time : float
-        That of the tick, in seconds.
-    kind : str
-        ``entered`` (a state), ``ended`` (a machine), ``edit``, ``restart``, ``issue``, ``pause``, ``command``
-        (of the robot) or ``hand`` (something was done by hand).
-    lane : path
-        The machine, as spawned.
-    state : path
-        The state that was entered, by path of definition.
-    by : path
-        The transition that entered it; or the name of the command.
-    text : str
-        In words.
-    call : str
-        Of a command: as a program writes it, between backticks.
+    `tick`: in which tick, or after which.
+    `time`: that of the tick, in seconds.
+    `kind`: ``entered`` (a state), ``ended`` (a machine), ``edit``, ``restart``, ``issue``, ``pause``,
+        ``command`` (of the robot) or ``hand`` (something was done by hand).
+    `lane`: the machine, as spawned.
+    `state`: the state that was entered, by path of definition.
+    `by`: the transition that entered it; or the name of the command.
+    `text`: in words.
+    `call`: of a command: as a program writes it, between backticks.
     """
 
     tick: int
@@ -75,22 +65,13 @@ class TimelineCursor(NamedTuple):
 class Timeline:
     """What happened since a moment; printed, a line for each happening.
 
-    Parameters
-    ----------
-    epoch : int
-        Another one when ticks were undone, or elements got other names.
-    first, last : int
-        The ticks that are recorded.
-    begin, end : float
-        Their times in seconds.
-    kept : int
-        What is known of ticks up to this one stays as it is; what follows is in `happenings`.
-    happenings : tuple of Happening
-        In order.
-    plots : tuple of Plot
-        Of the wanted names.
-    names : tuple of str
-        What can be plotted now.
+    `epoch`: another one when ticks were undone, or elements got other names.
+    `first`, `last`: the ticks that are recorded.
+    `begin`, `end`: their times in seconds.
+    `kept`: what is known of ticks up to this one stays as it is; what follows is in `happenings`.
+    `happenings`: in order.
+    `plots`: of the wanted names.
+    `names`: what can be plotted now.
     """
 
     epoch: int
@@ -129,14 +110,9 @@ def timeline_of(
 ) -> Callable[[], Timeline]:
     """Return what gives the timeline since a moment, on any thread: the plots are not computed yet.
 
-    Parameters
-    ----------
-    loop : Loop
-        Between two ticks.
-    cursor : TimelineCursor, optional
-        What is known; by default nothing.
-    plots : mapping of str to int, optional
-        Names to plot, each with the tick up to which its samples are known.
+    `loop`: between two ticks.
+    `cursor`: what is known; by default nothing.
+    `plots`: names to plot, each with the tick up to which its samples are known.
     """
     interpreter, history = loop.interpreter, loop.interpreter.history
     renamed = interpreter.moved[-1][0] if interpreter.moved else 0  # at which revision
@@ -163,13 +139,8 @@ def timeline_of(
 def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> list[Happening]:
     """Return what happened after a tick, in order; between two ticks.
 
-    Parameters
-    ----------
-    loop : Loop
-    after : int, optional
-        By default all that is recorded, with the states that were active when it began.
-    gap : bool
-        Whether what was done between this tick and the next belongs to it.
+    `after`: by default all that is recorded, with the states that were active when it began.
+    `gap`: whether what was done between this tick and the next belongs to it.
     """
     history = loop.interpreter.history
     ticks = history.ticks

@@ -36,33 +36,16 @@ _PICTURES = 30.0  # of a world that moves between two ticks, per wall second
 class Timing:
     """The time of a run; it belongs to the thread that drives the loop.
 
-    Parameters
-    ----------
-    clock : Clock
-    bridge : Bridge
-    rate : float
-        Ticks per second; 0 for as many as possible.
-    move : callable
-        Moves the simulated world by a number of seconds, which are whole physics steps.
-
-    Attributes
-    ----------
-    clock : Clock
-        What the driver waits by.
-    step : float or None
-        Seconds of a physics step; None where time passes by itself.
-    now : float
-        Seconds of the run.
-    due : float
-        The time at which the next tick is due.
-    rate : float
-        Ticks per second.
-    period : float
-        Seconds from one tick to the next.
-    free : bool
-        Whether ticks follow each other without waiting.
-    achieved : tuple of float
-        The rate that was reached, and seconds of the run per wall second.
+    `rate`: ticks per second; 0 for as many as possible.
+    `move`: moves the simulated world by a number of seconds, which are whole physics steps.
+    `clock`: what the driver waits by.
+    `step`: seconds of a physics step; None where time passes by itself.
+    `now`: seconds of the run.
+    `due`: the time at which the next tick is due.
+    `rate`: ticks per second.
+    `period`: seconds from one tick to the next.
+    `free`: whether ticks follow each other without waiting.
+    `achieved`: the rate that was reached, and seconds of the run per wall second.
     """
 
     def __init__(self, clock: Clock, bridge: Bridge, rate: float, move: Callable[[float], object]) -> None:
@@ -79,10 +62,7 @@ class Timing:
     def set_rate(self, rate: float) -> None:
         """Change the rate, in ticks per second; 0 is as fast as possible. Paper: §5.1.
 
-        Raises
-        ------
-        ValueError
-            The rate is negative, too small, too large, or not a number.
+        Raises ValueError: the rate is negative, too small, too large, or not a number.
         """
         check_type("rate", rate, Real, "a number of ticks per second")
         if not (rate == 0 or SLOWEST <= rate <= FASTEST):
@@ -102,10 +82,7 @@ class Timing:
     def set_speed(self, speed: float) -> None:
         """Change the speed, in seconds of the session per wall second.
 
-        Raises
-        ------
-        ValueError
-            The speed is not above 0, or the robot is a real one.
+        Raises ValueError: the speed is not above 0, or the robot is a real one.
         """
         if self._bridge.hardware and speed != 1:
             raise ValueError(f"`{self._bridge.name}` is a real robot, whose time passes at speed 1.")

@@ -18,22 +18,13 @@ _WIDTH, _HEIGHT = 120, 80  # px of the picture of a path
 class Trial:
     """One run with one value.
 
-    Parameters
-    ----------
-    value : object
-    seconds : float
-        How long it ran.
-    reached : float or None
-        Seconds until the awaited state was entered, or the condition held; None if that did not happen, or
-        nothing was awaited.
-    outcome : object
-        What the outcome function returned at the end.
-    active : tuple of paths
-        The active states at the end.
-    issues : int
-        The number of issues that were open at the end.
-    path : tuple of (x, y)
-        The path of the simulated robot, in metres: its position at every tick.
+    `seconds`: how long it ran.
+    `reached`: seconds until the awaited state was entered, or the condition held; None if that did not
+        happen, or nothing was awaited.
+    `outcome`: what the outcome function returned at the end.
+    `active`: the active states at the end.
+    `issues`: the number of issues that were open at the end.
+    `path`: the path of the simulated robot, in metres: its position at every tick.
     """
 
     value: object

@@ -24,18 +24,10 @@ def unknown(
 ) -> UnknownElementError:
     """Return the error that there is no such element: what the name is instead, or which names there are.
 
-    Parameters
-    ----------
-    noun : str
-        What is wanted, in words: ``state``, ``transition, state or command``.
-    kinds : iterable of str
-        The kinds of elements that this can be.
-    wanted : str or path
-    programs : iterable of Program
-    remedies : mapping of str to str, optional
-        What to do if the name is that of another kind of element, as a sentence.
-    others : iterable of str
-        Names, not of elements, that can be meant as well.
+    `noun`: what is wanted, in words: ``state``, ``transition, state or command``.
+    `kinds`: the kinds of elements that this can be.
+    `remedies`: what to do if the name is that of another kind of element, as a sentence.
+    `others`: names, not of elements, that can be meant as well.
     """
     path = as_path(wanted)
     text = path_text(path)

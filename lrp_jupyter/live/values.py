@@ -35,10 +35,7 @@ def numbers_of(values: Iterable[tuple[Path, object]]) -> dict[Path, float]:
 class ValueTexts:
     """The last text of each variable, and when it may be rendered again.
 
-    Parameters
-    ----------
-    calling : callable
-        Returns the context in which foreign code of a name (``x.__repr__``) is called.
+    `calling`: returns the context in which foreign code of a name (``x.__repr__``) is called.
     """
 
     def __init__(self, calling: Callable[[str], AbstractContextManager[None]]) -> None:
@@ -49,13 +46,8 @@ class ValueTexts:
     def of(self, values: Iterable[tuple[Path, object]], now: bool, foreign: bool = True) -> dict[Path, str]:
         """Return the texts of all variables.
 
-        Parameters
-        ----------
-        values : iterable of (path, object)
-        now : bool
-            Whether every text must be that of the present value.
-        foreign : bool
-            Whether foreign code may run; if not, a value without a text is shown by its type.
+        `now`: whether every text must be that of the present value.
+        `foreign`: whether foreign code may run; if not, a value without a text is shown by its type.
         """
         texts: dict[Path, str] = {}
         known: dict[Path, tuple[str, float]] = {}

@@ -15,12 +15,8 @@ class LiveVariables(MutableMapping[Path, Any]):
 
     Keys are as those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`.
 
-    Parameters
-    ----------
-    frame : callable
-        Returns the newest frame.
-    assign : callable
-        Assigns a value to the variable of a path.
+    `frame`: returns the newest frame.
+    `assign`: assigns a value to the variable of a path.
     """
 
     def __init__(self, frame: Callable[[], Frame], assign: Callable[[Path, object], object]) -> None:

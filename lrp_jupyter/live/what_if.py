@@ -42,20 +42,12 @@ class Touch:
 class Course:
     """How a run went.
 
-    Parameters
-    ----------
-    happenings : tuple of Happening
-        With the states that were active when it began.
-    tick : int
-        After which tick it began.
-    way : tuple of (time, x, y, heading)
-        The simulated robot after each tick; empty for another robot.
-    touch : Touch or None
-        The first time that it touched a solid that it did not touch in the beginning.
-    others : mapping of str to tuple of (time, x, y, heading)
-        Further robots of the same world after each tick, by their names.
-    solids : tuple of (int, (x, y, angle))
-        Where the solids that can move are at the end, by their numbers.
+    `happenings`: with the states that were active when it began.
+    `tick`: after which tick it began.
+    `way`: the simulated robot after each tick; empty for another robot.
+    `touch`: the first time that it touched a solid that it did not touch in the beginning.
+    `others`: further robots of the same world after each tick, by their names.
+    `solids`: where the solids that can move are at the end, by their numbers.
     """
 
     happenings: tuple[Happening, ...]
@@ -82,20 +74,12 @@ class Divergence:
 class WhatIf:
     """What happens from a moment on.
 
-    Parameters
-    ----------
-    tick : int
-        After which tick the courses begin.
-    begin, end : float
-        Seconds of the run.
-    recorded : Course
-        How it went, or goes on if nothing is changed.
-    changed : Course
-        How it goes with the other program.
-    divergence : Divergence or None
-        The first difference; None if there is none.
-    open_loop : bool
-        Whether the recorded readings of a real robot were fed, whatever the program commanded.
+    `tick`: after which tick the courses begin.
+    `begin`, `end`: seconds of the run.
+    `recorded`: how it went, or goes on if nothing is changed.
+    `changed`: how it goes with the other program.
+    `divergence`: the first difference; None if there is none.
+    `open_loop`: whether the recorded readings of a real robot were fed, whatever the program commanded.
     """
 
     tick: int
@@ -115,12 +99,8 @@ class WhatIf:
 class Observation:
     """Watches a run, tick by tick.
 
-    Parameters
-    ----------
-    loop : Loop
-        At the moment where the course begins.
-    tick : int
-        After which tick that is.
+    `loop`: at the moment where the course begins.
+    `tick`: after which tick that is.
     """
 
     def __init__(self, loop: Loop, tick: int) -> None:

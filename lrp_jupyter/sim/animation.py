@@ -33,12 +33,8 @@ _HOLD = 1.0  # s: the last picture stands before the next round
 def animated(run: Iterable[Simulation], width: int = 640) -> str:
     """Return the animated picture of a run.
 
-    Parameters
-    ----------
-    run : iterable of Simulation
-        One simulation that goes through the run: :meth:`Simulation.repeated` with every `EVERY` steps.
-    width : int
-        Pixels; the height follows from the world.
+    `run`: one simulation that goes through the run: :meth:`Simulation.repeated` with every `EVERY` steps.
+    `width`: pixels; the height follows from the world.
     """
     film = _Film()
     for simulation in run:

@@ -35,10 +35,7 @@ class WorldEdit(ABC):
     def edited(self, world: World) -> World:
         """Return the world with this edit.
 
-        Raises
-        ------
-        WorldError
-            It is about something that is not in the world.
+        Raises WorldError: it is about something that is not in the world.
         """
 
 

@@ -95,12 +95,8 @@ Mark = tuple[int, Paint, Segment]  # step, how, what
 class LiveFloor:
     """The floor of a running world: its description, and the marks that pens have left on it.
 
-    Parameters
-    ----------
-    floor : FloorSpec
-        The strokes of the description.
-    marks : list of Mark, optional
-        The marks of pens, oldest first; the list is kept and appended to.
+    `floor`: the strokes of the description.
+    `marks`: the marks of pens, oldest first; the list is kept and appended to.
     """
 
     def __init__(self, floor: FloorSpec, marks: list[Mark] | None = None) -> None:

@@ -92,10 +92,7 @@ class InputLog:
     def find(self, step: int, inputs: int) -> tuple[Checkpoint, list[tuple[int, Input]]]:
         """Return what reproduces a moment, as :meth:`cut` does, and drop nothing.
 
-        Raises
-        ------
-        ValueError
-            It is too long ago.
+        Raises ValueError: it is too long ago.
         """
         if step < self.earliest:
             raise ValueError(f"Step {step} is too long ago: steps from {self.earliest} on can be reached.")
@@ -116,18 +113,9 @@ class InputLog:
     def cut(self, step: int, inputs: int | None) -> tuple[Checkpoint, list[tuple[int, Input]]]:
         """Drop everything after a moment of the run; return what reproduces the moment.
 
-        Parameters
-        ----------
-        step : int
-        inputs : int or None
-            Number of inputs applied before it; None: those before this step.
-
-        Returns
-        -------
-        Checkpoint
-            The last one before the moment.
-        list of (int, Input)
-            The inputs between the two, to be recorded again.
+        `inputs`: number of inputs applied before it; None: those before this step.
+        Checkpoint: the last one before the moment.
+        list of (int, Input): the inputs between the two, to be recorded again.
         """
         while len(self._checkpoints) > 1 and self._checkpoints[-1].is_after(step, inputs):
             self._checkpoints.pop()

@@ -69,10 +69,7 @@ Input = Latch | Drive | Pen | Lamp | PlaceRobot | PlaceSolid | WorldEdit | Reset
 def check_input(what: Input, world: World) -> Input:
     """Return an input with its numbers clamped: speeds to the robot's limits, positions to the world.
 
-    Raises
-    ------
-    ValueError
-        No such robot or solid, a number that is not finite, or an edit that is not possible.
+    Raises ValueError: no such robot or solid, a number that is not finite, or an edit that is not possible.
     """
     match what:
         case Drive(linear, angular, robot):

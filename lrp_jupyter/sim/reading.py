@@ -46,10 +46,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 def read_file(path: Path) -> World:
     """Read a world from a JSON file.
 
-    Raises
-    ------
-    WorldError
-        The file cannot be read, is not JSON, or is not a world.
+    Raises WorldError: the file cannot be read, is not JSON, or is not a world.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -62,16 +59,8 @@ def read_file(path: Path) -> World:
 def read_text(text: str, source: str) -> World:
     """Read a world from JSON text.
 
-    Parameters
-    ----------
-    text : str
-    source : str
-        Where the text is from, for messages.
-
-    Raises
-    ------
-    WorldError
-        It is not JSON, or not a world.
+    `source`: where the text is from, for messages.
+    Raises WorldError: it is not JSON, or not a world.
     """
     try:
         value = json.loads(text, parse_constant=_no_constant)
@@ -92,15 +81,8 @@ def read_text(text: str, source: str) -> World:
 def read_world(value: object) -> World:
     """Read a world from plain data.
 
-    Parameters
-    ----------
-    value : dict
-        As :meth:`World.to_dict` writes it; only ``version``, ``size`` and ``robots`` must be there.
-
-    Raises
-    ------
-    WorldError
-        The message begins with the place of the first mistake.
+    `value`: as :meth:`World.to_dict` writes it; only ``version``, ``size`` and ``robots`` must be there.
+    Raises WorldError: the message begins with the place of the first mistake.
     """
     known = ("version", "name", "size", "seed", "open", "floor", "solids", "robots", "zones")
     record = _record(value, "", known, ("version", "size", "robots"))
@@ -162,10 +144,7 @@ def _stroke(value: object, place: str) -> Stroke:
 def read_solid(value: object, place: str) -> Solid:
     """Read a solid from plain data; `place` names it in messages.
 
-    Raises
-    ------
-    WorldError
-        It is not a solid.
+    Raises WorldError: it is not a solid.
     """
     record = _record(value, place, ("box", "circle", "angle", "push", "name", "patrol"))
     shape = _one_of(record, place, ("box", "circle"))
@@ -205,10 +184,7 @@ def _zones(value: object, place: str) -> dict[str, Zone]:
 def read_zone(value: object, place: str) -> Zone:
     """Read a zone from plain data; `place` names it in messages.
 
-    Raises
-    ------
-    WorldError
-        It is not a zone.
+    Raises WorldError: it is not a zone.
     """
     record = _record(value, place, ("box", "circle"))
     shape = _one_of(record, place, ("box", "circle"))

@@ -18,11 +18,7 @@ _CERTAIN = 5  # steps in a row; pymunk forgets ended contacts after 3
 class Rest:
     """Detects that a space is at rest, and keeps up the contacts of its robots meanwhile.
 
-    Parameters
-    ----------
-    robots : tuple of SimRobot
-    solids : tuple of SimSolid
-        In a space that was just built.
+    `solids`: in a space that was just built.
     """
 
     def __init__(self, robots: tuple[SimRobot, ...], solids: tuple[SimSolid, ...]) -> None:

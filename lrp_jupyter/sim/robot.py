@@ -134,12 +134,8 @@ class Memory:
 class SimRobot:
     """One robot of a running world.
 
-    Parameters
-    ----------
-    spec : RobotSpec
-        Its description.
-    index : int
-        Its number in the world.
+    `spec`: its description.
+    `index`: its number in the world.
     """
 
     def __init__(self, spec: RobotSpec, index: int) -> None:
@@ -252,10 +248,7 @@ class SimSolid:
     def start_motion(self, steps: int) -> Motion:
         """Return the position and velocities of a solid that is where its description says.
 
-        Parameters
-        ----------
-        steps : int
-            Since the start of the world: one on a patrol is as far on its patrol.
+        `steps`: since the start of the world: one on a patrol is as far on its patrol.
         """
         x, y = middle_of(self.spec)
         dx, dy = self.displacement(steps)

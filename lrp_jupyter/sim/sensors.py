@@ -18,18 +18,11 @@ _MIDDLE = 0.005  # m: a light sensor nearer to the axis of the robot than this i
 class Readings(NamedTuple):
     """The sensor values of a robot in one tick, as plain ``int`` and ``float``.
 
-    Attributes
-    ----------
-    lights : tuple of int
-        One grey per light sensor, 0 (black) to 255 (white).
-    bumper : int
-        1 if the bumper was pressed at any moment since the last tick, else 0.
-    distances : tuple of float
-        Metres from the rim of the robot to the next solid, one per ray; ``inf``: nothing in range.
-    gyro : float
-        Radians turned since the start, counter-clockwise, not wrapped.
-    odom : tuple of float
-        x and y (metres) and theta (radians) according to the wheels, from where the robot started.
+    `lights`: one grey per light sensor, 0 (black) to 255 (white).
+    `bumper`: 1 if the bumper was pressed at any moment since the last tick, else 0.
+    `distances`: metres from the rim of the robot to the next solid, one per ray; ``inf``: nothing in range.
+    `gyro`: radians turned since the start, counter-clockwise, not wrapped.
+    `odom`: x and y (metres) and theta (radians) according to the wheels, from where the robot started.
     """
 
     lights: tuple[int, ...] = ()

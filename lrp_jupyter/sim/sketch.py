@@ -20,11 +20,7 @@ def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[
     ``#`` is a solid, ``▒`` one that can be pushed, ``▓`` one that moves by itself, ``·`` line on the floor,
     an arrow a robot with its heading, ``*`` a robot whose bumper is pressed.
 
-    Parameters
-    ----------
-    world : Simulation or World
-    columns, rows : int
-        Size in characters; ``rows=0`` keeps the shape, with characters twice as high as wide.
+    `columns`, `rows`: size in characters; ``rows=0`` keeps the shape, with characters twice as high as wide.
     """
     simulation = world if isinstance(world, Simulation) else Simulation(world)
     length, depth = simulation.world.size

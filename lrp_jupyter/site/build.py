@@ -25,23 +25,14 @@ def build_site(
 ) -> None:
     """Build the site in a folder; any web server, or a host of static pages, serves it from any address.
 
-    Parameters
-    ----------
-    folder : Path
-        It is created, or replaced if it is a site already.
-    notebooks : Path
-        The folder of the notebooks.
-    offline : bool
-        Whether Python itself is part of the site; otherwise browsers load it from where it is published.
-    pyodide : Path, optional
-        A folder with files of Pyodide, instead of downloading them.
-    say : callable
-        Called with a sentence about each step.
-
-    Raises
-    ------
-    LRPError
-        Something that is needed is not installed or cannot be downloaded, or the folder is not a site.
+    `folder`: it is created, or replaced if it is a site already.
+    `notebooks`: the folder of the notebooks.
+    `offline`: whether Python itself is part of the site; otherwise browsers load it from where it is
+        published.
+    `pyodide`: a folder with files of Pyodide, instead of downloading them.
+    `say`: called with a sentence about each step.
+    Raises LRPError: something that is needed is not installed or cannot be downloaded, or the folder is not a
+        site.
     """
     check_installed()
     if folder.exists() and any(folder.iterdir()) and not (folder / _MARK).is_file():

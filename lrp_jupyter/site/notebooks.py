@@ -39,10 +39,7 @@ def kernel_wheels() -> list[Path]:
 def build_notebooks(notebooks: Path, folder: Path, offline: bool) -> None:
     """Build JupyterLite with the notebooks of a folder; Python is in the folder ``python`` beside it.
 
-    Raises
-    ------
-    LRPError
-        JupyterLite cannot be built; its last words are the message.
+    Raises LRPError: JupyterLite cannot be built; its last words are the message.
     """
     settings = {
         "pyodideUrl": "./../python/pyodide.mjs" if offline else f"{Pyodide.url}pyodide.mjs",

@@ -28,20 +28,10 @@ def collect(
 ) -> None:
     """Put wheels, the packages of these names, and all that they need, into a folder with the list of them.
 
-    Parameters
-    ----------
-    pyodide : Pyodide
-    wheels : iterable of Path
-        Wheels that no package index has.
-    names : iterable of str
-    folder : Path
-    offline : bool
-        Whether the packages that Pyodide publishes are copied, too; otherwise browsers load them from there.
-
-    Raises
-    ------
-    LRPError
-        A package cannot be downloaded.
+    `wheels`: wheels that no package index has.
+    `offline`: whether the packages that Pyodide publishes are copied, too; otherwise browsers load them from
+        there.
+    Raises LRPError: a package cannot be downloaded.
     """
     from packaging.utils import canonicalize_name as canonical
 

@@ -19,13 +19,8 @@ _PACKAGES = ("lark", "pymunk")
 def write_page(site: Path, wheel: str, offline: bool) -> None:
     """Write the page into the folder of a site, whose packages are there already.
 
-    Parameters
-    ----------
-    site : Path
-    wheel : str
-        The name of the wheel of this package.
-    offline : bool
-        Whether Python itself is part of the site.
+    `wheel`: the name of the wheel of this package.
+    `offline`: whether Python itself is part of the site.
     """
     described = {
         "python": "python/" if offline else Pyodide.url,

@@ -23,10 +23,7 @@ _TIMEOUT = 60.0  # s without an answer
 class Pyodide:
     """A distribution of Pyodide.
 
-    Parameters
-    ----------
-    folder : Path, optional
-        A folder that contains files of it; what it lacks is downloaded.
+    `folder`: a folder that contains files of it; what it lacks is downloaded.
     """
 
     url = f"https://cdn.jsdelivr.net/pyodide/v{VERSION}/full/"
@@ -38,10 +35,7 @@ class Pyodide:
     def read(self, name: str, sha256: str = "") -> bytes:
         """Return the content of a file; what is downloaded must have the hash, if one is given.
 
-        Raises
-        ------
-        LRPError
-            The file is neither in the folder nor can it be downloaded.
+        Raises LRPError: the file is neither in the folder nor can it be downloaded.
         """
         if self._folder is not None and (self._folder / name).is_file():
             return (self._folder / name).read_bytes()

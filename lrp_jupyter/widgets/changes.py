@@ -34,10 +34,7 @@ _MOST_LINES, _MOST_WORDS = 3_000, 400  # that are compared: with more it takes t
 class TextChanges:
     """Changes to a text of a certain length.
 
-    Parameters
-    ----------
-    sections : tuple of (int, str or None)
-        For each section of the text its length, and the text in its place; None if it stays.
+    `sections`: for each section of the text its length, and the text in its place; None if it stays.
     """
 
     sections: tuple[_Section, ...]
@@ -62,10 +59,7 @@ class TextChanges:
     def from_json(cls, sections: Sections) -> TextChanges:
         """Return what a page has sent.
 
-        Raises
-        ------
-        ValueError
-            It is not a set of changes.
+        Raises ValueError: it is not a set of changes.
         """
         found: list[_Section] = []
         for each in sections:
@@ -110,12 +104,8 @@ class TextChanges:
     def map(self, other: TextChanges, first: bool = False) -> TextChanges:
         """Return these changes for the text in which the other ones were made.
 
-        Parameters
-        ----------
-        other : TextChanges
-            Changes of the same text.
-        first : bool
-            Whether what both insert at one place comes in the order self, other.
+        `other`: changes of the same text.
+        `first`: whether what both insert at one place comes in the order self, other.
         """
         return TextChanges.of(_mapped(_SectionReader(self.sections), _SectionReader(other.sections), first))
 

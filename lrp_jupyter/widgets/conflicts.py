@@ -15,15 +15,9 @@ from lrp_jupyter.widgets.protocol import ConflictView
 class Conflict:
     """A text that the user may want instead of the present one.
 
-    Parameters
-    ----------
-    source : str
-        Where it comes from; a key of `_QUESTIONS`.
-    text : str
-    endings : tuple of str
-        The kept files that are not overwritten until the user has chosen.
-    file : str
-        The file that contains it, as a message shows it, if that was changed outside the lab.
+    `source`: where it comes from; a key of `_QUESTIONS`.
+    `endings`: the kept files that are not overwritten until the user has chosen.
+    `file`: the file that contains it, as a message shows it, if that was changed outside the lab.
     """
 
     source: str
@@ -67,10 +61,7 @@ _QUESTIONS = {
 class Conflicts:
     """Those that wait, in their order.
 
-    Parameters
-    ----------
-    given_in : str
-        Where the text is that the program is opened with, in a word: a cell, or a link.
+    `given_in`: where the text is that the program is opened with, in a word: a cell, or a link.
     """
 
     def __init__(self, given_in: str = "cell") -> None:

@@ -57,19 +57,11 @@ from lrp_jupyter.widgets.texts import Rename
 class PageConnection:
     """A session and the views that show it.
 
-    Parameters
-    ----------
-    session : Session
-    saver : Saver
-        It holds the texts.
-    reopen : callable, optional
-        Creates a session of the same program with another bridge, given its name and options.
-    options : mapping, optional
-        The options of the bridge.
-    clock : callable
-        Returns the wall time in seconds.
-    free_name : callable
-        Returns a name that no other open program has, given a wanted one.
+    `saver`: it holds the texts.
+    `reopen`: creates a session of the same program with another bridge, given its name and options.
+    `options`: the options of the bridge.
+    `clock`: returns the wall time in seconds.
+    `free_name`: returns a name that no other open program has, given a wanted one.
     """
 
     def __init__(
@@ -193,12 +185,8 @@ class PageConnection:
     def change_bridge(self, bridge: str, **options: Any) -> None:
         """Continue with another bridge: the same program starts again in another session.
 
-        Raises
-        ------
-        BridgeError
-            There is no such bridge, or its robot cannot be reached; the old one stays.
-        SessionClosedError
-            It has been closed in the meantime.
+        Raises BridgeError: there is no such bridge, or its robot cannot be reached; the old one stays.
+        Raises SessionClosedError: it has been closed in the meantime.
         """
         if self._reopen is None:
             raise BridgeError("This session was created elsewhere, so its bridge cannot be changed here.")
@@ -228,10 +216,7 @@ class PageConnection:
     def use(self, session: Session) -> None:
         """Show another session from now on; views get a snapshot of it.
 
-        Raises
-        ------
-        SessionClosedError
-            It is too late: the other session is closed, too.
+        Raises SessionClosedError: it is too late: the other session is closed, too.
         """
         self.layouts.update(session.frame)  # before the lock, which a command may need
         with self._lock:

@@ -31,12 +31,7 @@ class Update:
 
 
 class Document:
-    """See the head of this module.
-
-    Parameters
-    ----------
-    text : str
-    """
+    """See the head of this module."""
 
     def __init__(self, text: str = "") -> None:
         self.name = token_hex(8)
@@ -55,10 +50,7 @@ class Document:
     def since(self, revision: int) -> list[Update]:
         """Return the updates after a revision.
 
-        Raises
-        ------
-        ValueError
-            They are not known, or not any more.
+        Raises ValueError: they are not known, or not any more.
         """
         if not self.knows(revision):
             raise ValueError(f"The updates since revision {revision} are not known.")
@@ -83,17 +75,9 @@ class Document:
     ) -> tuple[list[TextChanges], list[TextChanges]]:
         """Make a view's changes of the text of a revision, one after the other, the next updates.
 
-        Returns
-        -------
-        list of TextChanges
-            The updates that they became.
-        list of TextChanges
-            What others have changed since that revision, for a place in the view's text.
-
-        Raises
-        ------
-        ValueError
-            They are not changes of that text, or it is not known any more.
+        list of TextChanges: the updates that they became.
+        list of TextChanges: what others have changed since that revision, for a place in the view's text.
+        Raises ValueError: they are not changes of that text, or it is not known any more.
         """
         since = self.since(base)
         if any(update.view == view for update in since):

@@ -51,12 +51,7 @@ class _Check:
 
 
 class Goal:
-    """The challenge of one open program.
-
-    Parameters
-    ----------
-    task : Challenge
-    """
+    """The challenge of one open program."""
 
     def __init__(self, task: Challenge) -> None:
         self.task = task
@@ -204,10 +199,7 @@ class Goal:
     def hint(self) -> None:
         """Show one more of the hints that the last check gives.
 
-        Raises
-        ------
-        LRPError
-            There is none.
+        Raises LRPError: there is none.
         """
         hints = self._hints
         if not hints:
@@ -220,10 +212,7 @@ class Goal:
     def start_over(self, session: Session, world: int | None = None) -> None:
         """Put the robot back to the start of a world of the challenge, and start the program again.
 
-        Raises
-        ------
-        LRPError
-            The program does not drive the simulated robot.
+        Raises LRPError: the program does not drive the simulated robot.
         """
         bridge = _simulated(session)
         self._world = self._world if world is None else min(world, len(self._worlds) - 1)
@@ -242,10 +231,7 @@ class Goal:
     def show(self, session: Session, looking: Looking, index: int) -> None:
         """Repeat a run of the check in the lab, in virtual time, and look at the moment at which it failed.
 
-        Raises
-        ------
-        LRPError
-            It cannot be repeated.
+        Raises LRPError: it cannot be repeated.
         """
         bridge, check = _simulated(session), self._check
         made = None if check is None else check.made.get(index)

@@ -31,10 +31,7 @@ def is_static() -> bool:
     not answer ``input()`` has no page. Such a client is nbclient, with which nbconvert, papermill, nbmake,
     jupytext and Quarto execute notebooks. Voila uses it as well, but has pages.
 
-    Raises
-    ------
-    LRPError
-        ``LRP_STATIC`` has another value.
+    Raises LRPError: ``LRP_STATIC`` has another value.
     """
     wanted = os.environ.get("LRP_STATIC", "")
     if wanted not in ("", "0", "1"):

@@ -32,10 +32,7 @@ class InspectRequest(PageRequest, type="inspect"):
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return the inspected object.
 
-        Raises
-        ------
-        UnknownElementError
-            There is no such element, or it has no value now.
+        Raises UnknownElementError: there is no such element, or it has no value now.
         """
         return {"inspect": _inspect(opened, self.kind, path_of(self.kind, self.path), self.into)}
 

@@ -47,11 +47,7 @@ _Signature = tuple[int, int, int]
 class Version:
     """An earlier text of a program.
 
-    Parameters
-    ----------
-    text : str
-    when : float
-        When it was replaced, in seconds since 1970.
+    `when`: when it was replaced, in seconds since 1970.
     """
 
     text: str
@@ -84,10 +80,7 @@ def newest(versions: Iterable[Version]) -> list[Version]:
 def checked_name(name: str) -> str:
     """Return the name of a program if it can name files on every system.
 
-    Raises
-    ------
-    LRPError
-        It cannot.
+    Raises LRPError: it cannot.
     """
     is_usable = (
         0 < len(name) <= _LONGEST_NAME
@@ -108,12 +101,8 @@ def checked_name(name: str) -> str:
 class Kept:
     """The files of one program. Used by one thread at a time.
 
-    Parameters
-    ----------
-    folder : path
-        It is created with the first file.
-    name : str
-        The name of the program.
+    `folder`: it is created with the first file.
+    `name`: the name of the program.
     """
 
     def __init__(self, folder: str | os.PathLike[str], name: str) -> None:
@@ -146,10 +135,7 @@ class Kept:
     def write(self, ending: str, text: str) -> None:
         """Write a text to a file, and note that this user wrote it.
 
-        Raises
-        ------
-        FileError
-            It cannot be written.
+        Raises FileError: it cannot be written.
         """
         digest = _digest(text)
         if self._known.get(ending) == (self._signature(ending), digest) and self.is_own(ending, text):
@@ -185,10 +171,7 @@ class Kept:
     def changed(self, ending: str) -> str | None:
         """Return the text of a file if it was changed since it was read or written here.
 
-        Raises
-        ------
-        FileError
-            It was changed, and is not a text.
+        Raises FileError: it was changed, and is not a text.
         """
         known = self._known.get(ending)
         signature = self._signature(ending)
@@ -213,10 +196,7 @@ class Kept:
     def add_versions(self, versions: Iterable[Version]) -> None:
         """Add earlier texts; ten are kept.
 
-        Raises
-        ------
-        FileError
-            They cannot be written.
+        Raises FileError: they cannot be written.
         """
         every = newest([*versions, *self.versions()])
         self.write(".versions", json.dumps([asdict(version) for version in every]))

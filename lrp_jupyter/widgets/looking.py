@@ -78,10 +78,7 @@ class Looking:
     def look(self, session: Session, at: int | float) -> None:
         """Show the moment after a tick, or at a time in seconds.
 
-        Raises
-        ------
-        ValueError
-            It is not remembered.
+        Raises ValueError: it is not remembered.
         """
         before, past = self._of(session), session.at(at)
         running = session.status == "running" and not session.bridge.hardware
@@ -95,10 +92,7 @@ class Looking:
     def back(self, session: Session) -> Future[None] | None:
         """Show the present again; a robot that was paused for looking drives on. From any thread.
 
-        Returns
-        -------
-        Future or None
-            Done when it drives on.
+        Done when it drives on.
         """
         moment, self._moment = self._of(session), None
         return session.ask(do.Resume()) if moment is not None and moment.resumes else None
@@ -106,12 +100,8 @@ class Looking:
     def run_on(self, session: Session) -> None:
         """Go back to the moment looked at, and run on from there; with what was edited meanwhile.
 
-        Raises
-        ------
-        ValueError
-            Nothing earlier is looked at.
-        BridgeError
-            A real robot is armed.
+        Raises ValueError: nothing earlier is looked at.
+        Raises BridgeError: a real robot is armed.
         """
         moment = self._of(session)
         if moment is None:

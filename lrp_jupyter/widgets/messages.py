@@ -169,11 +169,8 @@ class PageCommand(PageMessage, ABC, type="command"):
     def apply(self, opened: OpenProgram) -> Future[Any] | None:
         """Apply the command, on the thread that delivers messages.
 
-        Returns
-        -------
-        Future or None
-            A future if the session or the worker applies it later, None if it is done. An exception,
-            raised here or by the future, is the error of the reply.
+        A future if the session or the worker applies it later, None if it is done. An exception, raised here
+            or by the future, is the error of the reply.
         """
 
 
@@ -196,10 +193,8 @@ _LONGEST = 10_000  # items of a list
 def decode(content: object) -> PageMessage:
     """Check a JSON value against the types of messages.
 
-    Raises
-    ------
-    MessageError
-        It is not a message, lacks a field, or a field has a wrong value; the message names it.
+    Raises MessageError: it is not a message, lacks a field, or a field has a wrong value; the message names
+        it.
     """
     if not isinstance(content, dict):
         raise MessageError("A message must be an object.")

@@ -100,16 +100,10 @@ class Window:
 class View:
     """One view of a lab in a page: what has been sent to it, and its credit.
 
-    Parameters
-    ----------
-    name : str
-        A random name, chosen by the page.
-    part : str
-        The part of the lab that it shows.
-    send : callable
-        Sends a message (and buffers) on the comm of its widget.
-    now : float
-        The wall time in seconds.
+    `name`: a random name, chosen by the page.
+    `part`: the part of the lab that it shows.
+    `send`: sends a message (and buffers) on the comm of its widget.
+    `now`: the wall time in seconds.
     """
 
     def __init__(self, name: str, part: str, send: Send, now: float) -> None:
@@ -168,18 +162,10 @@ class View:
 class PendingReply:
     """A command or request that is not answered yet.
 
-    Parameters
-    ----------
-    view : str
-        The view that sent it.
-    id : int
-    answer : Future
-    deadline : float
-        When it is answered with the reason for the delay.
-    fields_of : callable
-        Converts the result to the reply's fields.
-    describes : bool
-        Whether a changed world is described before the reply.
+    `view`: the view that sent it.
+    `deadline`: when it is answered with the reason for the delay.
+    `fields_of`: converts the result to the reply's fields.
+    `describes`: whether a changed world is described before the reply.
     """
 
     view: str
@@ -204,17 +190,9 @@ class PendingReply:
 class Publisher:
     """See the head of this module. May be called from any thread.
 
-    Parameters
-    ----------
-    session : Session
-    saver : Saver
-        It holds the texts.
-    layouts : Layouts
-    looking : Looking
-    report : callable
-        Called with the traceback of a fault of the lab itself.
-    clock : callable
-        Returns the wall time in seconds.
+    `saver`: it holds the texts.
+    `report`: called with the traceback of a fault of the lab itself.
+    `clock`: returns the wall time in seconds.
     """
 
     def __init__(
@@ -285,14 +263,8 @@ class Publisher:
     def welcome(self, name: str, part: str, send: Send, revision: int | None = None, seq: int = 0) -> None:
         """Send a snapshot to a view that opened, or came back, and then what changes.
 
-        Parameters
-        ----------
-        name, part : str
-        send : callable
-        revision : int, optional
-            The revision of the text that it knows.
-        seq : int
-            The number of the last text that it has sent.
+        `revision`: the revision of the text that it knows.
+        `seq`: the number of the last text that it has sent.
         """
         with self._lock:
             view = View(name, part, send, self._clock())

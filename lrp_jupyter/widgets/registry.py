@@ -50,10 +50,7 @@ def find(name: str) -> PageConnection | None:
 def named(name: str) -> PageConnection:
     """Return the open program of a name; an empty one stands for the only program that is open.
 
-    Raises
-    ------
-    UnknownElementError
-        There is none, or the name is empty and there are several.
+    Raises UnknownElementError: there is none, or the name is empty and there are several.
     """
     known = names()
     found = find(name) if name else find(known[0]) if len(known) == 1 else None
@@ -118,34 +115,17 @@ def open_program(
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
 
-    Parameters
-    ----------
-    name : str
-    text : str or None
-        The text of the cell; None or blank: the lab's text.
-    bridge : str, optional
-        Default: that of the open program, else the simulator.
-    namespace : dict, optional
-        Names that blocks can read.
-    rate : float, optional
-        Ticks per second.
-    folder : path, optional
-        The directory of the notebook, on which depends where texts are kept; default: the current one.
-    paused : str, optional
-        Why a program that is opened does not run before its user wants it.
-    given_in : str
-        Where this text is, in a word: a cell, or a link.
-    task : Challenge, optional
-        The challenge that the program is written for: its first world is loaded, its goal shown.
-    **options
-        For the bridge: ``world="line"``.
-
-    Raises
-    ------
-    BridgeError
-        There is no such bridge, or its robot cannot be reached.
-    LRPError
-        It is not a valid name for a program, or ``LRP_KEEP`` names no place to keep texts.
+    `text`: the text of the cell; None or blank: the lab's text.
+    `bridge`: default: that of the open program, else the simulator.
+    `namespace`: names that blocks can read.
+    `rate`: ticks per second.
+    `folder`: the directory of the notebook, on which depends where texts are kept; default: the current one.
+    `paused`: why a program that is opened does not run before its user wants it.
+    `given_in`: where this text is, in a word: a cell, or a link.
+    `task`: the challenge that the program is written for: its first world is loaded, its goal shown.
+    `options`: for the bridge: ``world="line"``.
+    Raises BridgeError: there is no such bridge, or its robot cannot be reached.
+    Raises LRPError: it is not a valid name for a program, or ``LRP_KEEP`` names no place to keep texts.
     """
     text = text if text and text.strip() else None
     if task is not None:
@@ -193,10 +173,7 @@ def open_program(
 def robot_for(world: World | str | None) -> dict[str, Any]:
     """Return the arguments of :func:`open_program` for a world that a program names.
 
-    Parameters
-    ----------
-    world : World, str or None
-        A world, or its name; ``"none"``: the program needs no robot; None: it names nothing.
+    `world`: a world, or its name; ``"none"``: the program needs no robot; None: it names nothing.
     """
     if world == "none":
         return {"bridge": "none"}

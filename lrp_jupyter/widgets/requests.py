@@ -331,11 +331,7 @@ def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
 def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
     """Return the fields of ``robot.odom``, or of what ``robot.move()`` sends; None for other chains.
 
-    Parameters
-    ----------
-    bridge : Bridge
-    chain : str
-        ``robot.odom.pose``, ``robot.move().linear``.
+    `chain`: ``robot.odom.pose``, ``robot.move().linear``.
     """
     command, called, inner = chain.partition("()")
     root, _, path = command.partition(".")
@@ -363,11 +359,7 @@ def _field(member: Member) -> Option:
 def arguments_of(bridge: Bridge, command: str) -> list[Option]:
     """Return the arguments of a command: ``robot.move`` takes ``linear=`` and ``linear_x=``.
 
-    Parameters
-    ----------
-    bridge : Bridge
-    command : str
-        ``robot.move``.
+    `command`: ``robot.move``.
     """
     root, _, path = command.partition(".")
     try:
@@ -421,10 +413,7 @@ def _references(text: str, line: int, column: int) -> ReferencesView | None:
 def _why(opened: OpenProgram, kind: ElementKind, path: str) -> WhyView:
     """Return the answer to a question about the moment that the views show.
 
-    Raises
-    ------
-    LRPError
-        It cannot be answered; the message gives the reason.
+    Raises LRPError: it cannot be answered; the message gives the reason.
     """
     session = opened.session
     at = opened.looking.tick(session)

@@ -26,14 +26,10 @@ _WELL = 10.0  # s that a program has to run after a block of it did not return
 class Saver:
     """See the head of this module.
 
-    Parameters
-    ----------
-    texts : Texts
-        They continue with the text of the cell that was kept.
-    kept : Kept, optional
-        The files in which the texts are kept; None: in memory only.
-    home : str
-        Without files: what distinguishes this program from one of the same name elsewhere; default: nothing.
+    `texts`: they continue with the text of the cell that was kept.
+    `kept`: the files in which the texts are kept; None: in memory only.
+    `home`: without files: what distinguishes this program from one of the same name elsewhere; default:
+        nothing.
     """
 
     def __init__(self, texts: Texts, kept: Kept | None = None, home: str = "") -> None:
@@ -59,10 +55,7 @@ class Saver:
     def save_as(self, path: str, replace: bool) -> bool:
         """Write the text to a file of the user's choice; return False if another file would be replaced.
 
-        Raises
-        ------
-        FileError
-            It cannot be written.
+        Raises FileError: it cannot be written.
         """
         file, text = os.path.expanduser(path), self.texts.text
         if not replace and (os.path.isfile(file) or os.path.islink(file)):

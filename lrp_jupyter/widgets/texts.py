@@ -96,10 +96,7 @@ def _moved(selection: Selection, changes: TextChanges, after: bool) -> Selection
 class Texts:
     """See the head of this module.
 
-    Parameters
-    ----------
-    given_in : str
-        Where the text is that the program is opened with, in a word: a cell, or a link.
+    `given_in`: where the text is that the program is opened with, in a word: a cell, or a link.
     """
 
     def __init__(self, given_in: str = "cell") -> None:
@@ -135,13 +132,8 @@ class Texts:
     ) -> None:
         """Attach to a session and use its text. Views get a snapshot of it.
 
-        Parameters
-        ----------
-        session : Session
-        wake : callable
-            Called when a text can be answered.
-        clock : callable
-            Returns the wall time in seconds.
+        `wake`: called when a text can be answered.
+        `clock`: returns the wall time in seconds.
         """
         with self.lock:
             is_first = not hasattr(self, "session")
@@ -182,26 +174,13 @@ class Texts:
     ) -> None:
         """Merge what was typed into a view, and offer the text to the session unless edits are held.
 
-        Parameters
-        ----------
-        view : str
-        seq : int
-            The number assigned by the view. A text that came before is ignored.
-        base : int
-            The revision to which the changes apply.
-        updates : sequence of TextChanges
-            One after the other.
-        selection : tuple, optional
-            Where the user's cursor is then.
-        meant : bool
-            Whether the word there is meant: it is not while it is being typed.
-        rename : tuple, optional
-            The changes are this rename, so what is renamed stays what it is.
-
-        Raises
-        ------
-        ValueError
-            They are not changes of a text that is still known.
+        `seq`: the number assigned by the view. A text that came before is ignored.
+        `base`: the revision to which the changes apply.
+        `updates`: one after the other.
+        `selection`: where the user's cursor is then.
+        `meant`: whether the word there is meant: it is not while it is being typed.
+        `rename`: the changes are this rename, so what is renamed stays what it is.
+        Raises ValueError: they are not changes of a text that is still known.
         """
         with self.lock:
             hand = self._hands.get(view)
@@ -225,15 +204,8 @@ class Texts:
     ) -> None:
         """Move the cursor of a view, or leave its text, or mean what was typed there.
 
-        Parameters
-        ----------
-        view : str
-        seq : int
-            The number of the view's last text: one that is followed by another is ignored.
-        revision : int
-            The revision to which the selection refers.
-        selection : tuple or None
-        meant : bool
+        `seq`: the number of the view's last text: one that is followed by another is ignored.
+        `revision`: the revision to which the selection refers.
         """
         with self.lock:
             hand = self._hands.get(view)
@@ -471,11 +443,7 @@ class Texts:
     def everything(self, view: str, revision: int | None) -> dict[str, Any]:
         """Return the fields of a `SnapshotMessage` that are about texts.
 
-        Parameters
-        ----------
-        view : str
-        revision : int or None
-            The one that the view knows.
+        `revision`: the one that the view knows.
         """
         with self.lock:
             updates = None

@@ -67,14 +67,8 @@ _IN_BLOCKS: Mapping[str, frozenset[str]] = {
 class ViewStates:
     """Creates the view states of one session. Used by one thread at a time.
 
-    Parameters
-    ----------
-    session : Session
-    saver : Saver
-        It holds the texts.
-    layouts : Layouts
-    goal : Goal or None
-        The challenge that the program is written for.
+    `saver`: it holds the texts.
+    `goal`: the challenge that the program is written for.
     """
 
     def __init__(self, session: Session, saver: Saver, layouts: Layouts, goal: Goal | None = None) -> None:
@@ -215,10 +209,7 @@ def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
 
     Of an object only the entries that changed, None for one that is gone; anything else in full.
 
-    Parameters
-    ----------
-    before, now : ViewState
-        `before` is empty for a view that has seen nothing.
+    `before`, `now`: `before` is empty for a view that has seen nothing.
     """
     changes: dict[str, Any] = {}
     for field, value in now.items():

@@ -24,11 +24,7 @@ SendText = Callable[[str, "list[bytes]"], None]
 class Opened:
     """The program that the page shows.
 
-    Parameters
-    ----------
-    connection : PageConnection
-    send : callable
-        Sends a message, as JSON, and its buffers to the page.
+    `send`: sends a message, as JSON, and its buffers to the page.
     """
 
     def __init__(self, connection: PageConnection, send: SendText) -> None:
@@ -63,19 +59,12 @@ class Opened:
 def open_program(wanted: str, send: SendText) -> Opened:
     """Open the program that the address of the page asks for.
 
-    Parameters
-    ----------
-    wanted : str
-        An object in JSON: the ``program`` (a name), its ``text`` if the address contains one, the ``world``
-        and the ``challenge`` if it names them. With ``again`` the text that was kept here continues, as
-        expected of a page that is loaded again. With ``hung`` it does not run before the user wants it.
-    send : callable
-        Sends a message, as JSON, and its buffers to the page.
-
-    Raises
-    ------
-    LRPError
-        There is no such program, world or challenge.
+    `wanted`: an object in JSON: the ``program`` (a name), its ``text`` if the address contains one, the
+        ``world`` and the ``challenge`` if it names them. With ``again`` the text that was kept here
+        continues, as expected of a page that is loaded again. With ``hung`` it does not run before the user
+        wants it.
+    `send`: sends a message, as JSON, and its buffers to the page.
+    Raises LRPError: there is no such program, world or challenge.
     """
     address: dict[str, Any] = json.loads(wanted)
     text: str = address.get("text") or ""

@@ -202,14 +202,9 @@ def pack_poses(
     speed (m/s), its light values, its distances (m, inf for nothing); then for each solid that can move,
     pushed or by itself, in the order of the world, x, y, theta. The page knows their number from the world.
 
-    Parameters
-    ----------
-    time : float
-        Seconds of the world.
-    robots : iterable of tuple
-        ``(x, y, theta, bumper, pen, lamp, speed, lights, distances)`` for each robot.
-    solids : iterable of tuple
-        ``(x, y, theta)`` of each solid that can move.
+    `time`: seconds of the world.
+    `robots`: ``(x, y, theta, bumper, pen, lamp, speed, lights, distances)`` for each robot.
+    `solids`: ``(x, y, theta)`` of each solid that can move.
     """
     numbers: list[float] = []
     for x, y, theta, bumper, pen, lamp, speed, lights, distances in robots:

@@ -34,17 +34,9 @@ _Value = TypeVar("_Value")
 class BrickClient:
     """One connection to a brick. Any thread may call any method.
 
-    Parameters
-    ----------
-    line : Line
-        What the frames travel on; the client closes it.
-
-    Attributes
-    ----------
-    place, serial : str
-        The address and serial number of the brick, as those of the line.
-    lost : str
-        Why the connection is lost, a sentence; empty while connected.
+    `line`: what the frames travel on; the client closes it.
+    `place`, `serial`: the address and serial number of the brick, as those of the line.
+    `lost`: why the connection is lost, a sentence; empty while connected.
     """
 
     def __init__(self, line: Line) -> None:
@@ -59,28 +51,16 @@ class BrickClient:
     def command(self, code: Code, timeout: float = ANSWER_TIME) -> None:
         """Send a byte code without waiting for the brick to perform it.
 
-        Raises
-        ------
-        BridgeError
-            The connection is lost, or does not accept the frame within `timeout` seconds.
+        Raises BridgeError: the connection is lost, or does not accept the frame within `timeout` seconds.
         """
         self._send(code, 0, False, time.monotonic() + timeout)
 
     def request(self, code: Code, size: int, timeout: float = ANSWER_TIME) -> bytes:
         """Send a byte code and wait for its answer.
 
-        Parameters
-        ----------
-        code : bytes or callable
-        size : int
-            Bytes that the answer has.
-        timeout : float
-            Seconds that all of it may take.
-
-        Raises
-        ------
-        BridgeError
-            The brick refuses the command (and stays connected), or the connection is lost.
+        `size`: bytes that the answer has.
+        `timeout`: seconds that all of it may take.
+        Raises BridgeError: the brick refuses the command (and stays connected), or the connection is lost.
         """
         deadline = time.monotonic() + timeout
         if not self._asking.acquire(timeout=timeout):
@@ -99,10 +79,7 @@ class BrickClient:
     def lose(self, why: str) -> NoReturn:
         """Mark the connection as lost and raise; all waiting callers get the same error.
 
-        Raises
-        ------
-        BridgeError
-            Always.
+        Raises BridgeError: always.
         """
         self.lost = self.lost or why
         self._line.cut()

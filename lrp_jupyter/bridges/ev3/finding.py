@@ -87,25 +87,13 @@ def connect(
 
     By WiFi its beacon is waited for and answered; where an address is given, TCP is tried as well.
 
-    Parameters
-    ----------
-    host : str or None
-        Its IP address or Bluetooth address, or ``"usb"``; None for the first brick whose beacon is heard.
-    port : int
-        TCP port for a brick that is found by its address alone.
-    serial : str
-        Only the brick with this serial number; empty for any.
-    patience : float
-        Seconds to wait for a beacon.
-    beacon_port : int
-        UDP port that bricks send their beacons to.
-    cancelled : callable
-        Called about ten times a second; returns whether to stop searching.
-
-    Raises
-    ------
-    BridgeError
-        No brick was found, or the host is not a brick (then at once).
+    `host`: its IP address or Bluetooth address, or ``"usb"``; None for the first brick whose beacon is heard.
+    `port`: TCP port for a brick that is found by its address alone.
+    `serial`: only the brick with this serial number; empty for any.
+    `patience`: seconds to wait for a beacon.
+    `beacon_port`: UDP port that bricks send their beacons to.
+    `cancelled`: called about ten times a second; returns whether to stop searching.
+    Raises BridgeError: no brick was found, or the host is not a brick (then at once).
     """
     host = None if host is None else check_address(host)
     if host == USB:
@@ -150,10 +138,7 @@ def check_address(host: str) -> str:
 
     Names are refused: resolving one may take any time, and a brick has none.
 
-    Raises
-    ------
-    BridgeError
-        It is neither an IP address, nor a Bluetooth address, nor ``"usb"``.
+    Raises BridgeError: it is neither an IP address, nor a Bluetooth address, nor ``"usb"``.
     """
     text = host.strip()
     if text.lower() == USB:

@@ -40,12 +40,8 @@ class BusyError(BridgeError):
 class Line(ABC):
     """An open connection for bytes.
 
-    Parameters
-    ----------
-    place : str
-        Where it leads to, as an address of `connect`.
-    serial : str
-        Serial number of the brick; empty where it is not known.
+    `place`: where it leads to, as an address of `connect`.
+    `serial`: serial number of the brick; empty where it is not known.
     """
 
     def __init__(self, place: str, serial: str = "") -> None:
@@ -55,24 +51,16 @@ class Line(ABC):
     def send(self, data: bytes) -> int:
         """Send what can be sent within a moment; return how many bytes that were.
 
-        Raises
-        ------
-        TimeoutError
-            None could.
-        OSError
-            The line is broken.
+        Raises TimeoutError: None could.
+        Raises OSError: the line is broken.
         """
 
     @abstractmethod
     def receive(self) -> bytes:
         """Return what has arrived, after a moment at most; empty where the brick has closed the line.
 
-        Raises
-        ------
-        TimeoutError
-            Nothing arrived.
-        OSError
-            The line is broken.
+        Raises TimeoutError: nothing arrived.
+        Raises OSError: the line is broken.
         """
 
     def cut(self) -> None:  # noqa: B027  (a line that cannot do it does nothing)
@@ -112,10 +100,7 @@ class SocketLine(Line):
 def open_tcp(address: tuple[str, int], serial: str = "") -> Line:
     """Connect by WiFi, and unlock the brick.
 
-    Raises
-    ------
-    BridgeError
-        Nothing answers there within 1.5 s, or not as a brick does.
+    Raises BridgeError: nothing answers there within 1.5 s, or not as a brick does.
     """
     deadline = time.monotonic() + _OPEN_TIME
     try:
@@ -154,10 +139,8 @@ def _unlock(connected: socket.socket, where: str, serial: str, deadline: float) 
 def open_bluetooth(address: str, cancelled: Callable[[], bool] = lambda: False) -> Line:
     """Connect by Bluetooth: the serial port of a brick that this computer is paired with.
 
-    Raises
-    ------
-    BridgeError
-        This computer or this Python has no Bluetooth, or the brick does not answer within 8 s.
+    Raises BridgeError: this computer or this Python has no Bluetooth, or the brick does not answer within 8
+        s.
     """
     deadline = time.monotonic() + _CALL_TIME
     called = _rfcomm()

@@ -36,16 +36,10 @@ Advance = Callable[[Pose, tuple[int, ...]], Pose]
 class BrickState:
     """The last known state of the brick.
 
-    Attributes
-    ----------
-    reading : BrickReading or None
-        None before the first one.
-    trouble : str
-        The reason why it could not be read since then.
-    time : float
-        When it was read, by `time.monotonic`.
-    pose : tuple of float
-        Where the motors have driven it.
+    `reading`: None before the first one.
+    `trouble`: the reason why it could not be read since then.
+    `time`: when it was read, by `time.monotonic`.
+    `pose`: where the motors have driven it.
     """
 
     reading: BrickReading | None = None
@@ -67,18 +61,12 @@ class BrickLink:
 
     Owner: any thread may use it; its own one is the only one that reads the brick.
 
-    Parameters
-    ----------
-    find : callable
-        Returns a new connection, like :func:`~lrp_jupyter.bridges.ev3.client.connect`; its argument is
-        a function that returns whether to stop searching.
-    report : callable
-        Called with the state (``connected``, ``stale``, ``lost``, ``disconnected``) and a sentence when
+    `find`: returns a new connection, like :func:`~lrp_jupyter.bridges.ev3.client.connect`; its argument is a
+        function that returns whether to stop searching.
+    `report`: called with the state (``connected``, ``stale``, ``lost``, ``disconnected``) and a sentence when
         it changes; with ``late`` and a sentence when the brick stopped motors which nothing renewed in time.
-    advance : callable
-        Returns the pose after a pose, when each motor has turned by an angle in degrees.
-    clock : callable
-        The time of the slices, in seconds.
+    `advance`: returns the pose after a pose, when each motor has turned by an angle in degrees.
+    `clock`: the time of the slices, in seconds.
     """
 
     def __init__(
@@ -110,10 +98,7 @@ class BrickLink:
     def open(self) -> None:
         """Find the brick and read it once; then read it periodically.
 
-        Raises
-        ------
-        BridgeError
-            It was not found, or cannot be read.
+        Raises BridgeError: it was not found, or cannot be read.
         """
         self._adopt(self._find(self._closing.is_set))
         self._thread.start()
@@ -132,16 +117,8 @@ class BrickLink:
     def command(self, code: bytes, motors: int = 0) -> None:
         """Send a byte code without waiting for the brick to perform it.
 
-        Parameters
-        ----------
-        code : bytes
-        motors : int
-            Bit mask of the motors that it commands: what they were to go on doing is over.
-
-        Raises
-        ------
-        BridgeError
-            There is no connection.
+        `motors`: bit mask of the motors that it commands: what they were to go on doing is over.
+        Raises BridgeError: there is no connection.
         """
         connection = self._connected()
 
@@ -154,10 +131,7 @@ class BrickLink:
     def turn(self, percents: Mapping[int, int], regulated: bool = True) -> None:
         """Let motors turn on until another command; see :meth:`Slices.turn`.
 
-        Raises
-        ------
-        BridgeError
-            There is no connection.
+        Raises BridgeError: there is no connection.
         """
         connection = self._connected()
         connection.client.command(lambda: connection.slices.turn(percents, regulated))
@@ -165,10 +139,8 @@ class BrickLink:
     def stop(self) -> None:
         """Stop all motors in one packet.
 
-        Raises
-        ------
-        BridgeError
-            The brick was lost; it stops them by itself, and they are stopped again when it is found.
+        Raises BridgeError: the brick was lost; it stops them by itself, and they are stopped again when it is
+            found.
         """
         connection = self._connection
         if connection is not None:
@@ -188,12 +160,8 @@ class BrickLink:
     def latest(self, snapshot: BrickState | None = None) -> BrickReading:
         """Return the latest reading (or that of a snapshot).
 
-        Raises
-        ------
-        NoDataYet
-            Nothing has arrived yet.
-        BridgeError
-            The brick was lost, or refuses to be read.
+        Raises NoDataYet: nothing has arrived yet.
+        Raises BridgeError: the brick was lost, or refuses to be read.
         """
         seen = self.snapshot if snapshot is None else snapshot
         if seen.trouble:

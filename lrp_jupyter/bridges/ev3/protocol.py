@@ -48,10 +48,7 @@ def constant(value: int) -> bytes:
     The smallest number of each size (-128, -32768, …) *is* the brick's NaN, so it needs the next
     size.
 
-    Raises
-    ------
-    BridgeError
-        The number does not fit 32 bits.
+    Raises BridgeError: the number does not fit 32 bits.
     """
     if -32 <= value <= 31:
         return bytes([value & 0x3F])
@@ -71,16 +68,10 @@ def variable(offset: int) -> bytes:
 def frame(counter: int, code: bytes, size: int = 0, reply: bool = False) -> bytes:
     """Put a byte code into a frame.
 
-    Parameters
-    ----------
-    counter : int
-        0 to 65535; the reply repeats it.
-    code : bytes
-        The operations.
-    size : int
-        Bytes of globals that the operations write and the reply carries.
-    reply : bool
-        Ask for a reply; one is always asked for when `size` is not 0.
+    `counter`: 0 to 65535; the reply repeats it.
+    `code`: the operations.
+    `size`: bytes of globals that the operations write and the reply carries.
+    `reply`: ask for a reply; one is always asked for when `size` is not 0.
     """
     kind = _WITH_REPLY if reply or size else _WITHOUT_REPLY
     return struct.pack("<HHBH", len(code) + 5, counter, kind, size) + code
@@ -97,10 +88,7 @@ class BrickReply(NamedTuple):
 def split_replies(buffer: bytes) -> tuple[list[BrickReply], bytes]:
     """Split off the complete replies; the rest is the beginning of the next.
 
-    Raises
-    ------
-    BridgeError
-        These bytes are not replies of a brick.
+    Raises BridgeError: these bytes are not replies of a brick.
     """
     replies = []
     while len(buffer) >= 2:
@@ -194,10 +182,7 @@ def read_everything(modes: tuple[int, ...] = (SAME_MODE,) * 4) -> tuple[bytes, i
 
     It never makes the brick wait for a sensor (a sensor that has just changed its mode reads NaN).
 
-    Parameters
-    ----------
-    modes : tuple of int
-        The mode to measure in for each sensor, or -1 for the present one.
+    `modes`: the mode to measure in for each sensor, or -1 for the present one.
     """
     code = b""
     for motor in range(4):
@@ -216,10 +201,7 @@ def read_everything(modes: tuple[int, ...] = (SAME_MODE,) * 4) -> tuple[bytes, i
 def parse_reading(data: bytes) -> BrickReading:
     """Read the reply to :func:`read_everything`.
 
-    Raises
-    ------
-    BridgeError
-        The reply has another size.
+    Raises BridgeError: the reply has another size.
     """
     if len(data) != _LAYOUT.size:
         raise BridgeError(f"The brick answered with {len(data)} bytes instead of {_LAYOUT.size}.")

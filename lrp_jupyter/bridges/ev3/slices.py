@@ -36,10 +36,7 @@ class Slices:
 
     Owner: whoever is sending a frame, so that codes are sent in the order in which they were made.
 
-    Parameters
-    ----------
-    clock : callable
-        Returns the time in seconds.
+    `clock`: returns the time in seconds.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
@@ -49,12 +46,8 @@ class Slices:
     def turn(self, percents: Mapping[int, int], regulated: bool = True) -> bytes:
         """Let motors go on turning; empty where they do so already.
 
-        Parameters
-        ----------
-        percents : mapping of int to int
-            By motor (0 to 3): -100 to 100. With 0 a regulated motor is held, another one runs out.
-        regulated : bool
-            Whether they are percent of the speed, which the brick keeps, or of the power.
+        `percents`: by motor (0 to 3): -100 to 100. With 0 a regulated motor is held, another one runs out.
+        `regulated`: whether they are percent of the speed, which the brick keeps, or of the power.
         """
         now, due = self._clock(), []
         for motor, percent in percents.items():

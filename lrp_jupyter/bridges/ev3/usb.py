@@ -73,10 +73,7 @@ class UsbLine(Line):
 def open_usb(serial: str = "") -> Line:
     """Open the brick that is plugged in, or of several the one with a serial number.
 
-    Raises
-    ------
-    BridgeError
-        None is plugged in, which one is meant is not clear, or this user may not open it.
+    Raises BridgeError: None is plugged in, which one is meant is not clear, or this user may not open it.
     """
     if not _LISTED.is_dir():
         raise BridgeError("A brick at a USB port is found on Linux only. Connect it by WiFi or Bluetooth.")

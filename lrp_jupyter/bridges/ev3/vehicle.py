@@ -35,15 +35,10 @@ _FARTHEST = {30: 2.55, 33: 0.7}  # m: what these sensors report where nothing is
 class Vehicle:
     """How a vehicle is built.
 
-    Attributes
-    ----------
-    left, right : str
-        Ports of the motors that drive the wheels, ``A`` to ``D``; ``-B`` for a motor built in the other way
-        round, which drives backwards when it turns forwards.
-    wheel, track : float
-        Diameter of the wheels, and the distance between them, in mm.
-    light, bumper, distance : str
-        Ports of the sensors, ``1`` to ``4``, or ``none``.
+    `left`, `right`: ports of the motors that drive the wheels, ``A`` to ``D``; ``-B`` for a motor built in
+        the other way round, which drives backwards when it turns forwards.
+    `wheel`, `track`: diameter of the wheels, and the distance between them, in mm.
+    `light`, `bumper`, `distance`: ports of the sensors, ``1`` to ``4``, or ``none``.
     """
 
     left: str = "B"
@@ -58,10 +53,7 @@ class Vehicle:
     def of(cls, options: Mapping[str, object]) -> Vehicle:
         """Return the vehicle that options describe: values, or texts as a person types them.
 
-        Raises
-        ------
-        BridgeError
-            There is no such port, two parts share one, or a length is not one.
+        Raises BridgeError: there is no such port, two parts share one, or a length is not one.
         """
         values: dict[str, str | float] = {}
         for name, value in options.items():
@@ -107,12 +99,8 @@ class Vehicle:
     ) -> tuple[dict[int, int], float]:
         """Return the speed of each motor in percent, and by what they had to be divided to be at most 100.
 
-        Parameters
-        ----------
-        linear, angular : float
-            m/s and rad/s, counter-clockwise.
-        reading : BrickReading or None
-            Says whether the motors are large or medium ones.
+        `linear`, `angular`: m/s and rad/s, counter-clockwise.
+        `reading`: says whether the motors are large or medium ones.
         """
         share = angular * self.track / 2000
         wanted = {}
@@ -146,19 +134,9 @@ class Vehicle:
     def sense(self, name: str, reading: BrickReading, modes: tuple[int, ...]) -> object:
         """Return what a program reads, a key of `SENSES`, as the simulated robot measures it.
 
-        Parameters
-        ----------
-        name : str
-        reading : BrickReading
-        modes : tuple of int
-            The modes that are wanted of the four sensors.
-
-        Raises
-        ------
-        BridgeError
-            There is no such sensor.
-        NoDataYet
-            It has not measured anything yet.
+        `modes`: the modes that are wanted of the four sensors.
+        Raises BridgeError: there is no such sensor.
+        Raises NoDataYet: it has not measured anything yet.
         """
         what, kinds = SENSES[name]
         port = getattr(self, name)

@@ -51,10 +51,7 @@ class Choice:
 def check_backend(name: str, host: str | None = None, port: int | str | None = None) -> str:
     """Return the name of a back end, or `AUTO`, if the address fits it.
 
-    Raises
-    ------
-    BridgeError
-        There is none of that name, it is not an address, or the back end takes none.
+    Raises BridgeError: there is none of that name, it is not an address, or the back end takes none.
     """
     known = (AUTO, *BACKENDS)
     if name not in known:
@@ -81,10 +78,7 @@ def check_ros2(
 ) -> tuple[int | None, tuple[str, ...]]:
     """Return the number of a domain of ROS 2 and the folders with definitions of message types.
 
-    Raises
-    ------
-    BridgeError
-        It is not such a number, or the back end takes none of these.
+    Raises BridgeError: it is not such a number, or the back end takes none of these.
     """
     folders = messages.split(os.pathsep) if isinstance(messages, str) else messages
     found = tuple(str(folder) for folder in folders if folder)
@@ -105,22 +99,11 @@ def make_transport(
 ) -> Transport:
     """Return a transport that is not connected yet.
 
-    Parameters
-    ----------
-    backend : str
-    host, port : str and int, optional
-        Default: this machine or, with rospy, the value of ``ROS_MASTER_URI``.
-    warn : callable
-        Called with a sentence for each complaint of the robot's side.
-    domain : int, optional
-        Of ROS 2. Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
-    messages : iterable of str
-        Folders with definitions of message types.
-
-    Raises
-    ------
-    BridgeError
-        A library is not installed, or an option has a mistake.
+    `host`, `port`: default: this machine or, with rospy, the value of ``ROS_MASTER_URI``.
+    `warn`: called with a sentence for each complaint of the robot's side.
+    `domain`: of ROS 2. Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
+    `messages`: folders with definitions of message types.
+    Raises BridgeError: a library is not installed, or an option has a mistake.
     """
     if backend == "rclpy":
         return RclpyTransport(domain)
@@ -144,10 +127,7 @@ def choose_backend(
 
     It takes a few seconds at most.
 
-    Raises
-    ------
-    BridgeError
-        No robot answers.
+    Raises BridgeError: no robot answers.
     """
     if backend != AUTO:
         return Choice(backend)

@@ -201,10 +201,7 @@ class RosBridge(Bridge):
     def _offer(self, channel: Channel) -> None:
         """Register a channel as a member of the robot; again when its type is known.
 
-        Raises
-        ------
-        BridgeError
-            Its name is that of a part of the robot.
+        Raises BridgeError: its name is that of a part of the robot.
         """
         wire = channel.wire
         try:

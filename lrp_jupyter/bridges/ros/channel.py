@@ -29,32 +29,18 @@ class Arrival(NamedTuple):
 class Channel:
     """A wire with the state of its connection.
 
-    Attributes
-    ----------
-    wire : Wire
-    type : str
-        That of the wire or, if it has none, of the live topic; empty while unknown.
-    form : Form or None
-        Decodes messages, for a subscription whose type is known.
-    message : RosMessage class or None
-        For a publisher whose type is known.
-    latest : Arrival or None
-        None before the first message, and again after the connection was lost.
-    problem : str
-        Why it cannot be connected, or is no longer connected.
-    waiting : str
-        What is missing: the topic, its type, or messages that should come.
-    is_asked_for : bool
-        Whether the robot is being asked for what is missing.
-    commanders : tuple of str
-        Of a publisher of velocities: who else publishes on its topic.
-    stamps : Stamps
-        The time stamps of the messages, by the robot's clock.
-    has_moved : bool
-        Whether a velocity other than zero was sent: when the connection is lost, it is unknown whether
-        it, or a stop, arrived.
-    owes_stop : bool
-        Whether a stop has to be sent as soon as there is a connection again.
+    `type`: that of the wire or, if it has none, of the live topic; empty while unknown.
+    `form`: decodes messages, for a subscription whose type is known.
+    `message`: for a publisher whose type is known.
+    `latest`: None before the first message, and again after the connection was lost.
+    `problem`: why it cannot be connected, or is no longer connected.
+    `waiting`: what is missing: the topic, its type, or messages that should come.
+    `is_asked_for`: whether the robot is being asked for what is missing.
+    `commanders`: of a publisher of velocities: who else publishes on its topic.
+    `stamps`: the time stamps of the messages, by the robot's clock.
+    `has_moved`: whether a velocity other than zero was sent: when the connection is lost, it is unknown
+        whether it, or a stop, arrived.
+    `owes_stop`: whether a stop has to be sent as soon as there is a connection again.
     """
 
     def __init__(self, wire: Wire) -> None:

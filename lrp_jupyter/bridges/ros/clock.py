@@ -39,12 +39,8 @@ class RobotClock:
     def made_at(self, stamp: float | None, now: float) -> float:
         """Return when a message was made, in seconds of `time.monotonic`.
 
-        Parameters
-        ----------
-        stamp : float or None
-            Its time stamp in seconds; None or 0: it has none, and was made now.
-        now : float
-            When it arrived.
+        `stamp`: its time stamp in seconds; None or 0: it has none, and was made now.
+        `now`: when it arrived.
         """
         if not stamp or stamp < _SIMULATED:
             return now
@@ -68,12 +64,7 @@ class RobotClock:
 
 
 class Stamps:
-    """The time stamps of one topic.
-
-    Parameters
-    ----------
-    clock : RobotClock
-    """
+    """The time stamps of one topic."""
 
     def __init__(self, clock: RobotClock) -> None:
         self._clock = clock
@@ -119,10 +110,7 @@ class ProgramPace:
 
     Measured, since a program may run faster or slower than its robot's world.
 
-    Attributes
-    ----------
-    seconds : float
-        One of a few values, so that a tick that comes late changes nothing.
+    `seconds`: one of a few values, so that a tick that comes late changes nothing.
     """
 
     def __init__(self) -> None:

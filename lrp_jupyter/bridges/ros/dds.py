@@ -39,19 +39,10 @@ _SETTLE = 1.5  # seconds until what a node has is known; its readers or its writ
 class DdsTransport(Transport):
     """A node of ROS 2 in a DDS domain.
 
-    Parameters
-    ----------
-    domain : int, optional
-        Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
-    host : str
-        An address of the robot, which is asked directly too; empty: robots are found by multicast.
-    folders : iterable of str
-        With definitions of message types: ``package/msg/Type.msg``.
-
-    Raises
-    ------
-    BridgeError
-        There is no domain of this number.
+    `domain`: default: ``ROS_DOMAIN_ID`` of the environment, or 0.
+    `host`: an address of the robot, which is asked directly too; empty: robots are found by multicast.
+    `folders`: with definitions of message types: ``package/msg/Type.msg``.
+    Raises BridgeError: there is no domain of this number.
     """
 
     period = 0.5
@@ -68,10 +59,7 @@ class DdsTransport(Transport):
     def connect(self) -> None:
         """Join the domain and wait for other nodes: any, or those that were lost.
 
-        Raises
-        ------
-        BridgeError
-            There is no node, or DDS cannot be started, or a folder has no definitions.
+        Raises BridgeError: there is no node, or DDS cannot be started, or a folder has no definitions.
         """
         self.disconnect()
         types = MessageTypes(self._folders)
@@ -117,10 +105,7 @@ class DdsTransport(Transport):
     def topics(self) -> Mapping[str, str]:
         """Return the topics of other nodes.
 
-        Raises
-        ------
-        BridgeError
-            No node is left on the far side of all topics.
+        Raises BridgeError: no node is left on the far side of all topics.
         """
         node = self._open_node()
         met = {(end.topic, end.writes) for end in node.ends if end.others()}
@@ -132,10 +117,7 @@ class DdsTransport(Transport):
     def define(self, type_: str) -> Mapping[str, Definition]:
         """Return the definitions from the user's folders, an installed ROS, or rosbags.
 
-        Raises
-        ------
-        RefusedError
-            One of them has a mistake.
+        Raises RefusedError: one of them has a mistake.
         """
         return self._open_node().types.define(type_)
 
@@ -175,10 +157,7 @@ class DdsTransport(Transport):
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish.
 
-        Raises
-        ------
-        BridgeError
-            The node is gone, or the message does not fit.
+        Raises BridgeError: the node is gone, or the message does not fit.
         """
         assert isinstance(handle, TopicPublisher)
         self._open_node()

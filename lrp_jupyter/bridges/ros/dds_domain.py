@@ -25,13 +25,8 @@ _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 class DdsDomain:
     """A domain that this process takes part in; the participants of all bridges share it.
 
-    Attributes
-    ----------
-    number : int
-    config : str
-        XML for Cyclone DDS.
-    users : int
-        That have entered and not left yet.
+    `config`: XML for Cyclone DDS.
+    `users`: that have entered and not left yet.
     """
 
     number: int
@@ -46,11 +41,8 @@ class DdsDomain:
     def enter(cls, number: int, host: str = "") -> DdsDomain:
         """Return the domain of this number, of which a robot at `host` is a member.
 
-        Raises
-        ------
-        BridgeError
-            The host has no address, another robot's bridge has set the domain up otherwise, or DDS cannot
-            be started.
+        Raises BridgeError: the host has no address, another robot's bridge has set the domain up otherwise,
+            or DDS cannot be started.
         """
         config = _configuration(host)
         with cls._lock:

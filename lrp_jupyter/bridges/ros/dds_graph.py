@@ -48,15 +48,8 @@ _NODES_QOS = (
 class Endpoint(NamedTuple):
     """A reader or writer of another participant.
 
-    Attributes
-    ----------
-    key, participant : UUID
-    topic : str
-        On the wire: ``rt/odom``.
-    type : str
-        ``nav_msgs/Odometry``; empty if it is no message of ROS.
-    qos : Qos
-    writes : bool
+    `topic`: on the wire: ``rt/odom``.
+    `type`: ``nav_msgs/Odometry``; empty if it is no message of ROS.
     """
 
     key: UUID

@@ -37,11 +37,7 @@ _AT_ONCE = 16  # samples
 class _TopicEnd:
     """The part of this node in a topic.
 
-    Attributes
-    ----------
-    topic : str
-        As ROS has it: ``/odom``.
-    type : str
+    `topic`: as ROS has it: ``/odom``.
     """
 
     writes = False
@@ -115,10 +111,7 @@ class TopicReader(_TopicEnd):
 class TopicPublisher(_TopicEnd):
     """A publisher.
 
-    Attributes
-    ----------
-    was_heard : bool
-        Whether another node subscribed at some time.
+    `was_heard`: whether another node subscribed at some time.
     """
 
     writes = True
@@ -136,10 +129,7 @@ class TopicPublisher(_TopicEnd):
     def send(self, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish; a stop waits for a subscriber that is gone.
 
-        Raises
-        ------
-        BridgeError
-            The message cannot be sent.
+        Raises BridgeError: the message cannot be sent.
         """
         try:
             sample = self._node.types.sample(self.type, values)
@@ -173,28 +163,12 @@ class TopicPublisher(_TopicEnd):
 class DdsNode:
     """A node, from its beginning to its end.
 
-    Parameters
-    ----------
-    number : int
-        Of the domain.
-    name : str
-        Of the node.
-    host : str
-        Where a robot is that cannot be found by itself; empty: none.
-    types : MessageTypes
-    changed : callable
-        Called on the node's thread when readers or writers of other nodes appear or go.
-
-    Attributes
-    ----------
-    name : str
-    failure : str
-        Why it no longer works; empty while it does.
-
-    Raises
-    ------
-    BridgeError
-        DDS cannot be started.
+    `number`: of the domain.
+    `name`: of the node.
+    `host`: where a robot is that cannot be found by itself; empty: none.
+    `changed`: called on the node's thread when readers or writers of other nodes appear or go.
+    `failure`: why it no longer works; empty while it does.
+    Raises BridgeError: DDS cannot be started.
     """
 
     def __init__(

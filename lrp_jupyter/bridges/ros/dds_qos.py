@@ -26,11 +26,7 @@ reading = threading.Lock()
 def command_qos(type_hash: str, node: str = "") -> Qos:
     """Return what a publisher offers: a new command replaces one that was not delivered yet.
 
-    Parameters
-    ----------
-    type_hash : str
-    node : str
-        The name of the node, if its publishers carry it.
+    `node`: the name of the node, if its publishers carry it.
     """
     return Qos(
         Policy.Reliability.Reliable(_BLOCKED),

@@ -43,15 +43,8 @@ class MessageTypes:
 
     Owner: the thread of the link; `sample` may be called on any thread for a type whose struct was made.
 
-    Parameters
-    ----------
-    folders : iterable of str or path
-        With the user's own definitions.
-
-    Raises
-    ------
-    BridgeError
-        A folder does not exist, or has no definitions.
+    `folders`: with the user's own definitions.
+    Raises BridgeError: a folder does not exist, or has no definitions.
     """
 
     def __init__(self, folders: Iterable[str | os.PathLike[str]] = ()) -> None:
@@ -69,10 +62,8 @@ class MessageTypes:
     def define(self, type_: str) -> dict[str, Definition]:
         """Return the definitions of a type and of those in it; empty if the type is not known.
 
-        Raises
-        ------
-        RefusedError
-            The file that defines it, or one that it needs, has a mistake; the message names the line.
+        Raises RefusedError: the file that defines it, or one that it needs, has a mistake; the message names
+            the line.
         """
         if not self._load(type_):
             return {}
@@ -94,10 +85,7 @@ class MessageTypes:
     def struct(self, type_: str) -> Any:
         """Return the class of a type's messages, as cyclonedds sends them.
 
-        Raises
-        ------
-        RefusedError
-            As `define`, or the type is not known.
+        Raises RefusedError: as `define`, or the type is not known.
         """
         if not self._load(type_):
             raise RefusedError(f"There is no message type `{type_}`.{did_you_mean(type_, self.names())}")
@@ -115,10 +103,7 @@ class MessageTypes:
     def sample(self, type_: str, values: Mapping[str, Any]) -> Any:
         """Return a message with these values, zeros for the others, and the time now in a header without one.
 
-        Raises
-        ------
-        BridgeError
-            They do not fit the type.
+        Raises BridgeError: they do not fit the type.
         """
         return self._makers[type_](values)
 
@@ -233,10 +218,7 @@ def _installed() -> dict[str, Path]:
 def _found(folder: str | os.PathLike[str]) -> Iterator[tuple[str, Path]]:
     """Yield the definitions in a folder of the user's.
 
-    Raises
-    ------
-    BridgeError
-        It does not exist, or has none.
+    Raises BridgeError: it does not exist, or has none.
     """
     place = Path(folder).expanduser()
     if not place.is_dir():
@@ -251,10 +233,7 @@ def _found(folder: str | os.PathLike[str]) -> Iterator[tuple[str, Path]]:
 def _read(path: Path, full: str) -> Any:
     """Read a definition.
 
-    Raises
-    ------
-    RefusedError
-        It has a mistake; the message names the line.
+    Raises RefusedError: it has a mistake; the message names the line.
     """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()

@@ -21,16 +21,8 @@ _PLAIN = {"time", "duration"}  # of ROS 1: neither primitive nor in a package
 def definitions_from_text(type_: str, text: str) -> dict[str, Definition]:
     """Read the definition of a type, and those of the types below it in the same text.
 
-    Parameters
-    ----------
-    type_ : str
-        Name of the first one; a type in its fields without a package is of the same package.
-    text : str
-
-    Raises
-    ------
-    BridgeError
-        A line is neither a field nor a constant; the message contains it with its number.
+    `type_`: name of the first one; a type in its fields without a package is of the same package.
+    Raises BridgeError: a line is neither a field nor a constant; the message contains it with its number.
     """
     first, *rest = _SECTION.split(text)
     sections = [(type_, first), *zip(rest[::2], rest[1::2], strict=True)]

@@ -69,16 +69,8 @@ def canonical(type_: str) -> str:
 def parse_field(text: str, length: int = -1) -> FieldType:
     """Read the type of a field: ``float64[36]``, ``geometry_msgs/Point[]``, ``sequence<double>``.
 
-    Parameters
-    ----------
-    text : str
-    length : int
-        Where it is separate from the type, as in rosapi.
-
-    Raises
-    ------
-    BridgeError
-        It cannot be understood.
+    `length`: where it is separate from the type, as in rosapi.
+    Raises BridgeError: it cannot be understood.
     """
     found = _SHAPE.match(text.partition(", ")[0].strip() if "sequence" not in text else text.strip())
     if found is None:
@@ -95,10 +87,7 @@ def parse_field(text: str, length: int = -1) -> FieldType:
 def from_rosapi(typedefs: Iterable[Mapping[str, Any]]) -> dict[str, Definition]:
     """Parse an answer of ``/rosapi/message_details``: a type and all those in it.
 
-    Raises
-    ------
-    BridgeError
-        It is not such an answer.
+    Raises BridgeError: it is not such an answer.
     """
     found = {}
     try:

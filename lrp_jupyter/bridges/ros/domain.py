@@ -12,10 +12,7 @@ _HIGHEST = 232  # the ports of a higher one would be above 65535
 def domain_number(number: int | str | None = None) -> int:
     """Return the number of a domain; None: ``ROS_DOMAIN_ID`` of the environment, or 0.
 
-    Raises
-    ------
-    BridgeError
-        It is not a number from 0 to 232.
+    Raises BridgeError: it is not a number from 0 to 232.
     """
     source = "`domain`" if number is not None else "`ROS_DOMAIN_ID`"
     text = str(number if number is not None else os.environ.get("ROS_DOMAIN_ID") or 0).strip()

@@ -46,22 +46,13 @@ class Transport(ABC):
     on any thread and must not block. A failure raises `BridgeError`, and `RefusedError` where only one
     topic is affected. What a back end cannot know (who else commands, the round trip, a hint) has a default.
 
-    Attributes
-    ----------
-    place : str
-        Address of the robot, for messages.
-    node : str
-        Name of the node on this side, where there is one.
-    period : float
-        Seconds between two comparisons with the robot.
-    changed : callable
-        To be called, on any thread, when the link should compare at once.
-    pace : float
-        Seconds between two readings that the program can use; a topic that is faster may be thinned out.
-    round_trip : float or None
-        Seconds until the robot answers a ping, as usual of late; None where that is not measured.
-    clock : RobotClock
-        Learns from the time stamps of messages, and tells their age.
+    `place`: address of the robot, for messages.
+    `node`: name of the node on this side, where there is one.
+    `period`: seconds between two comparisons with the robot.
+    `changed`: to be called, on any thread, when the link should compare at once.
+    `pace`: seconds between two readings that the program can use; a topic that is faster may be thinned out.
+    `round_trip`: seconds until the robot answers a ping, as usual of late; None where that is not measured.
+    `clock`: learns from the time stamps of messages, and tells their age.
     """
 
     place: str = ""
@@ -129,10 +120,7 @@ class Transport(ABC):
     def tend(self, in_need: bool) -> float:
         """Look after what is joined; return the seconds until the next comparison.
 
-        Parameters
-        ----------
-        in_need : bool
-            Whether a topic, a type or a message is missing.
+        `in_need`: whether a topic, a type or a message is missing.
         """
         return min(self.period, _AGAIN) if in_need else self.period
 
@@ -151,19 +139,12 @@ OnStatus = Callable[[ConnectionState, str], None]
 class TopicLink:
     """The connections of a set-up.
 
-    Parameters
-    ----------
-    find : callable
-        Returns the transport, which is not connected yet; called once, on the link's thread. It may ask who
-        answers, in bounded time, and raises `BridgeError` if no robot does.
-    place : str
-        Address of the robot, for messages, as far as it is known before that.
-    report : callable
-        Called with the state and a sentence when they change; on the link's thread.
-    learned : callable
-        Called with a channel whose type has become known; on the link's thread.
-    warn : callable
-        Called with a sentence about a robot that can be used, but not as expected; on the link's thread.
+    `find`: returns the transport, which is not connected yet; called once, on the link's thread. It may ask
+        who answers, in bounded time, and raises `BridgeError` if no robot does.
+    `place`: address of the robot, for messages, as far as it is known before that.
+    `report`: called with the state and a sentence when they change; on the link's thread.
+    `learned`: called with a channel whose type has become known; on the link's thread.
+    `warn`: called with a sentence about a robot that can be used, but not as expected; on the link's thread.
     """
 
     def __init__(
@@ -204,10 +185,7 @@ class TopicLink:
     def open(self, patience: float) -> None:
         """Connect, within so many seconds.
 
-        Raises
-        ------
-        BridgeError
-            No server answers, or it does not speak ROS.
+        Raises BridgeError: no server answers, or it does not speak ROS.
         """
         self._thread.start()
         try:
@@ -252,10 +230,7 @@ class TopicLink:
     def send(self, channel: Channel, values: Mapping[str, Any], urgent: bool = False) -> None:
         """Publish, without waiting; `urgent` for a stop, which is always tried.
 
-        Raises
-        ------
-        BridgeError
-            It is not connected; nothing is kept to be sent later.
+        Raises BridgeError: it is not connected; nothing is kept to be sent later.
         """
         name, handle = f"`robot.{channel.wire.variable}`", channel.handle
         if not self.connected and not urgent:

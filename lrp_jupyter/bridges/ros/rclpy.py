@@ -28,10 +28,7 @@ _JOIN = 1.0  # seconds that ending the thread may take
 class RclpyTransport(Transport):
     """A node of ROS 2.
 
-    Parameters
-    ----------
-    domain : int, optional
-        Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
+    `domain`: default: ``ROS_DOMAIN_ID`` of the environment, or 0.
     """
 
     period = 0.5
@@ -50,10 +47,7 @@ class RclpyTransport(Transport):
     def connect(self) -> None:
         """Create the node; other nodes are found while it exists.
 
-        Raises
-        ------
-        BridgeError
-            There is no rclpy, or it cannot make a node.
+        Raises BridgeError: there is no rclpy, or it cannot make a node.
         """
         rclpy, executors = _import("rclpy"), _import("rclpy.executors")
         self.disconnect()
@@ -103,10 +97,7 @@ class RclpyTransport(Transport):
     def topics(self) -> Mapping[str, str]:
         """Return the topics of other nodes that were discovered so far.
 
-        Raises
-        ------
-        BridgeError
-            The node no longer delivers messages.
+        Raises BridgeError: the node no longer delivers messages.
         """
         if self._failure:
             raise BridgeError(self._failure)
@@ -119,10 +110,7 @@ class RclpyTransport(Transport):
     def define(self, type_: str) -> Mapping[str, Definition]:
         """Return the definitions from the classes of the installed packages.
 
-        Raises
-        ------
-        RefusedError
-            The package is not installed here.
+        Raises RefusedError: the package is not installed here.
         """
         found: dict[str, Definition] = {}
         _define(type_, found)
@@ -188,10 +176,7 @@ class RclpyTransport(Transport):
     def send(self, handle: Any, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish. A header without a stamp gets the time of this node.
 
-        Raises
-        ------
-        BridgeError
-            rclpy refuses the message.
+        Raises BridgeError: rclpy refuses the message.
         """
         message = handle.msg_type()
         try:

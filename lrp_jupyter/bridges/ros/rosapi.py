@@ -46,24 +46,12 @@ class Rosapi:
 
     Owner: its thread asks; each answer is replaced by one assignment, and any thread may read it.
 
-    Parameters
-    ----------
-    url : str
-        Of the rosbridge server.
-    clock : RobotClock
-        Told the time of the robot.
-    warn : callable
-        Called with a sentence when rosapi is missing, and when it is there again.
-    changed : callable
-        Called when there is something new.
-
-    Attributes
-    ----------
-    is_ros2 : bool
-    trouble : str
-        That ROS itself does not answer, as a sentence; else empty.
-    publishers : mapping of str to tuple of str
-        The nodes that publish on the watched topics, without rosbridge itself.
+    `url`: of the rosbridge server.
+    `clock`: told the time of the robot.
+    `warn`: called with a sentence when rosapi is missing, and when it is there again.
+    `changed`: called when there is something new.
+    `trouble`: that ROS itself does not answer, as a sentence; else empty.
+    `publishers`: the nodes that publish on the watched topics, without rosbridge itself.
     """
 
     def __init__(
@@ -126,10 +114,7 @@ class Rosapi:
     def define(self, type_: str) -> Mapping[str, Definition] | None:
         """Return the definitions of a type and those in it, if they are known; None while they are asked for.
 
-        Raises
-        ------
-        RefusedError
-            What rosapi answers cannot be understood.
+        Raises RefusedError: what rosapi answers cannot be understood.
         """
         found = self._types.get(type_)
         if isinstance(found, BridgeError):
@@ -167,11 +152,7 @@ class Rosapi:
     def watch(self, topics: Iterable[str], in_need: bool) -> None:
         """Choose the topics whose publishers are asked for, and how soon.
 
-        Parameters
-        ----------
-        topics : iterable of str
-        in_need : bool
-            Whether a topic or a message is missing, so that it is worth asking sooner.
+        `in_need`: whether a topic or a message is missing, so that it is worth asking sooner.
         """
         watched = frozenset(topics)
         if watched - self._watched or (in_need and not self._in_need):
@@ -339,12 +320,8 @@ class Rosapi:
     def _ask(self, service: str, patience: float | None = None, **arguments: object) -> Mapping[str, Any]:
         """Call a service.
 
-        Raises
-        ------
-        RefusedError
-            The call failed, or there is no such service.
-        BridgeError
-            There is no connection, or nothing came back.
+        Raises RefusedError: the call failed, or there is no such service.
+        Raises BridgeError: there is no connection, or nothing came back.
         """
         socket = self._socket
         if socket is None or not socket.is_open:

@@ -43,12 +43,8 @@ _FIGHT = 5.0  # seconds for which another client counts as one that commands
 class RosbridgeTransport(Transport):
     """A rosbridge server.
 
-    Parameters
-    ----------
-    url : str
-        ``ws://host:9090``
-    warn : callable
-        Called with a sentence for each complaint of the server.
+    `url`: ``ws://host:9090``
+    `warn`: called with a sentence for each complaint of the server.
     """
 
     def __init__(self, url: str, warn: Callable[[str], None]) -> None:
@@ -69,10 +65,8 @@ class RosbridgeTransport(Transport):
     def connect(self) -> None:
         """Open a websocket.
 
-        Raises
-        ------
-        BridgeError
-            No server answers, or it does not speak websocket; or `websockets` is not installed.
+        Raises BridgeError: no server answers, or it does not speak websocket; or `websockets` is not
+            installed.
         """
         require_websockets()
         self.disconnect()
@@ -115,10 +109,7 @@ class RosbridgeTransport(Transport):
     def topics(self) -> Mapping[str, str]:
         """Return the list of rosapi as it was a moment ago; a server without rosapi has none.
 
-        Raises
-        ------
-        BridgeError
-            The connection is lost, or ROS itself does not answer.
+        Raises BridgeError: the connection is lost, or ROS itself does not answer.
         """
         self._open_socket()
         topics = self._rosapi.topics()
@@ -133,10 +124,7 @@ class RosbridgeTransport(Transport):
     def define(self, type_: str) -> Mapping[str, Definition] | None:
         """Return the definitions of a type; the server is asked only for those that are not known here.
 
-        Raises
-        ------
-        RefusedError
-            The server describes it in a way that cannot be understood.
+        Raises RefusedError: the server describes it in a way that cannot be understood.
         """
         topics = self._rosapi.topics()
         header = HEADERS[2 if self._rosapi.is_ros2 else 1] if topics else {}
@@ -187,10 +175,7 @@ class RosbridgeTransport(Transport):
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish.
 
-        Raises
-        ------
-        BridgeError
-            The connection is gone, or the server hangs.
+        Raises BridgeError: the connection is gone, or the server hangs.
         """
         assert isinstance(handle, _Handle)
         socket, topic = self._open_socket(), handle.topic

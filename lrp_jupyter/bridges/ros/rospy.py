@@ -37,10 +37,7 @@ _node_master = ""  # the master that this process's node belongs to
 class RospyTransport(Transport):
     """The node of this process.
 
-    Parameters
-    ----------
-    master : str
-        Address of the ROS master; empty: ``ROS_MASTER_URI`` of the environment.
+    `master`: address of the ROS master; empty: ``ROS_MASTER_URI`` of the environment.
     """
 
     period = 0.5
@@ -54,10 +51,7 @@ class RospyTransport(Transport):
     def connect(self) -> None:
         """Find the master and, in a process's first connection, create the node.
 
-        Raises
-        ------
-        BridgeError
-            There is no rospy, no master, or the node belongs to another one.
+        Raises BridgeError: there is no rospy, no master, or the node belongs to another one.
         """
         rospy = _rospy()
         self._pid = int(self._master.ask("getPid"))
@@ -86,10 +80,7 @@ class RospyTransport(Transport):
     def topics(self) -> Mapping[str, str]:
         """Ask the master, for topics with subscribers only too.
 
-        Raises
-        ------
-        BridgeError
-            It does not answer, or is another one than before.
+        Raises BridgeError: it does not answer, or is another one than before.
         """
         if _rospy().is_shutdown():
             raise BridgeError("The ROS node of this process was shut down. Restart the kernel.")
@@ -120,10 +111,7 @@ class RospyTransport(Transport):
     def define(self, type_: str) -> Mapping[str, Definition]:
         """Return the definitions from the classes of the installed packages.
 
-        Raises
-        ------
-        RefusedError
-            The package is not installed here.
+        Raises RefusedError: the package is not installed here.
         """
         found: dict[str, Definition] = {}
         _define(type_, found)
@@ -156,10 +144,7 @@ class RospyTransport(Transport):
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish. Types were checked when the message was filled: rospy does it only for subscribers.
 
-        Raises
-        ------
-        BridgeError
-            rospy refuses the message.
+        Raises BridgeError: rospy refuses the message.
         """
         import genpy
 
@@ -282,10 +267,7 @@ class _Master:
     def ask(self, question: str) -> Any:
         """Call a function of the master and return its answer.
 
-        Raises
-        ------
-        BridgeError
-            It does not answer.
+        Raises BridgeError: it does not answer.
         """
         try:
             with xmlrpc.client.ServerProxy(self._uri, transport=_Timed()) as proxy:

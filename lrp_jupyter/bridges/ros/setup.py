@@ -42,24 +42,13 @@ _SECTIONS: Mapping[str, Direction] = {"subscriptions": "subscription", "publishe
 class Wire:
     """A variable of the robot and the topic it is wired to.
 
-    Attributes
-    ----------
-    variable : str
-        The name after ``robot.``
-    direction : {"subscription", "publisher"}
-    topic : str
-        Absolute: ``odom`` becomes ``/odom``.
-    type : str
-        In the form ``package/Type``; empty: that of the live topic.
-    limits : mapping of str to float
-        Of a publisher: ``{"linear": 0.5}`` keeps that field within -0.5 ... 0.5.
-    stale_after : float or None
-        Of a subscription: seconds after which its last message is too old to drive by; None: it never is.
-
-    Raises
-    ------
-    BridgeError
-        A name is illegal; the message names it and the reason.
+    `variable`: the name after ``robot.``
+    `topic`: absolute: ``odom`` becomes ``/odom``.
+    `type`: in the form ``package/Type``; empty: that of the live topic.
+    `limits`: of a publisher: ``{"linear": 0.5}`` keeps that field within -0.5 ... 0.5.
+    `stale_after`: of a subscription: seconds after which its last message is too old to drive by; None: it
+        never is.
+    Raises BridgeError: a name is illegal; the message names it and the reason.
     """
 
     variable: str
@@ -105,10 +94,7 @@ class Wire:
 def check_type(type_: str, also: Iterable[str] = ()) -> str:
     """Return the short form of a type's name; empty is allowed.
 
-    Raises
-    ------
-    BridgeError
-        It is not written ``package/Type``.
+    Raises BridgeError: it is not written ``package/Type``.
     """
     name = canonical(type_)
     if name and not _TYPE.match(name):
@@ -129,10 +115,7 @@ def setup_as_dict(wires: Iterable[Wire]) -> dict[str, Any]:
 def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...]:
     """Read a set-up.
 
-    Raises
-    ------
-    BridgeError
-        It is not a set-up; the message names the place of the mistake.
+    Raises BridgeError: it is not a set-up; the message names the place of the mistake.
     """
     if not isinstance(setup, Mapping):
         raise BridgeError(f"{where} is not a set-up. Write an object with `subscriptions` and `publishers`.")
@@ -190,10 +173,7 @@ def _no_others(mapping: Mapping[str, object], known: Iterable[str], place: str) 
 def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
     """Read a set-up from a file.
 
-    Raises
-    ------
-    BridgeError
-        The file cannot be read, or does not contain a set-up.
+    Raises BridgeError: the file cannot be read, or does not contain a set-up.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -207,10 +187,7 @@ def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
 def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
     """Write a set-up to a file, atomically.
 
-    Raises
-    ------
-    BridgeError
-        The file cannot be written.
+    Raises BridgeError: the file cannot be written.
     """
     try:
         write_file(path, json.dumps(setup_as_dict(wires), indent=2) + "\n")
@@ -222,15 +199,9 @@ def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
 class Address:
     """Where a robot is found.
 
-    Attributes
-    ----------
-    scheme : str
-        ``ws``, ``wss`` or ``http``.
-    host : str
-        Empty: not given.
-    port : int
-    path : str
-        Empty, or from the first ``/`` on, with a query.
+    `scheme`: ``ws``, ``wss`` or ``http``.
+    `host`: empty: not given.
+    `path`: empty, or from the first ``/`` on, with a query.
     """
 
     scheme: str
@@ -255,20 +226,10 @@ def parse_address(
 ) -> Address:
     """Read an address: ``turtle.local``, ``10.0.0.5:9090``, ``[fe80::1]:9090``, ``wss://turtle.local/rosbridge``.
 
-    Parameters
-    ----------
-    host : str, optional
-    port : int or str, optional
-        It replaces a port in `host`.
-    default : int
-        The port if none is given; with ``wss`` it is 443, as in a browser.
-    schemes : tuple of str
-        What may stand before ``://``; the first is the default. Only ``ws`` and ``wss`` have paths.
-
-    Raises
-    ------
-    BridgeError
-        It is not an address, or not one that can be connected to.
+    `port`: it replaces a port in `host`.
+    `default`: the port if none is given; with ``wss`` it is 443, as in a browser.
+    `schemes`: what may stand before ``://``; the first is the default. Only ``ws`` and ``wss`` have paths.
+    Raises BridgeError: it is not an address, or not one that can be connected to.
     """
     text = str(host or "").strip()
     shown = f"`{text}`{f', port {port}' if port else ''}"

@@ -45,14 +45,9 @@ Decode = Callable[[Any], Any]
 class Form:
     """The decoder of a message type.
 
-    Attributes
-    ----------
-    kind : ReceivedMessage class
-    decode : callable
-        Makes a reading of a dictionary (rosbridge) or of an object with attributes (rospy); raises
+    `decode`: makes a reading of a dictionary (rosbridge) or of an object with attributes (rospy); raises
         ValueError, TypeError or AttributeError for data that is not a message of the type.
-    zero : ReceivedMessage
-        The one in which nothing is set.
+    `zero`: the one in which nothing is set.
     """
 
     kind: type[ReceivedMessage]
@@ -182,10 +177,7 @@ class Types:
     def message(self, type_: str) -> type[RosMessage]:
         """Return the class of messages to fill.
 
-        Raises
-        ------
-        BridgeError
-            The type, or one in it, is not known.
+        Raises BridgeError: the type, or one in it, is not known.
         """
         name = canonical(type_)
         if name not in self._messages:
@@ -211,10 +203,7 @@ class Types:
     def form(self, type_: str) -> Form:
         """Return the class of received messages, and its decoder.
 
-        Raises
-        ------
-        BridgeError
-            The type, or one in it, is not known.
+        Raises BridgeError: the type, or one in it, is not known.
         """
         name = canonical(type_)
         if name not in self._forms:

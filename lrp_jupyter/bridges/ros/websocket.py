@@ -46,21 +46,10 @@ class Socket:
 
     Owner: the thread of its event loop; `put`, `expect` and the attributes are for others.
 
-    Parameters
-    ----------
-    url : str
-    receive : callable
-        Given each message of the server but answers to service calls; on this socket's thread.
-    changed : callable
-        Called when the server begins or ceases to hang, and at the end.
-
-    Attributes
-    ----------
-    is_open, is_stale : bool
-    round_trip : float or None
-        Seconds until a pong, as usual of late; None before the first one.
-    ended : str
-        Why it ended; empty for no special reason.
+    `receive`: given each message of the server but answers to service calls; on this socket's thread.
+    `changed`: called when the server begins or ceases to hang, and at the end.
+    `round_trip`: seconds until a pong, as usual of late; None before the first one.
+    `ended`: why it ended; empty for no special reason.
     """
 
     def __init__(
@@ -82,10 +71,7 @@ class Socket:
     def open(self) -> None:
         """Connect; bounded.
 
-        Raises
-        ------
-        BridgeError
-            No server answers, or it does not speak websocket.
+        Raises BridgeError: no server answers, or it does not speak websocket.
         """
         self._thread.start()
         try:
@@ -227,10 +213,7 @@ class Socket:
 def require_websockets() -> None:
     """Check that the library is installed; it is imported only where it is needed.
 
-    Raises
-    ------
-    BridgeError
-        It is not installed.
+    Raises BridgeError: it is not installed.
     """
     try:
         import websockets.asyncio.client  # noqa: F401

@@ -24,10 +24,7 @@ class Wiring:
 
     Owner: the threads of a person, the link and the loop may change it; a lock serializes them.
 
-    Attributes
-    ----------
-    path : str
-        The file to which every change is written; empty: none.
+    `path`: the file to which every change is written; empty: none.
     """
 
     def __init__(self, offer: Callable[[Channel], None], withdraw: Callable[[str], None]) -> None:
@@ -49,10 +46,7 @@ class Wiring:
     def connect(self, wire: Wire, patience: float) -> None:
         """Connect a variable, and wait at most `patience` seconds for the robot's answer.
 
-        Raises
-        ------
-        BridgeError
-            It cannot be connected; the previous connection stays.
+        Raises BridgeError: it cannot be connected; the previous connection stays.
         """
         before, channel = self._put(wire)
         link = self.link
@@ -71,10 +65,7 @@ class Wiring:
     def remove(self, variable: str) -> None:
         """Disconnect a variable.
 
-        Raises
-        ------
-        BridgeError
-            There is no variable of that name.
+        Raises BridgeError: there is no variable of that name.
         """
         with self._changing:
             if variable not in self._channels:
@@ -87,10 +78,7 @@ class Wiring:
     def load(self, setup: str | os.PathLike[str] | Mapping[str, object]) -> None:
         """Replace all connections by those of a set-up; later changes are written to its file.
 
-        Raises
-        ------
-        BridgeError
-            It is not a valid set-up.
+        Raises BridgeError: it is not a valid set-up.
         """
         if isinstance(setup, Mapping):
             wires, path = setup_from_dict(setup), ""
@@ -107,10 +95,7 @@ class Wiring:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the set-up to a file, now and after every change.
 
-        Raises
-        ------
-        BridgeError
-            The file cannot be written.
+        Raises BridgeError: the file cannot be written.
         """
         save_setup(path, [channel.wire for channel in self.channels])
         self.path = os.fspath(path)
@@ -133,10 +118,7 @@ class Wiring:
     def stand_still(self, channel: Channel) -> None:
         """Publish a velocity of zero on a channel, if it carries velocities.
 
-        Raises
-        ------
-        BridgeError
-            It could not be sent.
+        Raises BridgeError: it could not be sent.
         """
         link = self.link
         if link is not None and channel.is_velocity:

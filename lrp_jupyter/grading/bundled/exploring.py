@@ -17,13 +17,8 @@ from lrp_jupyter.sim.worlds import load
 def _junction(name: str, free: int, corridor: float) -> World:
     """Return a corridor with a wall at its end, and a way to each side, of which one is free.
 
-    Parameters
-    ----------
-    name : str
-    free : int
-        1 if the way to the left is free, -1 if that to the right is.
-    corridor : float
-        Length of the corridor, in metres.
+    `free`: 1 if the way to the left is free, -1 if that to the right is.
+    `corridor`: length of the corridor, in metres.
     """
     wide, long, thick = 0.5, 1.0, 0.06  # of the ways to both sides
     middle, crossing = 1.3, 0.3 + corridor + wide / 2  # y of the corridor, x of the ways

@@ -10,12 +10,8 @@ from lrp_jupyter.grading.record import RunRecord, Sample
 def ignores(sensor: str, advice: str) -> Hint:
     """Return the hint that the program does not read a sensor.
 
-    Parameters
-    ----------
-    sensor : str
-        Such as ``"light"``.
-    advice : str
-        A sentence.
+    `sensor`: such as ``"light"``.
+    `advice`: a sentence.
     """
 
     def find(run: RunRecord) -> str | None:

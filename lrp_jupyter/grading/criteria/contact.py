@@ -126,10 +126,7 @@ def _touches(solid: str, now: Sample) -> bool:
 def _check(run: RunRecord, solids: Sequence[str]) -> None:
     """Refuse names that nothing in the world has.
 
-    Raises
-    ------
-    LRPError
-        The world has no such solid; the message suggests the closest one.
+    Raises LRPError: the world has no such solid; the message suggests the closest one.
     """
     known = {solid.name or f"solid {index}" for index, solid in enumerate(run.world.solids)}
     for solid in solids:

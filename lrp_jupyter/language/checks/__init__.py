@@ -30,20 +30,11 @@ def check(
 ) -> tuple[Finding, ...]:
     """Return the findings about a program, without running it.
 
-    Parameters
-    ----------
-    text_or_program : str or Program
-        A text that is not a valid program has only the parser's findings.
-    names : collection of str
-        Names in the session's namespace, such as a notebook's functions and imports.
-    robot : RobotMembers, optional
-        The members of the robot that the program is for, if they are known.
-
-    Returns
-    -------
-    tuple of Finding
-        In order of position, the first 200 and the number of the others; :data:`CODES` explains their
-        codes. An error certainly cannot work; a correct program has no findings.
+    `text_or_program`: a text that is not a valid program has only the parser's findings.
+    `names`: names in the session's namespace, such as a notebook's functions and imports.
+    `robot`: the members of the robot that the program is for, if they are known.
+    In order of position, the first 200 and the number of the others; :data:`CODES` explains their codes. An
+        error certainly cannot work; a correct program has no findings.
     """
     check_type("text_or_program", text_or_program, (str, Program), "a text or a Program")
     if isinstance(text_or_program, Program):

@@ -53,17 +53,10 @@ class Word(NamedTuple):
 class Remark(NamedTuple):
     """A suspicious place.
 
-    Parameters
-    ----------
-    span : Span
-    edit : Span or None
-        The range that a fix would replace.
-    name : str
-        The variable that a fix would assign or compare; for a bitwise operator, the operator.
-    last : bool
-        Whether it is the last statement of the block, and so its value.
-    is_test : bool
-        Whether what it assigns is a comparison or the like; `edit` is then what stands before that.
+    `edit`: the range that a fix would replace.
+    `name`: the variable that a fix would assign or compare; for a bitwise operator, the operator.
+    `last`: whether it is the last statement of the block, and so its value.
+    `is_test`: whether what it assigns is a comparison or the like; `edit` is then what stands before that.
     """
 
     span: Span
@@ -91,35 +84,20 @@ class Inner(NamedTuple):
 class Facts:
     """What a block does with names and values; all spans are offsets in its text.
 
-    Parameters
-    ----------
-    reads : tuple of Word
-        Names that it reads and does not bind: variables, or names from outside the program.
-    nonlocals : tuple of Word
-        Names that a function inside declares `nonlocal` and that the block does not bind.
-    binds : dict of str to Span
-        Names that it binds (a variable, if there is one in scope; else local to it), with a position.
-    augmented : tuple of Word
-        Names that it updates (``x += 1``) in a scope that does not otherwise bind them.
-    comparisons, uncalled, bitwise : tuple of Remark
-        Statements that only compare, statements that only name a member of the robot, and comparisons
-        with a bitwise operator where a logical one was probably meant.
-    valueless : Remark or None
-        Its last statement, if its value is None for certain.
-    literal : tuple of str and Span, or None
-        Kind and place of its value, if that is written as a literal.
-    test : Span or None
-        The place of its value, if that is `True` or `False` for certain.
-    texts : tuple of (str, Other)
-        Names that it compares with a text, and that text.
-    numbers : frozenset of str
-        Names that it binds, and to nothing but numbers.
-    misread : tuple of Diagnosis
-        Python that means something other than it seems to.
-    inner : tuple of Inner
-        Names that functions inside assign without `nonlocal`, and without any use.
-    unread : tuple of Word
-        Names that it assigns and never reads.
+    `reads`: names that it reads and does not bind: variables, or names from outside the program.
+    `nonlocals`: names that a function inside declares `nonlocal` and that the block does not bind.
+    `binds`: names that it binds (a variable, if there is one in scope; else local to it), with a position.
+    `augmented`: names that it updates (``x += 1``) in a scope that does not otherwise bind them.
+    `comparisons`, `uncalled`, `bitwise`: statements that only compare, statements that only name a member of
+        the robot, and comparisons with a bitwise operator where a logical one was probably meant.
+    `valueless`: its last statement, if its value is None for certain.
+    `literal`: kind and place of its value, if that is written as a literal.
+    `test`: the place of its value, if that is `True` or `False` for certain.
+    `texts`: names that it compares with a text, and that text.
+    `numbers`: names that it binds, and to nothing but numbers.
+    `misread`: python that means something other than it seems to.
+    `inner`: names that functions inside assign without `nonlocal`, and without any use.
+    `unread`: names that it assigns and never reads.
     """
 
     reads: tuple[Word, ...] = ()

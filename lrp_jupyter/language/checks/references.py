@@ -39,18 +39,11 @@ class MeantSpawn(NamedTuple):
 class MeantArrow(NamedTuple):
     """A transition as it is probably meant.
 
-    Parameters
-    ----------
-    noun : Transition
-    sources : list of str
-        The states that it names, or that a wildcard leaves out. Here and among the targets may be states that
-        do not exist yet: what only they lead to does not count as unreachable.
-    event : Event or None
-    targets : list of tuple of Scope and str
-        The machines and states to which it leads: several for an `exit` of a machine that is spawned
+    `sources`: the states that it names, or that a wildcard leaves out. Here and among the targets may be
+        states that do not exist yet: what only they lead to does not count as unreachable.
+    `targets`: the machines and states to which it leads: several for an `exit` of a machine that is spawned
         from several.
-    sound : bool
-        Whether all its references resolve as written.
+    `sound`: whether all its references resolve as written.
     """
 
     noun: Transition
@@ -64,13 +57,8 @@ class MeantArrow(NamedTuple):
 class Links:
     """What the references of a program probably mean.
 
-    Parameters
-    ----------
-    spawned : list of MeantSpawn
-    guess : bool
-        Whether a spawn names a machine that cannot even be guessed: it may mean any.
-    arrows : dict of Scope to list of MeantArrow
-        In the order of the text.
+    `guess`: whether a spawn names a machine that cannot even be guessed: it may mean any.
+    `arrows`: in the order of the text.
     """
 
     spawned: list[MeantSpawn] = field(default_factory=list)

@@ -17,11 +17,7 @@ COMPARED = 30_000
 class Reporter:
     """Collects the findings of one check.
 
-    Parameters
-    ----------
-    program : Program
-    names : collection of str
-        Names available in the session's namespace.
+    `names`: names available in the session's namespace.
     """
 
     def __init__(self, program: Program, names: Collection[str]) -> None:

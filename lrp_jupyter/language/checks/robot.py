@@ -53,14 +53,8 @@ def check_robot(
 ) -> Remedied | None:
     """Return what is wrong with a use of the robot.
 
-    Parameters
-    ----------
-    use : RobotUse
-    members : RobotMembers
-    is_condition, is_action : bool
-        What the block is.
-    is_number : callable
-        Whether a name is a variable that is a number at first.
+    `is_condition`, `is_action`: what the block is.
+    `is_number`: whether a name is a variable that is a number at first.
     """
     path = ""
     for index, name in enumerate(use.names):

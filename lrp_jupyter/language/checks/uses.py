@@ -53,19 +53,10 @@ class Other(NamedTuple):
 class RobotUse(NamedTuple):
     """A use of the robot.
 
-    Parameters
-    ----------
-    span : Span
-        From `robot` to the last name.
-    names : tuple of str
-        The names after it: ``("light", "data")``.
-    spans : tuple of Span
-        Their places.
-    role : str
-    call : RobotCall or None
-    other : Other or None
-    is_value : bool
-        Whether the call is the value of the block.
+    `span`: from `robot` to the last name.
+    `names`: the names after it: ``("light", "data")``.
+    `spans`: their places.
+    `is_value`: whether the call is the value of the block.
     """
 
     span: Span

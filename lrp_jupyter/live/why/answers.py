@@ -32,11 +32,7 @@ _INSTEAD = {
 class Answers:
     """Answers a question about a session. Used on the thread that ticks, between two ticks.
 
-    Parameters
-    ----------
-    loop : Loop
-    again : callable
-        See :data:`Again`.
+    `again`: see :data:`Again`.
     """
 
     def __init__(self, loop: Loop, again: Again) -> None:
@@ -47,12 +43,8 @@ class Answers:
     def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.
 
-        Raises
-        ------
-        UnknownElementError
-            There is no such transition, or there are several.
-        ValueError
-            The tick is not recorded.
+        Raises UnknownElementError: there is no such transition, or there are several.
+        Raises ValueError: the tick is not recorded.
         """
         reason = self._of_transition(transition, at)
         if reason is None:
@@ -66,12 +58,8 @@ class Answers:
     def why(self, what: str | Path, at: int | None = None) -> Reason:
         """Return why a state was entered last, or why the robot got its last command (`robot.move`).
 
-        Raises
-        ------
-        UnknownElementError
-            There is no such state or command, or there are several.
-        ValueError
-            The tick is not recorded.
+        Raises UnknownElementError: there is no such state or command, or there are several.
+        Raises ValueError: the tick is not recorded.
         """
         reason = self._of_state_or_command(what, at)
         if reason is None:
@@ -81,12 +69,8 @@ class Answers:
     def explain(self, name: str | Path, at: int | None = None) -> Reason:
         """Return why a transition did not fire or, if there is no such transition, what `why` returns.
 
-        Raises
-        ------
-        UnknownElementError
-            There is no such transition, state or command, or there are several.
-        ValueError
-            The tick is not recorded.
+        Raises UnknownElementError: there is no such transition, state or command, or there are several.
+        Raises ValueError: the tick is not recorded.
         """
         reason = self._of_transition(name, at) or self._of_state_or_command(name, at)
         if reason is None:

@@ -15,21 +15,12 @@ from lrp_jupyter.live.why.wording import time_text
 class Case:
     """A transition in a tick.
 
-    Parameters
-    ----------
-    element : Element
-        The transition, by path of definition.
-    label : str
-        How it is displayed.
-    line : int
-        Where it stands; 0 if nowhere.
-    tick : int
-    time : float
-        That of the tick, in seconds.
-    state : PastState
-        The state of the run when the tick began.
-    cause : Cause
-        Why it fired, or did not.
+    `element`: the transition, by path of definition.
+    `label`: how it is displayed.
+    `line`: where it stands; 0 if nowhere.
+    `time`: that of the tick, in seconds.
+    `state`: the state of the run when the tick began.
+    `cause`: why it fired, or did not.
     """
 
     element: Element

@@ -13,13 +13,8 @@ from lrp_jupyter.live.reason import CommandCode, Reason, StateCode
 class AnswerDraft:
     """An answer that is being written.
 
-    Parameters
-    ----------
-    facts : dict
-        Those of the reason, but the lines.
-    sentences : list of str
-    lines : list of int
-        The lines that the answer mentions, the first one to look at first; 0 stands for none.
+    `facts`: those of the reason, but the lines.
+    `lines`: the lines that the answer mentions, the first one to look at first; 0 stands for none.
     """
 
     facts: dict[str, Any] = field(default_factory=dict)

@@ -31,12 +31,8 @@ _UNCHANGING = (FunctionType, BuiltinFunctionType, ModuleType, type)
 class LastTrue(NamedTuple):
     """When a condition was true before a tick.
 
-    Parameters
-    ----------
-    tick : int or None
-        The last tick in which it was, if one is known.
-    first : int
-        The first tick that was looked at; the tick itself if none was.
+    `tick`: the last tick in which it was, if one is known.
+    `first`: the first tick that was looked at; the tick itself if none was.
     """
 
     tick: int | None
@@ -46,11 +42,7 @@ class LastTrue(NamedTuple):
 class PastTests:
     """The tests of transitions in earlier ticks. Used on the thread that ticks, between two ticks.
 
-    Parameters
-    ----------
-    loop : Loop
-    again : callable
-        See :data:`Again`.
+    `again`: see :data:`Again`.
     """
 
     def __init__(self, loop: Loop, again: Again) -> None:

@@ -19,10 +19,7 @@ def _transitions_in(program: Program) -> list[Element]:
 def find_transition(wanted: str | Path, programs: Iterable[Program]) -> tuple[Element, Program] | None:
     """Return the transition of a name, label, id or path, and the first program that has it; or None.
 
-    Raises
-    ------
-    UnknownElementError
-        There are several.
+    Raises UnknownElementError: there are several.
     """
     for program in programs:
         found = [each for each in _transitions_in(program) if _is_called(each, wanted)]
@@ -37,10 +34,7 @@ def find_transition(wanted: str | Path, programs: Iterable[Program]) -> tuple[El
 def the_transition(wanted: str | Path, program: Program) -> Element:
     """Return the transition of a name, label, id or path.
 
-    Raises
-    ------
-    UnknownElementError
-        There is none, or there are several.
+    Raises UnknownElementError: there is none, or there are several.
     """
     found = find_transition(wanted, [program])
     if found is None:
@@ -69,10 +63,7 @@ def find_state(wanted: str | Path, programs: Iterable[Program]) -> tuple[Path, P
 
     A name or a path is wanted; also a path as spawned.
 
-    Raises
-    ------
-    UnknownElementError
-        There are several.
+    Raises UnknownElementError: there are several.
     """
     path = as_path(wanted)
     for program in programs:

@@ -16,14 +16,6 @@ class RecordedRun:
 
     *When* something happened is a number: that of its tick, or, between two ticks, that of the first one and
     a half.
-
-    Parameters
-    ----------
-    interpreter : Interpreter
-
-    Attributes
-    ----------
-    history : History
     """
 
     def __init__(self, interpreter: Interpreter) -> None:
@@ -34,10 +26,7 @@ class RecordedRun:
     def tick(self, at: int | None) -> int:
         """Return the tick that a question is about; for None the last one.
 
-        Raises
-        ------
-        ValueError
-            It is not remembered.
+        Raises ValueError: it is not remembered.
         """
         ticks = self.history.ticks
         tick = ticks.stop - 1 if at is None else at

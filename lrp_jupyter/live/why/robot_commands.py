@@ -25,21 +25,10 @@ from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_tex
 def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool) -> Reason:
     """Return why the robot got its last command of a name.
 
-    Parameters
-    ----------
-    run : RecordedRun
-    loop : Loop
-    name : str
-        That of the command; of one that sets the velocity, every other one that does counts, too.
-    tick : int
-        Up to which tick.
-    now : bool
-        Whether what has happened since that tick counts, too.
-
-    Raises
-    ------
-    UnknownElementError
-        The robot has no such command.
+    `name`: that of the command; of one that sets the velocity, every other one that does counts, too.
+    `tick`: up to which tick.
+    `now`: whether what has happened since that tick counts, too.
+    Raises UnknownElementError: the robot has no such command.
     """
     safety, time = loop.bridge.safety, run.time(tick)
     names = _alike(loop.bridge, name)

@@ -20,15 +20,8 @@ from lrp_jupyter.live.why.wording import time_text
 def state_reason(run: RecordedRun, tests: PastTests, state: Path, name: str, tick: int) -> Reason:
     """Return why a state was entered last before the end of a tick.
 
-    Parameters
-    ----------
-    run : RecordedRun
-    tests : PastTests
-    state : path
-        By path of definition, as it was called in the tick.
-    name : str
-        Its name in the question.
-    tick : int
+    `state`: by path of definition, as it was called in the tick.
+    `name`: its name in the question.
     """
     names = run.names(tick)
     for when, fact in run.backward(tick):
