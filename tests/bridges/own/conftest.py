@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import pytest
+from support.waiting import no_thread_left, until
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.live.session import Session
+from lrp_jupyter.bridges.conformance import BridgeConformance
+from lrp_jupyter.sim.simulation import Simulation
 
 HERE = Path(__file__).parent
 EXAMPLES = Path(__file__).parents[3] / "notebooks" / "bridges"
@@ -24,20 +27,18 @@ EXAMPLES = Path(__file__).parents[3] / "notebooks" / "bridges"
 @pytest.fixture(autouse=True)
 def _nothing_is_left_behind() -> Iterator[None]:
     """Neither threads nor names of bridges."""
-    threads, names = set(threading.enumerate()), dict(Bridge.registry)
-    yield
-    Bridge.registry.clear()
-    Bridge.registry.update(names)
-    left = set(threading.enumerate()) - threads
-    for thread in left:
-        thread.join(60)
-    assert not [thread for thread in left if thread.is_alive()]
+    names = dict(Bridge.registry)
+    with no_thread_left(lambda thread: thread.name != "listener"):
+        yield
+        Bridge.registry.clear()
+        Bridge.registry.update(names)
 
 
 class Processes:
     """Programs of this folder, which say `ready`; all are ended in the end."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
         self._running: list[subprocess.Popen[str]] = []
         self._listeners: list[threading.Thread] = []
 
@@ -62,7 +63,7 @@ class Processes:
             assert robot.stdout is not None
             told.extend(line.strip() for line in robot.stdout)
 
-        self._listeners.append(threading.Thread(target=listen, daemon=True))
+        self._listeners.append(threading.Thread(target=listen, name="listener", daemon=True))
         self._listeners[-1].start()
         return told
 
@@ -82,10 +83,78 @@ class Processes:
 
 
 @pytest.fixture
-def processes() -> Iterator[Processes]:
-    processes = Processes()
+def processes(tmp_path: Path) -> Iterator[Processes]:
+    processes = Processes(tmp_path)
     yield processes
     processes.end_all()
+
+
+@pytest.fixture(scope="class")
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
+    """Those of all tests of a class."""
+    processes = Processes(tmp_path_factory.mktemp("shared"))
+    yield processes
+    processes.end_all()
+
+
+class OfARobot(BridgeConformance):
+    """The checks of a bridge to one robot, a process of its own that is started again when it was killed."""
+
+    moves = True
+    processes: Processes
+    robot: subprocess.Popen[str]
+    told: list[str]
+    before = 0
+
+    @pytest.fixture(autouse=True, scope="class")
+    @classmethod
+    def _robot(cls, shared: Processes) -> None:
+        cls.processes = shared
+        cls.start()
+
+    @classmethod
+    def start(cls) -> None:
+        """Start the robot, and set `robot` and `told`."""
+        raise NotImplementedError
+
+    def make(self) -> Bridge:
+        """Return a bridge to it."""
+        raise NotImplementedError
+
+    def make_bridge(self) -> Bridge:
+        type(self).before = len(self.told)
+        return self.make()
+
+    def has_moved(self, bridge: Bridge) -> bool:
+        return any(told != "drives 0.000 0.000" for told in self.told[self.before :])
+
+    def silence(self) -> None:
+        self.robot.send_signal(signal.SIGSTOP)
+
+    def cut(self) -> None:
+        self.processes.end(self.robot)
+
+    def restore(self) -> None:
+        if self.robot.poll() is None:
+            self.robot.send_signal(signal.SIGCONT)
+        else:
+            self.start()
+
+
+def drives_and_senses(bridge: Bridge, told: Callable[[], list[str]]) -> None:
+    """Assert that a robot at the start of its world turns as it was told, and its readings are those."""
+    light, bumper = (lambda readings: (readings.lights[0], readings.bumper))(Simulation("line").latch())
+    until(lambda: _sensed(bridge) == (pytest.approx(light, abs=3), bumper), "it senses something else")
+    bridge.robot.move(linear=0.2, angular=1)
+    still = "drives 0.000 0.000"
+    until(lambda: any(word.startswith("drives") and word != still for word in told()), "it does not drive")
+    first = next(word for word in told() if word.startswith("drives") and word != still)
+    assert tuple(map(float, first.split()[1:])) == pytest.approx((0.2, 1.0), abs=0.01)
+
+
+def _sensed(bridge: Bridge) -> tuple[Any, Any]:
+    bridge.refresh()
+    return bridge.describe("light.data").value, bridge.describe("bumper.data").value
 
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
@@ -102,40 +171,10 @@ def driving(processes: Processes, tmp_path: Path) -> Callable[..., subprocess.Po
         for name, value in options.items():
             command += ["--option", f"{name}={value}"]
         run = processes.start(*command, ready=False)
-        wait_until(lambda: told and told[-1] == "drives 0.200 0.000", "it does not drive")
+        until(lambda: told and told[-1] == "drives 0.200 0.000", "it does not drive")
         return run
 
     return start
-
-
-def wait_until(holds: Callable[[], object], what: str, seconds: float = 60.0) -> None:
-    """Wait for what another process or thread does; fail after so many seconds."""
-    over, tick = threading.Event(), threading.Event()
-    timer = threading.Timer(seconds, over.set)
-    timer.start()
-    try:
-        while not holds():
-            assert not over.is_set(), what
-            tick.wait(0.02)
-    finally:
-        timer.cancel()
-        timer.join()
-
-
-def reaches(session: Session, state: str) -> bool:
-    """Wait for a state; where the machine holds this process up, its guard stops the robot: it is resumed."""
-    for _ in range(10):
-        frame = session.wait_for(lambda frame: frame.count_of(state) or frame.status == "paused", timeout=180)
-        if frame.status != "paused":
-            return True
-        assert "was suspended for" in frame.reason, frame.reason
-        session.resume()
-    return False
-
-
-@pytest.fixture(scope="session")
-def until() -> Callable[..., None]:
-    return wait_until
 
 
 def free_port() -> int:
@@ -166,7 +205,7 @@ class Broker:
 
     def _start(self) -> subprocess.Popen[str]:
         process = self._processes.start(self._program, *self._options, ready=False)
-        wait_until(self._answers, "mosquitto did not start")
+        until(self._answers, "mosquitto did not start")
         return process
 
     def _answers(self) -> bool:

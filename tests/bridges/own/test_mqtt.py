@@ -13,22 +13,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Broker, Processes, free_port
+from bridges.own.conftest import EXAMPLES, Broker, OfARobot, Processes, drives_and_senses, free_port
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.conformance import BridgeConformance
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.live.clock import MonotonicClock
-from lrp_jupyter.live.session import Session
-from lrp_jupyter.programs import load
 
 mqtt = pytest.importorskip("paho.mqtt.client")
 
 MQTT = str(EXAMPLES / "mqtt.py")
-FASTER = 2.0  # both the robot's time and the program's
 
-Until = Callable[..., None]
 Driving = Callable[..., "subprocess.Popen[str]"]
 
 
@@ -83,22 +78,17 @@ def bridge(broker: Broker) -> Iterator[Bridge]:
 
 
 @pytest.mark.slow
-class TestMqtt(BridgeConformance):
-    moves = True
+class TestMqtt(OfARobot):
+    broker: Broker
 
-    @pytest.fixture(autouse=True)
-    def _connected(self, broker: Broker, processes: Processes) -> None:
-        self.broker, self.robot = broker, processes.robot("mqtt", broker.port, 1.0)
-        self.told = processes.told(self.robot)
+    @classmethod
+    def start(cls) -> None:
+        cls.broker = Broker(cls.processes)
+        cls.robot = cls.processes.robot("mqtt", cls.broker.port, 1.0)
+        cls.told = cls.processes.told(cls.robot)
 
-    def make_bridge(self) -> Bridge:
+    def make(self) -> Bridge:
         return make_bridge(MQTT, port=self.broker.port)
-
-    def has_moved(self, bridge: Bridge) -> bool:
-        return any(told != "drives 0.000 0.000" for told in self.told)
-
-    def silence(self) -> None:
-        self.robot.send_signal(signal.SIGSTOP)
 
     def cut(self) -> None:
         self.broker.kill()
@@ -110,26 +100,16 @@ class TestMqtt(BridgeConformance):
 
 
 @pytest.mark.slow
-def test_the_unchanged_follower_goes_there_and_back(
-    broker: Broker, processes: Processes, listener: Listener
+def test_it_drives_as_it_is_told_and_says_what_it_senses(
+    broker: Broker, processes: Processes, bridge: Bridge
 ) -> None:
-    processes.robot("mqtt", broker.port, FASTER)
-    session = Session(load("follower"), MQTT, port=broker.port, clock=MonotonicClock(FASTER))
-    session.bridge.arm()
-    session.start()
-    try:
-        assert session.wait_for("bumpback", timeout=180)
-        assert listener.last("odom")["x"] > 1.0
-        assert session.wait_for("end", timeout=180)
-        assert listener.last("odom")["x"] < 0.1
-        assert not session.issues
-    finally:
-        session.close()
+    told = processes.told(processes.robot("mqtt", broker.port, 1.0))
+    drives_and_senses(bridge, lambda: told)
 
 
 @pytest.mark.slow
 def test_a_broker_that_dies_is_a_lost_robot_and_one_that_comes_back_is_found(
-    broker: Broker, bridge: Bridge, until: Until
+    broker: Broker, bridge: Bridge
 ) -> None:
     bridge.robot.move(linear=0.2)
     sent = sent_by(bridge)
@@ -164,9 +144,7 @@ def sent_by(bridge: Any) -> list[Any]:
 
 
 @pytest.mark.slow
-def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(
-    broker: Broker, listener: Listener, until: Until
-) -> None:
+def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(broker: Broker, listener: Listener) -> None:
     bridge = make_bridge(MQTT, port=broker.port)
     bridge.open()
     assert not bridge.safety.armed
@@ -180,7 +158,7 @@ def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
 def test_the_broker_stops_the_robot_when_this_process_is(
-    end: signal.Signals, broker: Broker, processes: Processes, driving: Driving, until: Until
+    end: signal.Signals, broker: Broker, processes: Processes, driving: Driving
 ) -> None:
     told = processes.told(processes.robot("mqtt", broker.port, 1.0))
     driving(told, "mqtt.py", port=broker.port).send_signal(end)
@@ -188,7 +166,7 @@ def test_the_broker_stops_the_robot_when_this_process_is(
 
 
 @pytest.mark.slow
-def test_what_comes_once_a_minute_holds_nobody_up(bridge: Bridge, listener: Listener, until: Until) -> None:
+def test_what_comes_once_a_minute_holds_nobody_up(bridge: Bridge, listener: Listener) -> None:
     for topic, text in (("light", "255"), ("bumper", "0"), ("battery", "7.4")):
         listener.publish(topic, text)
     until(
@@ -211,7 +189,7 @@ def value_of(bridge: Bridge, name: str) -> object:
 
 @pytest.mark.slow
 def test_a_reading_that_is_no_number_is_told_and_the_others_come_on(
-    bridge: Bridge, listener: Listener, until: Until
+    bridge: Bridge, listener: Listener
 ) -> None:
     listener.publish("light", "bright")
     words = "`robot/light` sent b'bright'"
@@ -222,7 +200,7 @@ def test_a_reading_that_is_no_number_is_told_and_the_others_come_on(
 
 @pytest.mark.slow
 def test_a_reading_that_the_broker_has_kept_is_not_a_reading_of_now(
-    broker: Broker, listener: Listener, until: Until
+    broker: Broker, listener: Listener
 ) -> None:
     listener.publish("light", "7", retain=True)
     bridge = make_bridge(MQTT, port=broker.port)
@@ -237,7 +215,7 @@ def test_a_reading_that_the_broker_has_kept_is_not_a_reading_of_now(
 
 
 @pytest.mark.slow
-def test_a_broker_that_wants_a_password_is_told(processes: Processes, until: Until, tmp_path: Path) -> None:
+def test_a_broker_that_wants_a_password_is_told(processes: Processes, tmp_path: Path) -> None:
     port = free_port()
     (tmp_path / "closed.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous false\n")
     Broker(processes, port, "-c", tmp_path / "closed.conf")

@@ -11,25 +11,20 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
-from bridges.own.conftest import EXAMPLES, HERE
+from bridges.own.conftest import EXAMPLES, HERE, drives_and_senses
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.live.clock import MonotonicClock
-from lrp_jupyter.live.session import Session
-from lrp_jupyter.programs import load
 
 bleak = pytest.importorskip("bleak")
 
 PYBRICKS = str(EXAMPLES / "pybricks.py")
 SERVICE = "c5f50001-8280-46da-89f4-6d8051e4aeef"
 CHANNEL = "c5f50002-8280-46da-89f4-6d8051e4aeef"
-FASTER = 2.0  # both the robot's time and the program's
 PIECE = 7  # bytes of an event: lines come in pieces
-
-Until = Callable[..., None]
 
 
 class Hub:
@@ -139,20 +134,7 @@ class TestPybricks(BridgeConformance):
 
 
 @pytest.mark.slow
-def test_the_unchanged_follower_goes_there_and_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Hub, "speed", FASTER)
-    with Session(load("follower"), PYBRICKS, clock=MonotonicClock(FASTER)) as session:
-        session.bridge.arm()
-        session.start()
-        assert session.wait_for("bumpback", timeout=180)
-        assert session.wait_for("end", timeout=180)
-        assert not session.issues
-
-
-@pytest.mark.slow
-def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(
-    bridge: Bridge, until: Until
-) -> None:
+def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(bridge: Bridge) -> None:
     def failures() -> int:
         notices = bridge.safety.notices
         return sum(each.count for each in notices if "may not have stopped" in each.text)
@@ -166,9 +148,8 @@ def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(
 
 
 @pytest.mark.slow
-def test_the_hub_stops_the_robot_when_nothing_comes(bridge: Bridge, until: Until) -> None:
-    bridge.robot.move(linear=0.2, angular=1)
-    until(lambda: "drives 0.200 0.995" in Hub.last.told, "it does not drive")  # 57 degrees per second
+def test_it_drives_as_it_is_told_and_the_hub_stops_it_when_nothing_more_comes(bridge: Bridge) -> None:
+    drives_and_senses(bridge, lambda: Hub.last.told)
     until(lambda: Hub.last.told[-1:] == ["drives 0.000 0.000"], "it drives on")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import time
 import tty
@@ -12,22 +11,17 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Processes, reaches
+from bridges.own.conftest import EXAMPLES, OfARobot, Processes, drives_and_senses
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.conformance import BridgeConformance
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import BridgeError, NoDataYet
-from lrp_jupyter.live.clock import MonotonicClock
-from lrp_jupyter.live.session import Session
-from lrp_jupyter.programs import load
 
 pytest.importorskip("serial")
 
 SERIAL = str(EXAMPLES / "serial_line.py")
-FASTER = 2.0  # both the robot's time and the program's
 
-Until = Callable[..., None]
 Driving = Callable[..., "subprocess.Popen[str]"]
 
 
@@ -68,10 +62,12 @@ def line(tmp_path: Path) -> Iterator[Line]:
 
 
 @pytest.fixture
-def bridge(line: Line) -> Iterator[Bridge]:
+def bridge(line: Line, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bridge]:
     """Open and armed; what it was told is not old, however long a test is held up."""
+    monkeypatch.setattr("lrp_jupyter.bridges.reconnecting._CALM", 0.01)
     bridge = make_bridge(SERIAL, port=str(line.link))
     bridge.fed.clock = lambda: 0.0
+    bridge.stopper = lambda: None  # type: ignore[method-assign]
     bridge.open()
     bridge.arm()
     yield bridge
@@ -84,60 +80,39 @@ def value_of(bridge: Bridge, name: str) -> object:
 
 
 @pytest.mark.slow
-class TestSerialLine(BridgeConformance):
-    moves = True
+class TestSerialLine(OfARobot):
+    link = Path()
 
-    @pytest.fixture(autouse=True)
-    def _connected(self, processes: Processes, tmp_path: Path) -> None:
-        self.processes, self.link = processes, tmp_path / "robot"
-        self.plug_in()
+    @classmethod
+    def start(cls) -> None:
+        cls.link = cls.processes.folder / "robot"
+        cls.robot = cls.processes.robot("serial", cls.link, 1.0)
+        cls.told = cls.processes.told(cls.robot)
 
-    def plug_in(self) -> None:
-        self.robot = self.processes.robot("serial", self.link, 1.0)
-        self.told = self.processes.told(self.robot)
-
-    def make_bridge(self) -> Bridge:
+    def make(self) -> Bridge:
         return make_bridge(SERIAL, port=str(self.link))
 
-    def has_moved(self, bridge: Bridge) -> bool:
-        return any(told != "drives 0.000 0.000" for told in self.told)
 
-    def silence(self) -> None:
-        self.robot.send_signal(signal.SIGSTOP)
-
-    def cut(self) -> None:
-        self.processes.end(self.robot)
-
-    def restore(self) -> None:
-        if self.robot.poll() is None:
-            self.robot.send_signal(signal.SIGCONT)
-        else:
-            self.plug_in()
+@pytest.mark.slow
+def test_it_drives_as_it_is_told_and_says_what_it_senses(processes: Processes, tmp_path: Path) -> None:
+    told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
+    bridge = make_bridge(SERIAL, port=str(tmp_path / "robot"))
+    bridge.open()
+    bridge.arm()
+    drives_and_senses(bridge, lambda: told)
+    bridge.close()
 
 
 @pytest.mark.slow
-def test_the_unchanged_follower_goes_there_and_back(processes: Processes, tmp_path: Path) -> None:
-    processes.robot("serial", tmp_path / "robot", FASTER)
-    clock = MonotonicClock(FASTER)
-    with Session(load("follower"), SERIAL, port=str(tmp_path / "robot"), clock=clock) as session:
-        session.bridge.arm()
-        session.start()
-        assert reaches(session, "bumpback")
-        assert reaches(session, "end")
-        assert not session.issues
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
-def test_the_guard_stops_the_robot_when_this_process_is(
-    end: signal.Signals, processes: Processes, driving: Driving, until: Until, tmp_path: Path
+def test_the_guard_stops_the_robot_when_this_process_is_killed(
+    processes: Processes, driving: Driving, tmp_path: Path
 ) -> None:
     told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
-    driving(told, "serial_line.py", port=tmp_path / "robot").send_signal(end)
+    driving(told, "serial_line.py", port=tmp_path / "robot").kill()
     until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
 
 
-def test_readings_arrive_though_their_lines_come_in_pieces(line: Line, bridge: Bridge, until: Until) -> None:
+def test_readings_arrive_though_their_lines_come_in_pieces(line: Line, bridge: Bridge) -> None:
     line.say("light 2")
     line.say("12\nbump")
     until(lambda: value_of(bridge, "light.data") == 212, "the first line did not arrive")
@@ -145,13 +120,13 @@ def test_readings_arrive_though_their_lines_come_in_pieces(line: Line, bridge: B
     until(lambda: value_of(bridge, "bumper.data") == 1, "the second line did not arrive")
 
 
-def test_what_is_no_reading_is_told_and_the_others_come_on(line: Line, bridge: Bridge, until: Until) -> None:
+def test_what_is_no_reading_is_told_and_the_others_come_on(line: Line, bridge: Bridge) -> None:
     line.say("Traceback (most recent call last):\nlight 7\n")
     until(lambda: value_of(bridge, "light.data") == 7, "the next line did not arrive")
     assert any("Traceback (most recent call last):" in notice.text for notice in bridge.safety.notices)
 
 
-def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge, until: Until) -> None:
+def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge) -> None:
     line.say("light 7\nbumper 0\nbattery 7.4\n")
     until(
         lambda: "battery" in dir(bridge.robot) and value_of(bridge, "battery.data") == 7.4, "nothing arrives"
@@ -162,16 +137,14 @@ def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge, un
     assert bridge.robot.battery.data == 7.4
 
 
-def test_a_command_is_a_line_of_text(line: Line, bridge: Bridge, until: Until) -> None:
+def test_a_command_is_a_line_of_text(line: Line, bridge: Bridge) -> None:
     line.say("light 7\nbumper 0\n")
     until(lambda: value_of(bridge, "bumper.data") == 0, "nothing arrives")
     bridge.robot.move(linear=0.2, angular=-1)
     until(lambda: "move 0.200 -1.000" in line.told(), "nothing was sent")
 
 
-def test_an_unplugged_robot_is_lost_and_found_when_it_is_plugged_in_again(
-    line: Line, bridge: Bridge, until: Until
-) -> None:
+def test_an_unplugged_robot_is_lost_and_found_when_it_is_plugged_in_again(line: Line, bridge: Bridge) -> None:
     line.unplug()
     until(lambda: bridge.status.state == "lost", "it was not noticed")
     with pytest.raises(BridgeError):

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-import signal
 import socket
 import subprocess
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Processes, free_port, reaches
+from bridges.own.conftest import EXAMPLES, OfARobot, Processes, drives_and_senses, free_port
+from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.conformance import BridgeConformance
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.live.clock import MonotonicClock
-from lrp_jupyter.live.session import Session
-from lrp_jupyter.programs import load
 
 pytest.importorskip("tdmclient")
 
 THYMIO = str(EXAMPLES / "thymio.py")
-FASTER = 2.0  # both the robot's time and the program's
 
-Until = Callable[..., None]
 Driving = Callable[..., "subprocess.Popen[str]"]
 
 
@@ -34,51 +28,32 @@ def port() -> int:
 
 
 @pytest.mark.slow
-class TestThymio(BridgeConformance):
-    moves = True
+class TestThymio(OfARobot):
+    port = 0
 
-    @pytest.fixture(autouse=True)
-    def _connected(self, processes: Processes, port: int) -> None:
-        self.processes, self.port = processes, port
-        self.start()
+    @classmethod
+    def start(cls) -> None:
+        cls.port = cls.port or free_port()
+        cls.robot = cls.processes.robot("thymio", cls.port, 1.0)
+        cls.told = cls.processes.told(cls.robot)
 
-    def start(self) -> None:
-        self.robot = self.processes.robot("thymio", self.port, 1.0)
-        self.told = self.processes.told(self.robot)
-
-    def make_bridge(self) -> Bridge:
+    def make(self) -> Bridge:
         return make_bridge(THYMIO, port=self.port)
-
-    def has_moved(self, bridge: Bridge) -> bool:
-        return any(told != "drives 0.000 0.000" for told in self.told)
-
-    def silence(self) -> None:
-        self.robot.send_signal(signal.SIGSTOP)
-
-    def cut(self) -> None:
-        self.processes.end(self.robot)
-
-    def restore(self) -> None:
-        if self.robot.poll() is None:
-            self.robot.send_signal(signal.SIGCONT)
-        else:
-            self.start()
 
 
 @pytest.mark.slow
-def test_the_unchanged_follower_goes_there_and_back(processes: Processes, port: int) -> None:
-    processes.robot("thymio", port, FASTER)
-    with Session(load("follower"), THYMIO, port=port, clock=MonotonicClock(FASTER)) as session:
-        session.bridge.arm()
-        session.start()
-        assert reaches(session, "bumpback")
-        assert reaches(session, "end")
-        assert not session.issues
+def test_it_drives_as_it_is_told_and_says_what_it_senses(processes: Processes, port: int) -> None:
+    told = processes.told(processes.robot("thymio", port, 1.0))
+    bridge = make_bridge(THYMIO, port=port)
+    bridge.open()
+    bridge.arm()
+    drives_and_senses(bridge, lambda: told)
+    bridge.close()
 
 
 @pytest.mark.slow
 def test_a_device_manager_that_ends_is_a_lost_robot_and_one_that_starts_is_found(
-    processes: Processes, port: int, until: Until
+    processes: Processes, port: int
 ) -> None:
     manager = processes.robot("thymio", port, 1.0)
     bridge = make_bridge(THYMIO, port=port)
@@ -94,7 +69,7 @@ def test_a_device_manager_that_ends_is_a_lost_robot_and_one_that_starts_is_found
 
 @pytest.mark.slow
 def test_the_guard_stops_the_robot_when_this_process_is_killed(
-    processes: Processes, port: int, driving: Driving, until: Until
+    processes: Processes, port: int, driving: Driving
 ) -> None:
     told = processes.told(processes.robot("thymio", port, 1.0))
     driving(told, "thymio.py", port=port).kill()
@@ -142,7 +117,9 @@ def stranger() -> Iterator[int]:
         yield listener.getsockname()[1]
 
 
-def test_a_server_that_says_nothing_is_told_in_bounded_time(stranger: Any) -> None:
+def test_a_server_that_says_nothing_is_told(stranger: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    connect = socket.create_connection
+    monkeypatch.setattr(socket, "create_connection", lambda where, timeout: connect(where, 0.05))
     with pytest.raises(BridgeError, match="has no Thymio that is free"):
         make_bridge(THYMIO, port=stranger).open()
 
