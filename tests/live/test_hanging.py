@@ -152,7 +152,7 @@ def test_other_errors_of_finalizers_are_still_reported(hanging, monkeypatch):
 
 
 FINALIZED_AT_THE_LIMIT = """
-import gc, time
+import gc
 from lrp_jupyter import Session
 
 class Cycle:
@@ -174,7 +174,7 @@ gc.set_threshold(20, 2, 2)
 with Session(program, hung_after=0.2, namespace={"Cycle": Cycle}) as session:
     session.start()
     for number in range(4):
-        time.sleep(0.6)
+        session.wait_for(lambda frame: frame.status == "hung", 100)
         session.edit(f"{program}; {number}")
     print(session.issues[0].code)
 """
