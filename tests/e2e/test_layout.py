@@ -1,4 +1,4 @@
-"""The places of the panels: in one screen, the world first, kept as their user left them. Keys of the lab."""
+"""The places of the panels: in one screen, the world first, kept as their user left them; light and dark."""
 
 from itertools import combinations
 
@@ -10,26 +10,9 @@ from e2e.programs import COUNTER, FOLLOWER
 
 DIAMETER = 0.16  # m, of the bundled robot
 PANELS = ("editor", "tree", "graph", "world", "variables", "issues")
-SCREENS = [(1280, 800), (1600, 1000), (1900, 1000), (900, 900), (700, 900)]
-
-
-@pytest.fixture
-def screen(page):
-    """Set the size of the window."""
-    return lambda width, height: page.set_viewport_size({"width": width, "height": height})
-
-
-@pytest.fixture
-def open_follower(open_lab, screen):
-    """Open the follower as its user does, by Shift+Enter, in a window of this size."""
-
-    def open_follower(width=1280, height=800, *more):
-        screen(width, height)
-        lab = open_lab(FOLLOWER, "follower --world line", *more)
-        lab.goes_on()
-        return lab
-
-    return open_follower
+STACKED = "(panels, stacked) => panels.hasAttribute('data-stacked') === stacked"
+FRAMES = "async () => { for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame); }"
+SCREENS = [(1600, 1000), (1900, 1000), (1280, 800), (900, 900), (700, 900)]
 
 
 def box(lab, part):
@@ -50,9 +33,12 @@ def cells(lab):
     return lab.page.evaluate(f"{APP}.content.widgets.length")
 
 
+def places_of(lab):
+    return {part: box(lab, part) for part in PANELS}
+
+
 def nothing_overlaps(lab):
-    for one, other in combinations(PANELS, 2):
-        a, b = box(lab, one), box(lab, other)
+    for (one, a), (other, b) in combinations(places_of(lab).items(), 2):
         assert (
             a["x"] + a["width"] <= b["x"] + 1
             or b["x"] + b["width"] <= a["x"] + 1
@@ -61,29 +47,163 @@ def nothing_overlaps(lab):
         ), (one, other)
 
 
-# -- places ----------------------------------------------------------------------------------------
-
-
-def test_everything_is_in_one_screen_beside_the_file_browser(open_follower):
-    lab = open_follower(1280, 800)
+def is_stacked(lab):
+    """Where there is little room the world is above the other panels."""
+    places = places_of(lab)
+    assert min(places, key=lambda part: places[part]["y"]) == "world"
+    assert len({place["x"] for place in places.values()}) == 1
+    assert lab.root.evaluate("root => root.scrollWidth <= root.clientWidth")
     lab.root.evaluate("root => root.scrollIntoView()")
-    for part in PANELS:
-        in_sight(lab, f'[data-lrp="{part}"]')
-    nothing_overlaps(lab)
+    in_sight(lab, '[data-lrp-action="stop"]')
+    in_sight(lab, ".lrp-status")
 
 
-@pytest.mark.parametrize(("width", "height"), [size for size in SCREENS if size[0] >= 1280])
-def test_the_world_is_the_widest_picture_and_the_robot_can_be_seen(open_follower, width, height):
-    lab = open_follower(width, height)
-    canvas = lab.box(".lrp-canvas")
+def is_side_by_side(lab):
+    """The world is the widest picture, and the robot can be seen."""
     left, right = lab.place(0, 0)[0], lab.place(1, 0)[0]
     assert DIAMETER * (right - left) >= 24
+    canvas = lab.box(".lrp-canvas")
     assert canvas["width"] >= 0.39 * lab.box()["width"]
     assert canvas["width"] >= box(lab, "graph")["width"]
 
 
-def test_a_lab_in_a_tab_that_was_away_is_as_it_was(open_follower):
-    lab = open_follower()
+def has_a_whole_head(lab):
+    """The head of the graph shows its title and its mode whole."""
+    title, mode = '[data-lrp="graph"] .lrp-title', '[data-lrp="graph"] .lrp-select'
+    lab.until("select => select.offsetWidth >= 56", mode)  # with less the arrow lies on its word
+    assert lab.box(title)["x"] + lab.box(title)["width"] <= lab.box(mode)["x"]
+
+
+def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    lab.type_after("(state end", "ing")  # a program with findings shows more
+    lab.sees("[data-lrp-issue]")
+    lab.pause()
+    for theme in ("dark", "light"):
+        axe.choose_theme(lab, theme)
+        for part in ("editor", "graph", "variables"):
+            dark = theme == "dark"
+            assert all((colour > 128) is dark for colour in ink(lab, part)), (theme, part)
+        for width, height in SCREENS:
+            page.set_viewport_size({"width": width, "height": height})
+            lab.until(STACKED, ".lrp-panels", width < 1000)
+            lab.at_rest('[data-lrp="world"]')
+            nothing_overlaps(lab)
+            has_a_whole_head(lab)
+            (is_side_by_side if width >= 1280 else is_stacked)(lab)
+            axe.finds_nothing_serious(lab)
+    page.set_viewport_size({"width": 1280, "height": 800})
+    lab.root.evaluate("root => root.scrollIntoView()")
+    for part in PANELS:
+        in_sight(lab, f'[data-lrp="{part}"]')
+    panel, title = box(lab, "issues"), lab.box(".lrp-breakpoint-list > summary")
+    assert title["y"] + title["height"] <= panel["y"] + panel["height"] + 0.5
+    before = lab.box('[data-lrp-state="follower/moving"]')["width"]
+    lab.do("graph-menu")
+    lab.choose("menu-zoom-in")
+    lab.until(f"node => node.getBoundingClientRect().width > {before}", '[data-lrp-state="follower/moving"]')
+    open_a_menu_in_a_low_window(lab)
+
+
+def test_panels_are_enlarged_hidden_resized_and_kept(open_notebook, page):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp follower --world line\n{FOLLOWER}", "1", "2")
+    notebook.run_cell(0)
+    page.locator(".jp-CodeCell").nth(1).locator(".cm-content").click()
+    page.keyboard.press("Shift+Enter")
+    lab = notebook.lab().ready()
+    in_sight(lab, ".lrp-canvas")
+    in_sight(lab, '[data-lrp-action="stop"]')
+    page.set_viewport_size({"width": 1280, "height": 900})
+    keep_keys_from_the_notebook(lab)
+    enlarge_panels(lab)
+    fill_the_window(lab)
+    leave_the_tab(lab)
+    inspect_in_sight(lab)
+    resize_and_reload(lab)
+    push_nothing_by_notes(lab.notebook.open(COUNTER, "m"))
+
+
+def ink(lab, part):
+    """Red, green and blue of a part's text."""
+    color = lab.sees(f'[data-lrp="{part}"]').evaluate("part => getComputedStyle(part).color")
+    return [float(number) for number in color[color.index("(") + 1 : -1].split(",")[:3]]
+
+
+def open_a_menu_in_a_low_window(lab):
+    """A long menu is in sight, also when the lab fills the window."""
+    lab.page.set_viewport_size({"width": 1280, "height": 500})
+    lab.until("lab => document.querySelector('.jp-WindowedPanel-outer').clientHeight < 400")
+    lab.find('[data-lrp-action="menu"]').focus()  # no click: it would have to be scrolled to
+    lab.root.evaluate("lab => lab.scrollIntoView({ block: 'start' })")
+    inside = (
+        "menu => { const around = document.querySelector('.jp-WindowedPanel-outer').getBoundingClientRect();"
+        " const seen = menu.closest('[popover]') ? { top: 0, bottom: innerHeight } : around;"
+        " const { top, bottom, height } = menu.getBoundingClientRect();"
+        " return top >= seen.top && bottom <= seen.bottom && height > 300; }"
+    )
+    lab.page.keyboard.press("Enter")
+    lab.until(inside, '[role="menu"]')
+    lab.page.keyboard.press("Escape")
+    lab.page.keyboard.press("Shift+F9")
+    lab.page.keyboard.press("Enter")
+    lab.until(inside, '[role="menu"]')
+
+
+def keep_keys_from_the_notebook(lab):
+    """Keys on the controls do not reach the notebook, but move what they are on."""
+    before = cells(lab)
+    lab.find('[data-lrp-action="reset"]').click()
+    active = lab.page.evaluate(f"{APP}.content.activeCellIndex")
+    for action in ("reset", "follow", "zoom-fit"):
+        lab.do(action)
+        for key in ("x", "a", "b", "d", "d", "ArrowDown", "m", "z"):
+            lab.page.keyboard.press(key)
+    lab.goes_on()
+    assert cells(lab) == before
+    assert lab.page.evaluate(f"{APP}.content.activeCellIndex") == active
+    lab.do("rate")
+    slider = lab.sees('[data-lrp-action="rate"]')
+    rate = int(slider.input_value())
+    lab.page.keyboard.press("ArrowRight")
+    lab.page.keyboard.press("ArrowRight")
+    assert int(slider.input_value()) == rate + 2
+
+
+def enlarge_panels(lab):
+    """A key enlarges the panel of the focus; a double click does, too, and selects no text."""
+    for part in PANELS:
+        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').focus()
+        lab.page.keyboard.press("F9")
+        assert box(lab, part) == lab.box(".lrp-panels"), part
+        axe.finds_nothing_serious(lab)
+        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
+        assert lab.find('[role="separator"]:visible').count() == 4
+    before = box(lab, "world")
+    lab.find('[data-lrp="world"] .lrp-title').dblclick()
+    assert box(lab, "world") == lab.box(".lrp-panels")
+    assert lab.page.evaluate("getSelection().toString()") == ""
+    assert not lab.find('[data-lrp="editor"]').is_visible()
+    lab.find('[data-lrp="world"] .lrp-title').dblclick()
+    assert box(lab, "world") == before
+    assert lab.find('[data-lrp="editor"]').is_visible()
+
+
+def fill_the_window(lab):
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.press("Control+End")
+    lab.page.keyboard.press("Shift+F9")
+    assert lab.box() == {"x": 0, "y": 0, "width": 1280, "height": 900}
+    lab.page.keyboard.type("; typed")
+    lab.reads(".cm-content", "; typed")
+    lab.page.keyboard.press("Shift+F9")
+    assert lab.box()["width"] < 900
+    lab.page.keyboard.type(" on")
+    lab.reads(".cm-content", "; typed on")
+
+
+def leave_the_tab(lab):
+    """A lab in a tab that was away is as it was."""
     lab.pause()
     read = (
         "root => [root.querySelector('.lrp-variables').scrollTop,"
@@ -95,74 +215,39 @@ def test_a_lab_in_a_tab_that_was_away_is_as_it_was(open_follower):
     tab = lab.page.evaluate("jupyterapp.shell.currentWidget.id")
     lab.page.evaluate("() => jupyterapp.commands.execute('launcher:create')")
     lab.until("root => root.clientWidth === 0")
-    lab.page.evaluate("() => new Promise(done => setTimeout(done, 200))")  # what is observed is reported
+    lab.page.evaluate(FRAMES)  # what is observed is reported
     lab.page.evaluate("tab => jupyterapp.shell.activateById(tab)", tab)
     lab.until("root => root.clientWidth > 0")
-    lab.page.evaluate("() => new Promise(done => setTimeout(done, 200))")
+    lab.page.evaluate(FRAMES)
     assert lab.root.evaluate(read) == before
+    lab.do("run")
+    lab.ready("running")
 
 
-@pytest.mark.parametrize(("width", "height"), [(900, 900), (700, 900)])
-def test_where_there_is_little_room_the_world_is_above_the_other_panels(open_follower, width, height):
-    lab = open_follower(width, height)
-    places = {part: box(lab, part) for part in PANELS}
-    assert min(places, key=lambda part: places[part]["y"]) == "world"
-    assert len({place["x"] for place in places.values()}) == 1
-    assert lab.root.evaluate("root => root.scrollWidth <= root.clientWidth")
-    nothing_overlaps(lab)
-    lab.root.evaluate("root => root.scrollIntoView()")
-    in_sight(lab, '[data-lrp-action="stop"]')
-    in_sight(lab, ".lrp-status")
-
-
-def test_the_robot_is_in_sight_after_shift_enter(open_notebook, screen):
-    screen(1280, 800)
-    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp follower\n{FOLLOWER}", "1", "2")
-    notebook.run_cell(0)
-    notebook.page.locator(".jp-CodeCell").nth(1).locator(".cm-content").click()
-    notebook.page.keyboard.press("Shift+Enter")
-    lab = notebook.lab().ready()
-    in_sight(lab, ".lrp-canvas")
-    in_sight(lab, '[data-lrp-action="stop"]')
-
-
-def test_the_inspector_opens_in_sight_however_far_the_notebook_is_scrolled(open_follower):
-    lab = open_follower(1280, 800)
+def inspect_in_sight(lab):
+    """The inspector opens in sight, however far the notebook is scrolled."""
+    height = lab.root.evaluate("root => root.style.height")
     lab.root.evaluate("root => { root.style.height = '1500px'; root.scrollIntoView({ block: 'end' }); }")
     lab.find('[data-lrp="variables"] .lrp-variable').last.hover()
     lab.find('[data-lrp="variables"] [data-lrp-action="inspect"]').last.click()
     in_sight(lab, ".lrp-inspector")
     in_sight(lab, '[data-lrp-action="close-inspector"]')
+    lab.do("close-inspector")
+    lab.root.evaluate("(root, height) => { root.style.height = height; }", height)
 
 
-# -- sizes, hidden panels ------------------------------------------------------------------------
-
-
-def test_sizes_and_hidden_panels_are_kept_over_a_reload(open_follower):
-    lab = open_follower()
+def resize_and_reload(lab):
+    """Sizes and hidden panels are kept; a height is kept as its share of the screen."""
     bar = lab.find('[role="separator"][aria-label="Width of the world"]:visible')
-    before = box(lab, "world")["width"]
+    usual = box(lab, "world")["width"]
     bar.focus()
     for _ in range(5):
         bar.press("ArrowRight")
-    assert box(lab, "world")["width"] == pytest.approx(before - 0.1 * lab.box()["width"], abs=3)
+    assert box(lab, "world")["width"] == pytest.approx(usual - 0.1 * lab.box()["width"], abs=3)
     lab.do("menu")
     lab.choose("panel-issues")
     assert not lab.find('[data-lrp="issues"]').is_visible()
-    left = box(lab, "world")
-    lab.notebook.save()
-    lab.page.reload()
-    lab.notebook.ready()
-    lab.notebook.begin_cell(1)
-    again = lab.notebook.lab().ready()
-    assert box(again, "world")["width"] == pytest.approx(left["width"], abs=1)
-    assert not again.find('[data-lrp="issues"]').is_visible()
-    again.find('[role="separator"][aria-label="Width of the world"]:visible').dblclick()
-    assert box(again, "world")["width"] == pytest.approx(before, abs=3)
-
-
-def test_the_height_given_to_the_lab_is_kept_as_its_share_of_the_screen(open_follower, screen):
-    lab = open_follower(1280, 900)
+    left = box(lab, "world")["width"]
     lab.root.scroll_into_view_if_needed()
     before = lab.box()
     corner = before["x"] + before["width"] - 4, before["y"] + before["height"] - 4
@@ -172,144 +257,46 @@ def test_the_height_given_to_the_lab_is_kept_as_its_share_of_the_screen(open_fol
     lab.page.mouse.up()
     assert lab.box()["height"] == pytest.approx(0.7 * before["height"], abs=3)
     lab.notebook.save()
-    screen(1280, 800)  # the window of another day
+    lab.page.set_viewport_size({"width": 1280, "height": 800})  # the window of another day
     lab.page.reload()
     lab.notebook.ready()
     lab.notebook.begin_cell(1)
-    again = lab.notebook.lab().ready()
-    assert again.box()["height"] == pytest.approx(0.7 * (before["height"] - 100), abs=3)
-    again.do("menu")
-    again.choose("usual-sizes")
-    assert again.box()["height"] == pytest.approx(before["height"] - 100, abs=3)
-
-
-def test_the_place_of_a_hidden_panel_goes_to_the_others(open_follower):
-    lab = open_follower()
+    lab.ready()
+    assert lab.box()["height"] == pytest.approx(0.7 * (before["height"] - 100), abs=3)
+    assert box(lab, "world")["width"] == pytest.approx(left, abs=1)
+    assert not lab.find('[data-lrp="issues"]').is_visible()
+    lab.do("menu")
+    lab.choose("usual-sizes")
+    assert lab.box()["height"] == pytest.approx(before["height"] - 100, abs=3)
+    lab.find('[role="separator"][aria-label="Width of the world"]:visible').dblclick()
+    assert box(lab, "world")["width"] == pytest.approx(usual, abs=3)
     whole = lab.box(".lrp-panels")
-    for part in ("editor", "tree", "graph", "variables", "issues"):
+    for part in ("editor", "tree", "graph", "variables"):  # the place of hidden ones goes to the others
         lab.do("menu")
         lab.choose(f"panel-{part}")
     assert box(lab, "world") == whole
 
 
-# -- one panel alone, the lab alone ----------------------------------------------------------------
-
-
-def test_a_double_click_on_its_head_enlarges_a_panel_and_another_returns(open_follower):
-    lab = open_follower()
-    before = box(lab, "world")
-    lab.find('[data-lrp="world"] .lrp-title').dblclick()
-    assert box(lab, "world") == lab.box(".lrp-panels")
-    assert not lab.find('[data-lrp="editor"]').is_visible()
-    lab.find('[data-lrp="world"] .lrp-title').dblclick()
-    assert box(lab, "world") == before
-    assert lab.find('[data-lrp="editor"]').is_visible()
-
-
-def test_a_key_enlarges_the_panel_of_the_focus_and_a_button_does(open_follower):
-    lab = open_follower()
-    for part in PANELS:
-        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').focus()
-        lab.page.keyboard.press("F9")
-        assert box(lab, part) == lab.box(".lrp-panels"), part
-        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
-        assert lab.find('[role="separator"]:visible').count() == 4
-
-
-def test_another_key_lets_the_lab_fill_the_window(open_follower):
-    lab = open_follower()
-    lab.find(".cm-content").focus()
-    lab.page.keyboard.press("Shift+F9")
-    assert lab.box() == {"x": 0, "y": 0, "width": 1280, "height": 800}
-    lab.page.keyboard.type("; typed")
-    assert "; typed" in lab.text
-    lab.page.keyboard.press("Shift+F9")
-    assert lab.box()["width"] < 900
-    lab.page.keyboard.type(" on")
-    assert "; typed on" in lab.text
-
-
-@pytest.mark.parametrize(("width", "height"), SCREENS)
-def test_the_head_of_the_graph_shows_its_title_and_its_mode_whole(open_follower, width, height):
-    lab = open_follower(width, height)
-    title, mode = '[data-lrp="graph"] .lrp-title', '[data-lrp="graph"] .lrp-select'
-    lab.until("select => select.offsetWidth >= 56", mode)  # with less the arrow lies on its word
-    assert lab.box(title)["x"] + lab.box(title)["width"] <= lab.box(mode)["x"]
-    lab.do("graph-menu")
-    before = lab.box('[data-lrp-state="follower/moving"]')["width"]
-    lab.choose("menu-zoom-in")
-    lab.until(f"node => node.getBoundingClientRect().width > {before}", '[data-lrp-state="follower/moving"]')
-
-
-def test_the_title_of_the_breakpoints_is_whole_in_a_low_panel(open_follower):
-    lab = open_follower(1280, 800)
-    panel, title = box(lab, "issues"), lab.box(".lrp-breakpoint-list > summary")
-    assert title["y"] + title["height"] <= panel["y"] + panel["height"] + 0.5
-
-
-# -- keys ------------------------------------------------------------------------------------------
-
-
-def test_keys_on_the_controls_do_not_reach_the_notebook(open_follower):
-    lab = open_follower(1280, 800, "1", "2")
-    for action in ("reset", "follow", "zoom-fit"):
-        lab.do(action)
-        for key in ("x", "a", "b", "d", "d", "ArrowDown", "m", "z"):
-            lab.page.keyboard.press(key)
-    lab.goes_on()
-    assert cells(lab) == 4
-    assert lab.page.evaluate(f"{APP}.content.activeCellIndex") == 1
-
-
-def test_arrow_keys_move_the_rate_after_a_click_on_it(open_follower):
-    lab = open_follower()
-    lab.do("rate")
-    slider = lab.sees('[data-lrp-action="rate"]')
-    before = int(slider.input_value())
-    lab.page.keyboard.press("ArrowRight")
-    lab.page.keyboard.press("ArrowRight")
-    assert int(slider.input_value()) == before + 2
-
-
-# -- notes -----------------------------------------------------------------------------------------
-
-
-def test_notes_push_nothing(open_lab):
-    lab = open_lab(COUNTER)
-    before = {part: box(lab, part) for part in PANELS}
+def push_nothing_by_notes(lab):
+    """Notes push nothing; the counter of restarts comes when the notice goes, and its reason can be read."""
+    for part in ("editor", "tree", "graph", "variables", "issues"):
+        lab.do("menu")
+        lab.choose(f"panel-{part}")
+    before = places_of(lab)
     lab.replace("n = n + 1", "n = n + 2")  # in the active state
     lab.sees(".lrp-notice:not([hidden])")
+    assert lab.find(".lrp-restarts:visible").count() == 0
     lab.do("hold")
     lab.replace("(state rest)", "(state rest) (state more)")
     lab.sees('.lrp-note:not([hidden]) [data-lrp-action="apply"]')
     lab.do("menu")
     lab.choose("versions")
     lab.sees('form[aria-label="Versions"]:not([hidden])')
-    assert {part: box(lab, part) for part in PANELS} == before
-
-
-def test_a_restart_is_counted_and_its_reason_can_be_read_later(open_lab):
-    lab = open_lab(COUNTER)
-    lab.replace("n = n + 1", "n = n + 2")
-    lab.sees(".lrp-notice:not([hidden])")
-    lab.sees(".lrp-notice[hidden]")
+    assert places_of(lab) == before
+    lab.page.keyboard.press("Escape")
+    lab.sees(".lrp-notice[hidden]")  # it fades
+    lab.sees(".lrp-restarts:visible")
     summary = lab.sees(".lrp-restarts summary")
     summary.focus()
     summary.press("Enter")
     lab.reads(".lrp-restart-list", "is active and its running changed")
-
-
-# -- axe -------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing_serious_at_any_size_nor_in_a_panel_alone(open_lab, screen, theme):
-    lab = open_lab(COUNTER)
-    axe.choose_theme(lab, theme)
-    for width, height in SCREENS:
-        screen(width, height)
-        axe.finds_nothing_serious(lab)
-    for part in PANELS:
-        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
-        axe.finds_nothing_serious(lab)
-        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
