@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import importlib.util
+import math
 import os
 import shutil
 import signal
@@ -19,6 +20,7 @@ import sys
 import threading
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import Queue
@@ -80,17 +82,14 @@ def server(serve: Callable[..., RosbridgeServer]) -> RosbridgeServer:
 class Wire:
     """A stretch of network between bridge and server that can be held up, cut, or cut in two.
 
-    It may also be slow: `delay` seconds each way, or `bytes_per_second` from the server; `waited` is how long
-    the latter took.
+    It may also be slow: `delay` seconds each way.
     """
 
     def __init__(self, port: int) -> None:
         self.target = port
         self.delay = 0.0
-        self.bytes_per_second = 0
-        self.waited = 0.0
         self._held = threading.Event()
-        self._bytes_left: int | None = None  # of the server's messages
+        self._passed, self._limit = 0, math.inf  # bytes of the server
         self._ends: list[tuple[socket.socket, socket.socket]] = []
         self._threads: list[threading.Thread] = []
         self._listener = socket.create_server(("127.0.0.1", 0))
@@ -104,13 +103,18 @@ class Wire:
     def release(self) -> None:
         self._held.clear()
 
-    def hold_after(self, count: int) -> None:
-        """Pass on this many more bytes of the server, then nothing."""
-        self._bytes_left = count
+    def hold_after(self, count: float) -> None:
+        """Pass on this many more bytes of the server, then nothing until it may be more."""
+        self._limit = (self._passed if self._limit == math.inf else self._limit) + count
+
+    @property
+    def is_held(self) -> bool:
+        """Whether all has passed that may."""
+        return self._passed == self._limit
 
     def cut(self) -> None:
         """End what is connected now."""
-        self._bytes_left = None
+        self._limit = math.inf
         self._held.clear()
         for end in self._sockets():
             with contextlib.suppress(OSError):
@@ -167,15 +171,15 @@ class Wire:
                 due, data = under_way.get()
                 if not data:
                     break
-                if from_server and self._bytes_left is not None:
-                    data, self._bytes_left = data[: self._bytes_left], max(0, self._bytes_left - len(data))
                 tick.wait(max(0.0, due - time.monotonic()))
-                while self._held.is_set():
-                    tick.wait(0.01)
-                target.sendall(data)
-                if from_server and self.bytes_per_second:
-                    tick.wait(len(data) / self.bytes_per_second)
-                    self.waited += len(data) / self.bytes_per_second
+                while data:
+                    left = min(len(data), self._limit - self._passed) if from_server else len(data)
+                    if self._held.is_set() or not left:
+                        tick.wait(0.005)
+                        continue
+                    target.sendall(data[: int(left)])
+                    data = data[int(left) :]
+                    self._passed += int(left) if from_server else 0
         except OSError:
             pass
         for end in [end for pair in self._ends if target in pair for end in pair]:
@@ -196,7 +200,8 @@ def make(server: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[...,
     """Make bridges to the topics in memory, which try again soon; they are closed in the end."""
     monkeypatch.setattr(link, "_AGAIN", 0.05)
     monkeypatch.setattr(rosapi, "_SOON", 0.05)
-    monkeypatch.setattr(rosapi, "_RARELY", 0.2)
+    monkeypatch.setattr(rosapi, "_RARELY", 0.1)
+    monkeypatch.setattr(rosbridge.RosbridgeTransport, "period", 0.05)
     bridges = []
 
     def build(**options: Any) -> RosBridge:
@@ -228,19 +233,21 @@ def ros(make: Callable[..., RosBridge]) -> RosBridge:
 
 
 class Clock:
-    """The time of the rosbridge client, which passes when a test lets it; it counts how often it is read."""
+    """The time of the rosbridge client, which passes when a test lets it."""
 
     def __init__(self) -> None:
-        self.now, self.reads = 1000.0, 0
+        self.now = 1000.0
+        self._reads: Counter[threading.Thread] = Counter()
 
     def monotonic(self) -> float:
-        self.reads += 1
+        self._reads[threading.current_thread()] += 1
         return self.now
 
     def was_seen(self) -> None:
-        """Wait until those who watch the time have seen it."""
-        before = self.reads
-        until(lambda: self.reads > before + 5)
+        """Wait until each connection has looked at the time again, after whatever had arrived."""
+        before = Counter(self._reads)
+        sockets = [thread for thread in before if thread.name == "rosbridge"]
+        until(lambda: all(self._reads[each] > before[each] + 4 or not each.is_alive() for each in sockets))
 
 
 @pytest.fixture(autouse=True)

@@ -11,11 +11,13 @@ from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros.rclpy import RclpyTransport
 from lrp_jupyter.errors import BridgeError
 
 
 @pytest.fixture
 def graph(monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.setattr(RclpyTransport, "period", 0.05)
     graph = stand_in.install(monkeypatch)
     graph.other_publishes("/odom", "nav_msgs/Odometry")
     return graph

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -73,7 +72,7 @@ def test_a_topic_without_a_slash_is_meant_from_the_root() -> None:
     assert Wire("odom", "subscription", "base/odom").topic == "/base/odom"
 
 
-names = st.from_regex(r"[a-z][a-z0-9]{0,8}", fullmatch=True)
+names = st.text("abcz09", min_size=1, max_size=8).map("n{}".format)
 wires = st.builds(
     Wire,
     names.map("v_{}".format),
@@ -244,15 +243,16 @@ def test_who_waited_for_a_connection_finds_the_status_that_belongs_to_it(
 ) -> None:
     link = ros.wiring.link
     assert link is not None
-    report = link._report_change
+    report, answered = link._report_change, []
 
-    def late(state: ConnectionState, sentence: str) -> None:
-        threading.Event().wait(0.2)
+    def watched(state: ConnectionState, sentence: str) -> None:
+        answered.extend(channel.answered.is_set() for channel in ros.wiring.channels if "horn" in sentence)
         report(state, sentence)
 
-    monkeypatch.setattr(link, "_report_change", late)
+    monkeypatch.setattr(link, "_report_change", watched)
     ros.publish("horn", "/horn")
     assert "`/horn` does not exist yet" in ros.status.sentence
+    assert answered[0] is False
 
 
 def test_the_same_subscription_again_is_not_a_second_one(ros: RosBridge, graph: Any) -> None:
@@ -386,14 +386,22 @@ def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph:
     assert "light" not in rows(ros)
 
 
-def test_a_person_chooses_when_a_message_is_too_old(ros: RosBridge, graph: Any) -> None:
+def test_a_person_chooses_when_a_message_is_too_old(
+    ros: RosBridge, graph: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 100.0
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.channel.time", SimpleNamespace(monotonic=lambda: now))
     ros.press("subscribe", values={"variable": "light", "topic": "/light", "stale_after": "0,3"})
     assert ros.setup["subscriptions"]["light"]["stale_after"] == 0.3
     assert fields(ros)["stale_after"].value == "", "it is not kept for the next one"
     until(lambda: rows(ros)["light"]["type"] == "std_msgs/UInt8")
     graph.send("/light", data=7)
     until(lambda: rows(ros)["light"]["value"] == "7")
-    until(lambda: ros.begin_tick(0.0, 0.1) or ros.end_tick(0.0) or ros.status.state == "stale")
+    for age, is_stale in ((0.2, False), (0.2, True)):
+        now += age
+        ros.begin_tick(0.0, 0.1)
+        ros.end_tick(0.0)
+        assert (ros.status.state is ConnectionState.STALE) is is_stale
     assert "`robot.light`" in ros.status.sentence
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.bounded import bounded
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.waiting import until
@@ -59,7 +58,7 @@ def other(domain: int) -> Iterator[DdsNode]:
 def test_where_nobody_is_opening_fails_and_says_what_to_look_at(make: Make, domain: int) -> None:
     ros = make()
     sentence = rf"No node answers in ROS 2's domain {domain}\. Is the robot on.*`ROS_DOMAIN_ID` {domain}\?"
-    with bounded(3), pytest.raises(BridgeError, match=sentence):
+    with pytest.raises(BridgeError, match=sentence):
         ros.open()
     assert ros.status.state is ConnectionState.DISCONNECTED
     assert DdsDomain._all == {}
@@ -67,7 +66,7 @@ def test_where_nobody_is_opening_fails_and_says_what_to_look_at(make: Make, doma
 
 def test_a_search_can_be_broken_off(make: Make) -> None:
     ros = make(patience=0.2)
-    with bounded(2), pytest.raises(BridgeError, match=r"did not answer within 0\.2 s"):
+    with pytest.raises(BridgeError, match=r"did not answer within 0\.2 s"):
         ros.open()
     assert "ROS 2" not in {thread.name for thread in threading.enumerate()}
 
@@ -107,7 +106,7 @@ def test_a_mistake_in_the_environment_is_named(
     make: Make, monkeypatch: pytest.MonkeyPatch, variable: str, value: str, sentence: str
 ) -> None:
     monkeypatch.setenv(variable, value)
-    with bounded(5), pytest.raises(BridgeError, match=sentence):
+    with pytest.raises(BridgeError, match=sentence):
         make().open()
     assert DdsDomain._all == {}
 
@@ -227,8 +226,7 @@ def test_a_robot_that_says_goodbye_is_lost_at_once(other: DdsNode, make: Make) -
     other.remove(writer)
     until(lambda: ros.status.state is ConnectionState.LOST)
     assert "`/odom` any more" in ros.status.sentence
-    with bounded(3):
-        ros.close()
+    ros.close()
     assert not [thread for thread in threading.enumerate() if thread.name == "ROS" and thread.is_alive()]
 
 
