@@ -55,11 +55,18 @@ def run(notebook):
     return notebook.lab().ready()
 
 
-def test_a_page_that_was_open_before_the_cell_ran_shows_the_lab(users):
+def test_a_page_that_was_open_before_the_cell_ran_shows_the_lab_and_what_is_typed_in_either(users):
     first, second = users
-    mine = run(first)
+    run(first)
+    second.lab().ready()
+    for notebook in (second, first):  # either of them runs the cell again
+        run(notebook)
+        for each in users:
+            each.lab().ready().goes_on()
+            assert each.page.locator('[data-lrp="lab"]').count() == 1
+
+    mine, theirs = (each.lab() for each in users)
     mine.root.evaluate("lab => { lab.isFirst = true; }")
-    theirs = second.lab().ready()
     mine.type_after("(state rest)", " (state third)")
     for lab in (mine, theirs):
         lab.sees('[data-lrp-state="m/third"]')
@@ -69,14 +76,3 @@ def test_a_page_that_was_open_before_the_cell_ran_shows_the_lab(users):
         lab.sees('[data-lrp-state="m/fourth"]')
         lab.reads(".cm-content", "(state fourth)")
     assert mine.root.evaluate("lab => lab.isFirst")  # it was not drawn again for the other one
-
-
-def test_the_lab_is_still_shown_to_both_when_either_of_them_runs_the_cell_again(users):
-    first, second = users
-    run(first)
-    second.lab().ready()
-    for notebook in (second, first):
-        run(notebook)
-        for each in users:
-            each.lab().ready().goes_on()
-            assert each.page.locator('[data-lrp="lab"]').count() == 1
