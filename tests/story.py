@@ -23,6 +23,8 @@ from lrp_jupyter.language.parser import parse
 
 HERE = Path(__file__).parent
 PERIOD = 0.1
+ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
+"""The kinds of events that a reference interpreter has, too."""
 
 
 @dataclass
@@ -73,6 +75,11 @@ def started(text: str, ticks: int = 1, **options) -> Interpreter:
 
 def active(i: Interpreter) -> list[str]:
     return ["/".join(path) for path in i.active]
+
+
+def no_label(event: tuple[str, tuple[str, ...]]) -> tuple[str, tuple[str, ...]]:
+    """An event without the label of the transition that fired."""
+    return (event[0], event[1][:-1]) if event[0] == "fired" else event
 
 
 def robot() -> SimpleNamespace:

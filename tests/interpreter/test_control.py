@@ -3,7 +3,8 @@
 import builtins
 
 import pytest
-from story import robot
+import story
+from story import active, robot
 from support.tables import every
 
 from lrp_jupyter.errors import NoDataYet, UnknownElementError
@@ -29,14 +30,7 @@ NESTED = """
 
 
 def started(text=NESTED, ticks=1, **options):
-    i = Interpreter(parse(text), robot(), **options)
-    for tick in range(ticks):
-        i.step(tick / 10)
-    return i
-
-
-def active(i):
-    return ["/".join(path) for path in i.active]
+    return story.started(text, ticks, **options)
 
 
 def log(i):

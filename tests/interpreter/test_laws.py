@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from reference import Reference
+from story import ORDINARY, no_label
 from wild import command, moment, obey, program
 
 from lrp_jupyter.errors import UnknownElementError
@@ -12,7 +13,6 @@ from lrp_jupyter.interpreter.events import EVENT_KINDS
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 
-ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 
 
@@ -36,10 +36,6 @@ def test_production_does_what_the_reference_does(text, lights):
         assert moment(production) == moment(quiet) == moment(bare), "when nobody watches"
         seen.clear()
         reference.events.clear()
-
-
-def no_label(event):
-    return (event[0], event[1][:-1]) if event[0] == "fired" else event
 
 
 def active_exists(i):

@@ -1,14 +1,13 @@
 """Every program of tests/programs does what its comments expect, in production and in the reference."""
 
 from reference import Reference
-from story import HERE, PERIOD, read, robot, run_until
+from story import HERE, ORDINARY, PERIOD, no_label, read, robot, run_until
 from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 
 PROGRAMS = sorted((HERE / "programs").glob("*.lrp"))
-ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
 
 
 of_every_program = every("story", [read(path.read_text(encoding="utf-8")) for path in PROGRAMS])
@@ -80,7 +79,3 @@ def test_going_back_restores_every_moment(story):
 
 def plain(variables):
     return {path: value for path, value in variables.items() if not callable(value)}
-
-
-def no_label(event):
-    return (event[0], event[1][:-1]) if event[0] == "fired" else event
