@@ -376,8 +376,8 @@ def test_the_time_for_a_text_full_of_mistakes_grows_with_its_length(piece: str) 
             sys.setprofile(None)
         return calls
 
-    steps(250)  # fills the caches
-    assert steps(2000) < 12 * steps(251)  # a text of its own, because the tokens of the last ones are kept
+    steps(125)  # fills the caches
+    assert steps(1000) < 12 * steps(126)  # a text of its own, because the tokens of the last ones are kept
 
 
 def test_a_long_line_is_not_copied_for_each_block_in_it():

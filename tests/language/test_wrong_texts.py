@@ -82,9 +82,10 @@ def test_a_text_has_its_findings_at_their_places_and_their_fix_repairs_it(sectio
         assert hole or section.frame.count(row.right) == 1
         text = section.frame.replace(hole or row.right, row.text)
         findings = _found(section, text)
+        places = [(start_of(text, each), end_of(text, each)) for each in findings]
         assert [finding.code for finding in findings] == row.codes
+        assert [start for start, _ in places] == sorted(start for start, _ in places)
         if row.marks:
-            places = [(start_of(text, each), end_of(text, each)) for each in findings]
             assert places == [(len(before) + start, len(before) + end) for start, end in row.marks]
         if row.words:
             assert row.words in findings[0].message
