@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from reference import Reference
 from support.bench import Bench
-from support.sessions import Lamp, come_to_the_end, seen, values
+from support.robots import Bare
+from support.sessions import come_to_the_end, seen, values
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.issues import IssueKind
@@ -34,8 +35,12 @@ MARKS = st.sampled_from([{"gain": 3}, {"gain": 0.5}, {"marks": [7]}, {"marks": [
 tame = precondition(lambda self: not self.hostile)
 hostile = precondition(lambda self: self.hostile)
 simulated = precondition(lambda self: self.session.bridge.name == "sim")
-lit = precondition(lambda self: self.session.bridge.name == "lamp")
+lit = precondition(lambda self: self.session.bridge.name != "sim")
 run_on = precondition(lambda self: self.session.frame.tick > 0)
+
+
+def lamp_that_tests_switch():
+    return Bare(lambda robot: robot.add_variable("light", lambda: robot.shining), shining=0)
 
 
 class Anything(RuleBasedStateMachine):
@@ -56,7 +61,7 @@ class Anything(RuleBasedStateMachine):
         data=st.data(),
     )
     def begin(self, lamp, hostile, rate, keep, pause, journal, world, noise, data):
-        self.hostile, self.lines, self.shining = hostile, [], 0
+        self.hostile, self.lines = hostile, []
         common = {
             "clock": VirtualClock(),
             "rate": rate,
@@ -66,7 +71,7 @@ class Anything(RuleBasedStateMachine):
             "namespace": {"gain": 1, "marks": [1, 2]},
         }
         if lamp:
-            self.session = Session(data.draw(wild.program), Lamp(), **common)
+            self.session = Session(data.draw(wild.program), lamp_that_tests_switch(), **common)
         else:
             first = data.draw(st.sampled_from([wild.ROVING, wild.ROVING, *wild.BUNDLED.values()]))
             rough = {"motor": 0.1, "light": 8, "odom": 0.05} if noise else None
@@ -74,7 +79,7 @@ class Anything(RuleBasedStateMachine):
         self.lab = Bench(self.session)
         self.recorder = self.session.recorder(self.lines.append)
         self.page = self.lab.page()
-        self.frames, self.reference, self.edited, self.went_back = {}, None, False, 0
+        self.frames, self.reference, self.went_back = {}, None, 0
         self.happenings, self.cursor = [], None
         self.begin_reference()
 
@@ -83,7 +88,7 @@ class Anything(RuleBasedStateMachine):
     def begin_reference(self):
         """Let the reference start with the session, where it knows the robot and all blocks."""
         program = self.session.program
-        known = self.session.bridge.name == "lamp" and not self.hostile and "(onpause" not in program.text
+        known = self.session.bridge.name != "sim" and not self.hostile and "(onpause" not in program.text
         self.reference = (
             Reference(program, self.session.bridge.robot, self.session.namespace) if known else None
         )
@@ -107,10 +112,12 @@ class Anything(RuleBasedStateMachine):
         session, lab = self.session, self.lab
         if session.frame.tick and not self.hostile:
             self.reproduced()
-            self.forked()
+            if session.bridge.name == "sim":  # forks with another robot are fed what it has read
+                self.forked()
         lab.publish()
         shown, new = self.page, lab.page("new")
         lab.publish()
+        assert shown.text == new.text
         for field in get_type_hints(ViewState):
             assert shown.merged(field) == new.merged(field), field
         lab.connection.close()
@@ -128,8 +135,12 @@ class Anything(RuleBasedStateMachine):
                 stream.writelines(self.lines)
             again = reproduce(read_recording(path))
         with again.session:
-            assert again.difference is None
-            assert seen(again.session) == seen(session)
+            if (
+                again.difference is not None
+            ):  # of a robot, what a block reads between two ticks is not recorded
+                assert "was not read in this tick" in str(again.difference)
+            else:
+                assert seen(again.session) == seen(session)
 
     def forked(self):
         session, present = self.session, seen(self.session)
@@ -231,7 +242,6 @@ class Anything(RuleBasedStateMachine):
 
     def offers(self, text):
         findings = self.session.edit(text)
-        self.edited = True
         self.acted()
         assert self.session.text == text
         assert not {"LRP690", "LRP699"} & {finding.code for finding in findings}
@@ -239,6 +249,24 @@ class Anything(RuleBasedStateMachine):
     @rule(change=wild.change)
     def edit(self, change):
         self.offers(wild.changed(self.session.text, *change))
+
+    @rule(change=wild.change)
+    def edit_and_undo(self, change):
+        text, running = self.session.text, self.session.program.text
+        self.offers(wild.changed(text, *change))
+        self.offers(text)
+        assert self.session.program.text == running or text != running
+
+    @tame
+    @rule(change=wild.change)
+    def type_in_the_page(self, change):
+        self.lab.publish()
+        assert self.page.text == self.session.text
+        text = wild.changed(self.page.text, *change)
+        answer = self.page.type(text)
+        self.acted()
+        assert self.page.text == self.session.text == text
+        assert answer["accepted"] == (scan(text)[0] is not None)
 
     @rule(place=st.sampled_from(wild.ROVING_EDITS))
     def edit_here_and_there(self, place):
@@ -260,7 +288,6 @@ class Anything(RuleBasedStateMachine):
     def rename(self, order):
         with suppress(LRPError, ValueError):
             assert self.session.rename(*order) == self.session.text
-            self.edited = True
             self.acted()
 
     @rule(where=wild.somewhere, teleport=st.booleans())
@@ -376,8 +403,9 @@ class Anything(RuleBasedStateMachine):
             assert seen(fork) == present
             fork.run(seconds)
             assert seen(self.session) == present
-            self.session.run(seconds, after_tick=self.follow)
-            assert seen(fork) == seen(self.session)
+            if self.session.bridge.name == "sim":  # what another robot will see is not known
+                self.session.run(seconds, after_tick=self.follow)
+                assert seen(fork) == seen(self.session)
 
 
 def unchanging(texts):

@@ -1,21 +1,4 @@
-"""What can be known of a session, and a robot whose light is switched by a test."""
-
-from lrp_jupyter.bridges.bridge import Bridge
-
-
-class Lamp(Bridge):
-    """A robot that sees whether it is light."""
-
-    name = "lamp"
-    hardware = False
-    shining = 0
-
-    def open_interface(self):
-        self.light = 0
-        self.add_variable("light", lambda: self.light)
-
-    def sense(self, now):
-        self.light = self.shining
+"""What can be known of a session."""
 
 
 def values(interpreter):
