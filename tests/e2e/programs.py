@@ -48,19 +48,3 @@ while not pathlib.Path("go").exists() and time.monotonic() < end:
     time.sleep(0.02)
 pathlib.Path("over").touch()
 """
-HELLO = """\
-(var forward := [0.2])
-(var bend := [1.5])
-
-(machine driver
-  (event black [robot.light.data < 118])
-  (event white [robot.light.data > 138])
-
-  (state left  (running [robot.move(linear=forward, angular=bend)]))
-  (state right (running [robot.move(linear=forward, angular=-bend)]))
-
-  (on black left -> right)
-  (on white right -> left))
-
-(spawn driver left)
-"""
