@@ -39,7 +39,7 @@ def tick(buggy: Buggy, at: float, *blocks: Callable[[], object]) -> None:
 # -- values ---------------------------------------------------------------------------------------
 
 
-def test_what_is_declared_is_a_member_before_anything_arrives(buggy: Buggy) -> None:
+def test_what_is_declared_is_a_member_before_anything_arrives(buggy):
     light = buggy.describe("light.data")
     assert (light.type, light.unit, light.doc) == ("int", "lx", "0 dark ... 255 bright")
     assert (light.value, light.age, light.absence) == (None, None, "waiting")
@@ -47,21 +47,21 @@ def test_what_is_declared_is_a_member_before_anything_arrives(buggy: Buggy) -> N
         _ = buggy.robot.light.data
 
 
-def test_a_value_is_a_reading_with_an_age(buggy: Buggy) -> None:
+def test_a_value_is_a_reading_with_an_age(buggy):
     buggy.feed("light.data", 7)
     assert buggy.robot.light.data == 7
     buggy.time += 0.4
     assert buggy.describe("light.data").age == pytest.approx(0.4)
 
 
-def test_the_first_value_adds_a_variable_that_was_not_declared(buggy: Buggy) -> None:
+def test_the_first_value_adds_a_variable_that_was_not_declared(buggy):
     buggy.feed("sound", 3, doc="loudness", unit="dB")
     buggy.feed("sound", 4)
     sound = buggy.describe("sound")
     assert (buggy.robot.sound, sound.doc, sound.unit) == (4, "loudness", "dB")
 
 
-def test_a_later_call_may_say_more_and_keeps_the_rest(buggy: Buggy) -> None:
+def test_a_later_call_may_say_more_and_keeps_the_rest(buggy):
     buggy.feed("sound", 3, doc="loudness")
     buggy.feed("sound", 4, unit="dB", stale_after=None)
     buggy.feed("sound", 5)
@@ -71,7 +71,7 @@ def test_a_later_call_may_say_more_and_keeps_the_rest(buggy: Buggy) -> None:
     assert buggy.robot.sound == 5
 
 
-def test_a_tick_sees_what_had_arrived_when_it_began(buggy: Buggy) -> None:
+def test_a_tick_sees_what_had_arrived_when_it_began(buggy):
     buggy.feed("light.data", 1)
     buggy.feed("sound", 1)
     seen: list[Any] = []
@@ -89,7 +89,7 @@ def test_a_tick_sees_what_had_arrived_when_it_began(buggy: Buggy) -> None:
     assert seen[-1] == (2, 2)
 
 
-def test_values_arrive_on_any_thread(buggy: Buggy) -> None:
+def test_values_arrive_on_any_thread(buggy):
     def send(number: int) -> None:
         for value in range(200):
             buggy.feed(f"sensor{number}.data", value)
@@ -102,7 +102,7 @@ def test_values_arrive_on_any_thread(buggy: Buggy) -> None:
     assert [getattr(buggy.robot, f"sensor{number}").data for number in range(8)] == [199] * 8
 
 
-def test_what_arrives_after_the_end_is_left_out(buggy: Buggy) -> None:
+def test_what_arrives_after_the_end_is_left_out(buggy):
     buggy.feed("light.data", 7)
     buggy.close()
     buggy.feed("light.data", 8)
@@ -118,12 +118,12 @@ def test_what_arrives_after_the_end_is_left_out(buggy: Buggy) -> None:
 
 
 @pytest.mark.parametrize("wrong", [0, -1.0, float("nan")])
-def test_a_limit_of_age_is_a_positive_number(buggy: Buggy, wrong: float) -> None:
+def test_a_limit_of_age_is_a_positive_number(buggy, wrong):
     with pytest.raises(ValueError, match=r"`x`: `stale_after` is a number of seconds above 0, or None"):
         buggy.feed("x", 1, stale_after=wrong)
 
 
-def test_a_limit_of_age_needs_an_age(buggy: Buggy) -> None:
+def test_a_limit_of_age_needs_an_age(buggy):
     with pytest.raises(ValueError, match=r"`x`: `stale_after` needs an `age`; or `feed` the values\."):
         buggy.add_variable("x", lambda: 1, stale_after=0.5)
 
@@ -131,7 +131,7 @@ def test_a_limit_of_age_needs_an_age(buggy: Buggy) -> None:
 # -- old data -------------------------------------------------------------------------------------
 
 
-def test_an_old_value_is_no_reading(buggy: Buggy) -> None:
+def test_an_old_value_is_no_reading(buggy):
     buggy.feed("light.data", 7)
     buggy.time += 1.0
     assert buggy.robot.light.data == 7
@@ -143,7 +143,7 @@ def test_an_old_value_is_no_reading(buggy: Buggy) -> None:
     assert buggy.robot.light.data == 8
 
 
-def test_the_age_is_that_of_the_stamp(buggy: Buggy) -> None:
+def test_the_age_is_that_of_the_stamp(buggy):
     buggy.fed.wall_clock = lambda: 5000.0
     buggy.feed("light.data", 7, stamp=4999.5)
     assert buggy.describe("light.data").age == 0.5
@@ -154,7 +154,7 @@ def test_the_age_is_that_of_the_stamp(buggy: Buggy) -> None:
     assert buggy.describe("light.data").age == 0.0
 
 
-def test_a_value_that_may_be_old_stays(buggy: Buggy) -> None:
+def test_a_value_that_may_be_old_stays(buggy):
     buggy.feed("battery", 0.8)
     buggy.feed("light.data", 7)
     buggy.time += 3600
@@ -164,7 +164,7 @@ def test_a_value_that_may_be_old_stays(buggy: Buggy) -> None:
     assert buggy.calls == [0.2]
 
 
-def test_a_robot_with_old_data_is_stopped_once_and_moves_again_by_itself(buggy: Buggy) -> None:
+def test_a_robot_with_old_data_is_stopped_once_and_moves_again_by_itself(buggy):
     def drive() -> None:
         buggy.robot.move(linear=0.2)
 
@@ -187,7 +187,7 @@ def test_a_robot_with_old_data_is_stopped_once_and_moves_again_by_itself(buggy: 
     assert buggy.status.state is ConnectionState.CONNECTED
 
 
-def test_with_old_data_the_robot_may_stop_and_do_what_does_not_move_it(buggy: Buggy) -> None:
+def test_with_old_data_the_robot_may_stop_and_do_what_does_not_move_it(buggy):
     buggy.add_method("spin", buggy.move, "turn", velocity=True)
     buggy.feed("light.data", 7)
     tick(buggy, 1.1)
@@ -197,7 +197,7 @@ def test_with_old_data_the_robot_may_stop_and_do_what_does_not_move_it(buggy: Bu
     assert buggy.calls == ["beep", 0, "beep"]
 
 
-def test_a_robot_that_was_never_heard_does_not_drive(buggy: Buggy) -> None:
+def test_a_robot_that_was_never_heard_does_not_drive(buggy):
     def drive() -> None:
         buggy.robot.move(linear=0.2)
 
@@ -214,14 +214,14 @@ def test_a_robot_that_was_never_heard_does_not_drive(buggy: Buggy) -> None:
     assert buggy.calls[-1] == 0.2
 
 
-def test_another_run_waits_for_the_first_value_no_longer_than_the_first_run(buggy: Buggy) -> None:
+def test_another_run_waits_for_the_first_value_no_longer_than_the_first_run(buggy):
     tick(buggy, 100.0)
     for at in (0.0, 1.0, 1.1, 1.2):
         tick(buggy, at, partial(buggy.robot.move, linear=at))
     assert buggy.calls == [0.0, 1.0, "stop"]
 
 
-def test_an_event_with_old_data_does_not_occur_and_is_no_issue() -> None:
+def test_an_event_with_old_data_does_not_occur_and_is_no_issue():
     text = """(machine m (state a) (state b)
       (on [robot.light.data > 5] a -> b bright))
     (spawn m a)"""
@@ -238,7 +238,7 @@ def test_an_event_with_old_data_does_not_occur_and_is_no_issue() -> None:
         assert session.frame.active == (("m", "b"),)
 
 
-def test_in_a_pause_old_data_are_shown_and_nothing_else_happens(buggy: Buggy) -> None:
+def test_in_a_pause_old_data_are_shown_and_nothing_else_happens(buggy):
     buggy.feed("light.data", 7)
     tick(buggy, 0.0)
     buggy.on_pause()
@@ -250,7 +250,7 @@ def test_in_a_pause_old_data_are_shown_and_nothing_else_happens(buggy: Buggy) ->
     assert buggy.status.state is ConnectionState.CONNECTED
 
 
-def test_a_person_may_drive_again_as_soon_as_the_data_are_fresh(buggy: Buggy) -> None:
+def test_a_person_may_drive_again_as_soon_as_the_data_are_fresh(buggy):
     buggy.feed("light.data", 7)
     tick(buggy, 1.1)
     buggy.on_pause()
@@ -262,7 +262,7 @@ def test_a_person_may_drive_again_as_soon_as_the_data_are_fresh(buggy: Buggy) ->
     assert buggy.calls[-1] == 0.1
 
 
-def test_a_world_of_its_own_has_its_own_time() -> None:
+def test_a_world_of_its_own_has_its_own_time():
     class Toy(Buggy):
         name = "test-toy"
         time_step = 0.01
@@ -277,7 +277,7 @@ def test_a_world_of_its_own_has_its_own_time() -> None:
     assert toy.status.state is ConnectionState.STALE
 
 
-def test_a_subscription_may_say_itself_how_old_its_value_is(buggy: Buggy) -> None:
+def test_a_subscription_may_say_itself_how_old_its_value_is(buggy):
     ages = [0.1]
     buggy.add_variable("odom", lambda: (1, 2), "pose", age=lambda: ages[0], stale_after=0.5)
     buggy.feed("light.data", 7)
@@ -298,7 +298,7 @@ DRIVER = """(var dark := [0])
 (spawn m go)"""
 
 
-def test_what_was_not_sent_because_of_old_data_is_not_sent_in_a_replay(tmp_path: Any) -> None:
+def test_what_was_not_sent_because_of_old_data_is_not_sent_in_a_replay(tmp_path):
     path, buggy = tmp_path / "run.lrplog", Buggy()
     with Session(DRIVER, buggy, clock=VirtualClock()) as session:
         buggy.arm()

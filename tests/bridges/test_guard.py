@@ -9,8 +9,6 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import pytest
 from bridges import wheels
@@ -57,7 +55,7 @@ class TestARobotBehindASocket(StandsStill):
     """Its stopper is a bridge of a module."""
 
 
-def test_a_robot_of_a_notebook_is_guarded_until_its_kernel_is_killed(robot: Robot, tmp_path: Path) -> None:
+def test_a_robot_of_a_notebook_is_guarded_until_its_kernel_is_killed(robot, tmp_path):
     kernel = Kernel(robot, tmp_path)
     try:
         robot.is_driven()
@@ -69,7 +67,7 @@ def test_a_robot_of_a_notebook_is_guarded_until_its_kernel_is_killed(robot: Robo
         kernel.end()
 
 
-def test_ctrl_c_stops_the_robot_and_ends_the_guard(robot: Robot, tmp_path: Path) -> None:
+def test_ctrl_c_stops_the_robot_and_ends_the_guard(robot, tmp_path):
     driver = CommandLine(robot, tmp_path, before=PATIENT)
     try:
         robot.is_driven()
@@ -92,7 +90,7 @@ _HELD = """
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the call is one of POSIX")
-def test_a_robot_stands_while_a_call_of_c_keeps_the_interpreter_lock(robot: Robot, tmp_path: Path) -> None:
+def test_a_robot_stands_while_a_call_of_c_keeps_the_interpreter_lock(robot, tmp_path):
     driver = CommandLine(robot, tmp_path, _HELD)
     try:
         robot.is_driven()
@@ -123,9 +121,7 @@ os.kill(os.getpid(), signal.SIGKILL)
         pytest.param("while not bridge._guard._process._is_ready: pass", id="right after the first command"),
     ],
 )
-def test_a_program_that_is_killed_at_once_leaves_neither_a_moving_robot_nor_a_guard(
-    robot: Robot, meanwhile: str
-) -> None:
+def test_a_program_that_is_killed_at_once_leaves_neither_a_moving_robot_nor_a_guard(robot, meanwhile):
     code = _KILLED_AT_ONCE.format(patient=PATIENT, port=port_of(robot), meanwhile=meanwhile)
     done = subprocess.run([sys.executable, "-c", code], env=robot.environment, stdout=subprocess.PIPE)
     assert done.returncode == -signal.SIGKILL
@@ -133,7 +129,7 @@ def test_a_program_that_is_killed_at_once_leaves_neither_a_moving_robot_nor_a_gu
     until(lambda: not lives(int(done.stdout)), "a guard lingers")
 
 
-def test_a_child_that_holds_the_pipe_open_keeps_no_guard_alive(robot: Robot) -> None:
+def test_a_child_that_holds_the_pipe_open_keeps_no_guard_alive(robot):
     code = _KILLED_AT_ONCE.format(
         patient=PATIENT, port=port_of(robot), meanwhile="if not os.fork(): signal.pause()"
     )
@@ -218,9 +214,7 @@ def send_no_beat(bridge: Bridge) -> None:
         pytest.param(lambda port: wheels.halt(port), id="a function that no module has"),
     ],
 )
-def test_a_class_a_function_and_a_bridge_stop_the_robot(
-    robot: Robot, drive: Callable[..., Driven], target: Any
-) -> None:
+def test_a_class_a_function_and_a_bridge_stop_the_robot(robot, drive, target):
     bridge = drive(Stopper(target, {"port": port_of(robot)}))
     until(lambda: ready(bridge), bridge.failsafe)
     bridge.robot.move(linear=0.3)
@@ -240,9 +234,7 @@ def test_a_class_a_function_and_a_bridge_stop_the_robot(
 
 
 @pytest.mark.parametrize("target", [wheels.halt, wheels.WheelsBridge])
-def test_a_robot_that_stands_is_left_to_others(
-    robot: Robot, drive: Callable[..., Driven], target: Any
-) -> None:
+def test_a_robot_that_stands_is_left_to_others(robot, drive, target):
     bridge = drive(Stopper(target, {"port": port_of(robot)}))
     until(lambda: ready(bridge))
     bridge.robot.move(linear=0.3)
@@ -263,7 +255,7 @@ def test_a_robot_that_stands_is_left_to_others(
     assert robot.told[-3:] == [0.0, 0.5, 0.6]
 
 
-def test_the_stopper_of_another_robot_is_another_guard(robot: Robot, drive: Callable[..., Driven]) -> None:
+def test_the_stopper_of_another_robot_is_another_guard(robot, drive):
     bridge = drive(Stopper(wheels.halt, {"port": 9}))
     until(lambda: ready(bridge))
     first = guards(os.getpid())
@@ -276,9 +268,7 @@ def test_the_stopper_of_another_robot_is_another_guard(robot: Robot, drive: Call
     robot.is_stopped()
 
 
-def test_a_stopper_that_is_made_again_each_time_is_the_same_one(
-    robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_stopper_that_is_made_again_each_time_is_the_same_one(robot, drive, monkeypatch):
     asked = []
 
     def stopper(bridge: Driven) -> Stopper:
@@ -297,9 +287,7 @@ def test_a_stopper_that_is_made_again_each_time_is_the_same_one(
     robot.is_stopped()
 
 
-def test_a_guard_that_crashes_is_told_and_another_one_is_started(
-    robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_guard_that_crashes_is_told_and_another_one_is_started(robot, drive, monkeypatch):
     monkeypatch.setattr(guard, "_STEADY", -1.0)
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
     (process,) = guards(os.getpid())
@@ -314,9 +302,7 @@ def test_a_guard_that_crashes_is_told_and_another_one_is_started(
     robot.is_stopped()
 
 
-def test_a_guard_that_crashes_at_once_is_told_and_arming_starts_another_one(
-    robot: Robot, drive: Callable[..., Driven], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_guard_that_crashes_at_once_is_told_and_arming_starts_another_one(robot, drive, monkeypatch):
     monkeypatch.setattr(guard, "_STEADY", 60.0)
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
     (process,) = guards(os.getpid())
@@ -343,9 +329,7 @@ def test_a_guard_that_crashes_at_once_is_told_and_arming_starts_another_one(
     ],
     ids=["no module", "no class", "no robot", "arguments", "no function", "no data", "a fault"],
 )
-def test_a_guard_that_cannot_reach_the_robot_is_told_and_the_robot_is_armed(
-    robot: Robot, drive: Callable[..., Driven], kind: Any, why: str
-) -> None:
+def test_a_guard_that_cannot_reach_the_robot_is_told_and_the_robot_is_armed(robot, drive, kind, why):
     bridge = drive(kind)
     until(lambda: why in bridge.failsafe, bridge.failsafe)
     assert bridge.failsafe.startswith(UNGUARDED[:-1])
@@ -355,9 +339,7 @@ def test_a_guard_that_cannot_reach_the_robot_is_told_and_the_robot_is_armed(
     until(lambda: 0.3 in robot.told)
 
 
-def test_arming_and_disarming_leaves_no_process_no_thread_and_no_descriptor(
-    robot: Robot, drive: Callable[..., Driven]
-) -> None:
+def test_arming_and_disarming_leaves_no_process_no_thread_and_no_descriptor(robot, drive):
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
     before = 0
     for round_ in range(4):

@@ -88,7 +88,7 @@ def every(seconds: float, end: float, beat: str = "m") -> dict[float, str]:
     return {number * seconds: beat for number in range(1, round(end / seconds) + 1)}
 
 
-def test_a_robot_is_stopped_a_second_after_the_last_beat_for_a_second(guarded: Callable[..., Robot]) -> None:
+def test_a_robot_is_stopped_a_second_after_the_last_beat_for_a_second(guarded):
     robot, reports = guarded({**every(0.1, 2.0), 10.0: "e"})
     assert robot.stops[0] == pytest.approx(3.0, abs=0.01)
     assert len(robot.stops) == 10, "a single one may be lost"
@@ -105,41 +105,33 @@ def test_a_robot_is_stopped_a_second_after_the_last_beat_for_a_second(guarded: C
         pytest.param({0.1: "s"}, id="a robot that has not moved"),
     ],
 )
-def test_nothing_else_stops_it(guarded: Callable[..., Robot], beats: dict[float, str]) -> None:
+def test_nothing_else_stops_it(guarded, beats):
     robot, reports = guarded({**beats, 20.5: "e"})
     assert (robot.stops, reports) == ([], ["0.0 ready "])
     assert robot.closed
 
 
-def test_a_program_that_wakes_up_is_left_to_itself_and_guarded_as_before(
-    guarded: Callable[..., Robot],
-) -> None:
+def test_a_program_that_wakes_up_is_left_to_itself_and_guarded_as_before(guarded):
     robot, reports = guarded({0.1: "m", **{at + 1.35: "m" for at in every(0.1, 1.0)}, 9.0: "e"})
     assert [round(stop, 1) for stop in robot.stops[:5]] == [1.1, 1.2, 1.3, 1.4, 3.4]
     assert reports == ["0.0 ready ", "1.1 stopped", "3.4 stopped"]
 
 
 @pytest.mark.parametrize(("beat", "stops"), [("m", 10), ("s", 0)])
-def test_the_death_of_the_program_stops_a_moving_robot_at_once_and_ends_the_guard(
-    guarded: Callable[..., Robot], beat: str, stops: int
-) -> None:
+def test_the_death_of_the_program_stops_a_moving_robot_at_once_and_ends_the_guard(guarded, beat, stops):
     robot, _ = guarded({0.1: beat, 0.2: "x"})
     assert len(robot.stops) == stops
     assert all(0.2 <= stop < 1.3 for stop in robot.stops)
     assert robot.closed
 
 
-def test_the_announced_end_of_the_program_ends_the_guard_without_a_stop(
-    guarded: Callable[..., Robot],
-) -> None:
+def test_the_announced_end_of_the_program_ends_the_guard_without_a_stop(guarded):
     robot, _ = guarded({0.1: "m", 0.2: "e"})
     assert robot.stops == []
     assert robot.closed
 
 
-def test_a_stop_that_fails_is_tried_again_until_it_succeeds_and_both_are_reported(
-    guarded: Callable[..., Robot],
-) -> None:
+def test_a_stop_that_fails_is_tried_again_until_it_succeeds_and_both_are_reported(guarded):
     robot, reports = guarded({0.1: "m", 20.0: "e"}, reached=lambda now: now > 8)
     assert robot.tries[0] == pytest.approx(1.1, abs=0.01)
     assert robot.stops[0] == pytest.approx(8.0, abs=0.3)
@@ -153,9 +145,7 @@ def test_a_stop_that_fails_is_tried_again_until_it_succeeds_and_both_are_reporte
     assert reports[1].startswith("6."), "after five seconds"
 
 
-def test_a_robot_that_cannot_be_reached_is_tried_every_two_seconds_and_stopped_when_it_is_found(
-    guarded: Callable[..., Robot],
-) -> None:
+def test_a_robot_that_cannot_be_reached_is_tried_every_two_seconds_and_stopped_when_it_is_found(guarded):
     asked: list[float] = []
 
     def connects(now: float) -> bool:

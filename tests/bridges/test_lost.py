@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from typing import Any
 
 import pytest
 from support.robots import Bare
@@ -43,7 +42,7 @@ def tick(boat: Bare, at: float) -> None:
     boat.end_tick(at)
 
 
-def test_a_lost_robot_is_stopped_once_and_that_is_logged(boat: Bare) -> None:
+def test_a_lost_robot_is_stopped_once_and_that_is_logged(boat):
     boat.robot.move(linear=0.2)
     elsewhere(boat, "lost", "The radio is silent.")
     elsewhere(boat, "lost", "The radio is still silent.")
@@ -55,7 +54,7 @@ def test_a_lost_robot_is_stopped_once_and_that_is_logged(boat: Bare) -> None:
 
 
 @pytest.mark.parametrize("state", ["lost", "connecting", "disconnected"])
-def test_until_it_is_found_it_gets_no_command(boat: Bare, state: str) -> None:
+def test_until_it_is_found_it_gets_no_command(boat, state):
     elsewhere(boat, "lost", "The radio is silent.")
     elsewhere(boat, state, "The radio is silent.")
     del boat.calls[:]
@@ -67,7 +66,7 @@ def test_until_it_is_found_it_gets_no_command(boat: Bare, state: str) -> None:
 
 
 @pytest.mark.parametrize("state", ["connected", "waiting for data", "stale"])
-def test_when_it_is_found_it_is_stopped_first_and_gets_nothing_a_second_time(boat: Bare, state: str) -> None:
+def test_when_it_is_found_it_is_stopped_first_and_gets_nothing_a_second_time(boat, state):
     boat.robot.move(linear=0.2)
     elsewhere(boat, "lost")
     with pytest.raises(BridgeError):
@@ -80,14 +79,14 @@ def test_when_it_is_found_it_is_stopped_first_and_gets_nothing_a_second_time(boa
     assert boat.calls == ["stop", 0.1]
 
 
-def test_a_robot_that_was_never_commanded_is_left_alone_when_it_is_found(boat: Bare) -> None:
+def test_a_robot_that_was_never_commanded_is_left_alone_when_it_is_found(boat):
     elsewhere(boat, "lost")
     del boat.calls[:]
     elsewhere(boat, "connected")
     assert boat.calls == []
 
 
-def test_a_bridge_that_stops_what_it_finds_is_not_asked_to(boat: Bare) -> None:
+def test_a_bridge_that_stops_what_it_finds_is_not_asked_to(boat):
     boat.stops_when_found = True  # type: ignore[misc]
     boat.robot.move(linear=0.2)
     elsewhere(boat, "lost")
@@ -95,7 +94,7 @@ def test_a_bridge_that_stops_what_it_finds_is_not_asked_to(boat: Bare) -> None:
     assert boat.calls == [0.2, "stop"]
 
 
-def test_a_robot_that_is_lost_again_while_it_is_stopped_stays_lost(boat: Bare) -> None:
+def test_a_robot_that_is_lost_again_while_it_is_stopped_stays_lost(boat):
     boat.robot.move(linear=0.2)
     elsewhere(boat, "lost", "The radio is silent.")
     boat.stop = lambda: boat.set_status("lost", "It broke again.")  # type: ignore[method-assign]
@@ -105,14 +104,14 @@ def test_a_robot_that_is_lost_again_while_it_is_stopped_stays_lost(boat: Bare) -
         boat.robot.move()
 
 
-def test_a_disarmed_robot_that_is_lost_still_shows_its_commands(boat: Bare) -> None:
+def test_a_disarmed_robot_that_is_lost_still_shows_its_commands(boat):
     boat.disarm()
     elsewhere(boat, "lost")
     boat.robot.move(linear=0.2)
     assert boat.safety.commands[-1].arguments == {"linear": 0.2}
 
 
-def test_what_a_closed_connection_says_is_left_out(boat: Bare) -> None:
+def test_what_a_closed_connection_says_is_left_out(boat):
     boat.close()
     elsewhere(boat, "lost", "The socket is closed.")
     assert boat.status.state is ConnectionState.DISCONNECTED
@@ -122,7 +121,7 @@ def test_what_a_closed_connection_says_is_left_out(boat: Bare) -> None:
 
 
 @pytest.mark.parametrize("hook", ["sense", "act"])
-def test_a_hook_that_works_again_has_found_the_robot(boat: Bare, hook: str) -> None:
+def test_a_hook_that_works_again_has_found_the_robot(boat, hook):
     boat.robot.move(linear=0.2)
     boat.failing[hook] = OSError("unplugged")
     tick(boat, 0.0)
@@ -140,7 +139,7 @@ def test_a_hook_that_works_again_has_found_the_robot(boat: Bare, hook: str) -> N
     assert boat.calls == [0.2, "stop", "stop", 0.3]
 
 
-def test_a_hook_that_works_again_does_not_find_a_robot_that_is_lost_otherwise(boat: Bare) -> None:
+def test_a_hook_that_works_again_does_not_find_a_robot_that_is_lost_otherwise(boat):
     boat.failing["sense"] = OSError("unplugged")
     tick(boat, 0.0)
     elsewhere(boat, "lost", "The radio is silent.")
@@ -153,7 +152,7 @@ PROGRAM = """(var count := [0])
 (machine m (state a (running [robot.move(linear=0.2); count += 1]))) (spawn m a)"""
 
 
-def test_a_program_goes_on_without_its_robot_and_a_replay_is_the_same(boat: Bare, tmp_path: Any) -> None:
+def test_a_program_goes_on_without_its_robot_and_a_replay_is_the_same(boat, tmp_path):
     path = tmp_path / "run.lrplog"
     with Session(PROGRAM, boat, clock=VirtualClock()) as session:
         boat.arm()
@@ -179,7 +178,7 @@ def test_a_program_goes_on_without_its_robot_and_a_replay_is_the_same(boat: Bare
     assert again.session.frame.variables[("count",)] == "9"
 
 
-def test_a_run_goes_on_after_a_hook_of_its_life_has_failed(boat: Bare) -> None:
+def test_a_run_goes_on_after_a_hook_of_its_life_has_failed(boat):
     with Session(PROGRAM, boat, clock=VirtualClock()) as session:
         session.run(0.2)
         boat.failing["on_resume"] = OSError("unplugged")

@@ -129,7 +129,7 @@ def line(robot: Robot) -> Iterator[Line]:
     line.close()
 
 
-def test_what_arrives_is_read_and_what_is_commanded_is_sent(line: Line, robot: Robot) -> None:
+def test_what_arrives_is_read_and_what_is_commanded_is_sent(line, robot):
     assert line.status.sentence == "`test-line` is connected."
     robot.say("7")
     until(lambda: line.describe("light.data").age is not None)
@@ -138,9 +138,7 @@ def test_what_arrives_is_read_and_what_is_commanded_is_sent(line: Line, robot: R
     until(lambda: robot.heard == ["move 0.2"])
 
 
-def test_a_lost_robot_is_refused_then_stopped_and_gets_nothing_a_second_time(
-    line: Line, robot: Robot
-) -> None:
+def test_a_lost_robot_is_refused_then_stopped_and_gets_nothing_a_second_time(line, robot):
     line.robot.move(linear=0.2)
     until(lambda: robot.heard == ["move 0.2"])
     port, line.port = line.port, 1
@@ -177,9 +175,7 @@ def test_a_lost_robot_is_refused_then_stopped_and_gets_nothing_a_second_time(
         (EOFError(), "`test-line` no longer answers: EOFError. It is tried again."),
     ],
 )
-def test_a_thread_that_receives_does_not_die_unseen(
-    line: Line, robot: Robot, fault: BaseException, sentence: str
-) -> None:
+def test_a_thread_that_receives_does_not_die_unseen(line, robot, fault, sentence):
     faults = [fault]
     receive = line.receive
 
@@ -196,7 +192,7 @@ def test_a_thread_that_receives_does_not_die_unseen(
     until(lambda: line.describe("light.data").age is not None)
 
 
-def test_without_a_robot_opening_fails_in_a_sentence() -> None:
+def test_without_a_robot_opening_fails_in_a_sentence():
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         line = Line(unused.getsockname()[1])
@@ -206,7 +202,7 @@ def test_without_a_robot_opening_fails_in_a_sentence() -> None:
     assert not line.is_open
 
 
-def test_a_robot_that_does_not_answer_is_given_up(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_robot_that_does_not_answer_is_given_up(robot, monkeypatch):
     over, calls = threading.Event(), []
     monkeypatch.setattr(Line, "connect_within", 0.1)
 
@@ -228,7 +224,7 @@ def test_a_robot_that_does_not_answer_is_given_up(robot: Robot, monkeypatch: pyt
     assert line.status.state is ConnectionState.DISCONNECTED
 
 
-def test_closing_ends_a_wait_for_data(line: Line, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_closing_ends_a_wait_for_data(line, monkeypatch):
     monkeypatch.setattr("lrp_jupyter.bridges.reconnecting._CALM", 0.01)
     waiting, closed = threading.Event(), threading.Event()
 
@@ -251,7 +247,7 @@ def test_closing_ends_a_wait_for_data(line: Line, monkeypatch: pytest.MonkeyPatc
     assert [notice.text for notice in line.safety.notices if notice.kind == "fault"] == []
 
 
-def test_a_connection_may_have_a_sentence_of_its_own(robot: Robot) -> None:
+def test_a_connection_may_have_a_sentence_of_its_own(robot):
     class Talkative(Line):
         name = "test-talkative"
 
@@ -267,7 +263,7 @@ def test_a_connection_may_have_a_sentence_of_its_own(robot: Robot) -> None:
         talkative.close()
 
 
-def test_the_waits_between_attempts_double_up_to_a_limit() -> None:
+def test_the_waits_between_attempts_double_up_to_a_limit():
     assert [*itertools.islice(_waits(0.5), 7)] == [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]
 
 
@@ -306,7 +302,7 @@ class Impatient(Line):
         self.feed("light.data", stale_after=0.3)
 
 
-def test_it_is_no_robot_itself() -> None:
+def test_it_is_no_robot_itself():
     from lrp_jupyter.bridges.discovery import find_bridges
 
     assert "reconnecting" not in find_bridges()

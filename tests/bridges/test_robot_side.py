@@ -114,7 +114,7 @@ def side(port: int, running: Any, robot: Any) -> Iterator[MqttSide]:
     side.close()
 
 
-def test_a_robot_whose_commands_cease_is_stopped_until_ctrl_c(robot: Any, port: int, running: Any) -> None:
+def test_a_robot_whose_commands_cease_is_stopped_until_ctrl_c(robot, port, running):
     still = {"linear": 0.0, "angular": 0.0, "gear": "low", "lamps": [0, False]}
     robot.connect()
     options = ("--backend", "mqtt", "--host", f"127.0.0.1:{port}", "--topic", TOPIC)
@@ -132,7 +132,7 @@ def test_a_robot_whose_commands_cease_is_stopped_until_ctrl_c(robot: Any, port: 
         assert process.wait(60) == 130
 
 
-def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot: Any, side: MqttSide) -> None:
+def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot, side):
     robot.client.publish(TOPIC, b"0.2 0.1")
     until(lambda: side.state() == "b'0.2 0.1' on `robot/cmd_vel` is not JSON, so the robot is not guarded.")
     robot.drive(linear=0.2)
@@ -142,9 +142,7 @@ def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot: Any
     until(lambda: robot.last == {"linear": 0})
 
 
-def test_a_broker_that_was_away_gets_the_stop_when_it_is_there_again(
-    robot: Any, side: MqttSide, broker: Callable[[], Any], running: Any
-) -> None:
+def test_a_broker_that_was_away_gets_the_stop_when_it_is_there_again(robot, side, broker, running):
     robot.drive(linear=0.2)
     until(lambda: side.heard[1] and robot.last == {"linear": 0.2})
     running.kill()
@@ -165,7 +163,7 @@ def test_a_broker_that_was_away_gets_the_stop_when_it_is_there_again(
         watching.join()
 
 
-def test_without_a_broker_it_says_so(port: int) -> None:
+def test_without_a_broker_it_says_so(port):
     pytest.importorskip("paho.mqtt.client")
     with pytest.raises(BridgeError, match="No MQTT broker answers at 127"):
         MqttSide(TOPIC, f"127.0.0.1:{port}")

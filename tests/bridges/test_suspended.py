@@ -8,7 +8,6 @@ import threading
 import time
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from support.robots import Cart
@@ -35,7 +34,7 @@ def texts(bridge: Bridge, kind: str = "guard") -> list[str]:
     return [notice.text for notice in bridge.safety.notices if notice.kind == kind]
 
 
-def test_a_program_that_was_suspended_is_paused_before_it_sends_anything(cart: Any, sleep: Any) -> None:
+def test_a_program_that_was_suspended_is_paused_before_it_sends_anything(cart, sleep):
     """Also where nobody stopped the robot meanwhile."""
     with Session("(machine m (state s (running [robot.move(linear=0.2)])))(spawn m s)", cart) as session:
         session.run(0.35)
@@ -52,9 +51,7 @@ def test_a_program_that_was_suspended_is_paused_before_it_sends_anything(cart: A
 
 
 @pytest.mark.parametrize(("seconds", "drives"), [(0.79, True), (0.81, False)])
-def test_a_program_is_suspended_that_was_away_nearly_as_long_as_its_guard_waits(
-    cart: Any, sleep: Any, seconds: float, drives: bool
-) -> None:
+def test_a_program_is_suspended_that_was_away_nearly_as_long_as_its_guard_waits(cart, sleep, seconds, drives):
     cart.robot.move(linear=0.2)
     cart._guard._end.set()
     cart._guard._thread.join()
@@ -63,9 +60,7 @@ def test_a_program_is_suspended_that_was_away_nearly_as_long_as_its_guard_waits(
     assert (cart.sent[-1] == (0.3, 0.0)) == drives
 
 
-def test_a_suspension_right_after_a_check_is_found_by_the_next_one(
-    cart: Any, sleep: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_suspension_right_after_a_check_is_found_by_the_next_one(cart, sleep, monkeypatch):
     ours = cart._guard
     ours._end.set()
     ours._thread.join()
@@ -80,7 +75,7 @@ def test_a_suspension_right_after_a_check_is_found_by_the_next_one(
     assert told.startswith("This program was suspended for 3.2 s")
 
 
-def test_a_program_that_was_suspended_while_its_robot_stood_goes_on(cart: Any, sleep: Any) -> None:
+def test_a_program_that_was_suspended_while_its_robot_stood_goes_on(cart, sleep):
     cart.robot.move(linear=0.2)
     cart.robot.move()
     until(lambda: not cart._guard._moved, "a beat says so")
@@ -106,9 +101,7 @@ class NotedLock:
         self.lock.release()
 
 
-def test_a_suspension_is_told_once_although_two_threads_notice_it(
-    cart: Any, sleep: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_suspension_is_told_once_although_two_threads_notice_it(cart, sleep, monkeypatch):
     ours, stop, stops, stopped = cart._guard, cart.stop, threading.Event(), threading.Event()
     cart.robot.move(linear=0.2)
     ours._end.set()
@@ -139,7 +132,7 @@ def test_a_suspension_is_told_once_although_two_threads_notice_it(
     assert told.startswith("This program was suspended for 3.2 s, and the guard stopped the robot.")
 
 
-def test_a_watchdog_that_stopped_the_robot_first_changes_nothing(cart: Any, sleep: Any) -> None:
+def test_a_watchdog_that_stopped_the_robot_first_changes_nothing(cart, sleep):
     cart.robot.move(linear=0.2)
     sleep()
     cart.stop_all()
@@ -149,7 +142,7 @@ def test_a_watchdog_that_stopped_the_robot_first_changes_nothing(cart: Any, slee
     assert held[0].startswith("`move` was not sent: ")
 
 
-def test_a_person_who_drives_by_hand_goes_on_by_arming(cart: Any, sleep: Any) -> None:
+def test_a_person_who_drives_by_hand_goes_on_by_arming(cart, sleep):
     cart.robot.move(linear=0.2)
     sleep()
     cart.robot.move(linear=0.3)
@@ -160,9 +153,7 @@ def test_a_person_who_drives_by_hand_goes_on_by_arming(cart: Any, sleep: Any) ->
     assert cart.sent[-1] == (0.3, 0.0)
 
 
-def test_a_system_that_names_a_clock_which_it_does_not_have_has_another(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_system_that_names_a_clock_which_it_does_not_have_has_another(monkeypatch):
     """A browser is one."""
 
     def refuse(_clock: int) -> float:
@@ -173,13 +164,13 @@ def test_a_system_that_names_a_clock_which_it_does_not_have_has_another(
     assert before <= now() <= time.monotonic()
 
 
-def test_no_process_guards_a_robot_without_a_stopper_and_arming_says_so(cart: Any) -> None:
+def test_no_process_guards_a_robot_without_a_stopper_and_arming_says_so(cart):
     assert cart.failsafe == UNGUARDED
     assert texts(cart, "armed")[0].endswith(UNGUARDED)
     assert cart._guard._process is None
 
 
-def test_no_process_guards_a_robot_in_a_browser(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_process_guards_a_robot_in_a_browser(monkeypatch):
     monkeypatch.setattr(sys, "platform", "emscripten")
     cart = Cart(stopper=lambda: Stopper("nowhere:nothing"))
     cart.open()
@@ -190,7 +181,7 @@ def test_no_process_guards_a_robot_in_a_browser(monkeypatch: pytest.MonkeyPatch)
     assert cart.sent == [(0.3, 0.0)]
 
 
-def test_a_simulated_robot_has_neither_a_guard_nor_a_sentence() -> None:
+def test_a_simulated_robot_has_neither_a_guard_nor_a_sentence():
     with Session("", "sim", world="empty") as session:
         session.bridge.open()
         session.bridge.disarm()

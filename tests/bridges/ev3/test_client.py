@@ -79,23 +79,23 @@ def stranger() -> Iterator[Callable[[bytes | None], int]]:
         server.close()
 
 
-def test_a_brick_answers(client: BrickClient) -> None:
+def test_a_brick_answers(client):
     assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
 
 
-def test_the_unlocking_text_is_that_of_the_documentation(caller: BrickClient, served: Any) -> None:
+def test_the_unlocking_text_is_that_of_the_documentation(caller, served):
     caller.request(*NAME)
     assert served.greetings == [b"GET /target?sn= VMTP1.0\r\nProtocol: EV3"]
 
 
-def test_a_command_is_executed_without_an_answer(client: BrickClient, brick: Any) -> None:
+def test_a_command_is_executed_without_an_answer(client, brick):
     client.command(turning(0b0101, 40))
     client.request(*NAME)
     assert [motor.turning for motor in brick.motors] == [40, 0, 40, 0]
 
 
 @pytest.mark.parametrize("fault", ["split", "merge"])
-def test_replies_cut_or_joined_by_the_network_are_read(caller: BrickClient, served: Any, fault: str) -> None:
+def test_replies_cut_or_joined_by_the_network_are_read(caller, served, fault):
     served.fault = fault
     for _ in range(3):
         assert caller.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
@@ -110,9 +110,7 @@ def test_replies_cut_or_joined_by_the_network_are_read(caller: BrickClient, serv
         ("noise", "not a reply"),
     ],
 )
-def test_a_brick_that_does_not_answer_as_it_should_is_lost(
-    client: BrickClient, brick: Any, air: Any, fault: str, sentence: str
-) -> None:
+def test_a_brick_that_does_not_answer_as_it_should_is_lost(client, brick, air, fault, sentence):
     brick.fault, began = fault, air.now
     with refused(sentence):
         client.request(*NAME)
@@ -123,7 +121,7 @@ def test_a_brick_that_does_not_answer_as_it_should_is_lost(
     assert sentence in client.lost
 
 
-def test_a_refused_command_is_an_error_and_no_loss(client: BrickClient, brick: Any) -> None:
+def test_a_refused_command_is_an_error_and_no_loss(client, brick):
     brick.fault = "refuse"
     with refused("refused"):
         client.request(*NAME)
@@ -131,15 +129,13 @@ def test_a_refused_command_is_an_error_and_no_loss(client: BrickClient, brick: A
     assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
 
 
-def test_an_unplugged_brick_is_lost(client: BrickClient, brick: Any) -> None:
+def test_an_unplugged_brick_is_lost(client, brick):
     brick.unplug()
     with refused("does not answer"):
         client.request(*NAME)
 
 
-def test_a_lost_connection_is_cut_so_that_nothing_under_way_arrives_later(
-    caller: BrickClient, served: Any
-) -> None:
+def test_a_lost_connection_is_cut_so_that_nothing_under_way_arrives_later(caller, served):
     served.fault = "silent"
     with refused():
         caller.request(*NAME, timeout=0.05)
@@ -152,7 +148,7 @@ def test_a_lost_connection_is_cut_so_that_nothing_under_way_arrives_later(
     assert len(served.frames) == frames
 
 
-def test_a_closed_connection_delivers_what_was_sent_before(served: Any) -> None:
+def test_a_closed_connection_delivers_what_was_sent_before(served):
     client = BrickClient(open_tcp(("127.0.0.1", served.port)))
     client.command(protocol.stop(15, True))
     client.close()
@@ -160,16 +156,14 @@ def test_a_closed_connection_delivers_what_was_sent_before(served: Any) -> None:
     assert all(motor.braked for motor in served.motors)
 
 
-def test_a_brick_that_accepts_no_more_bytes_is_lost(caller: BrickClient, served: Any) -> None:
+def test_a_brick_that_accepts_no_more_bytes_is_lost(caller, served):
     served.unplug()
     with refused("accepts no commands"):
         for _ in range(10_000):  # until every buffer between here and the brick is full
             caller.command(protocol.stop(15, True) * 200, 0.05)
 
 
-def test_a_question_that_waits_is_woken_by_the_loss_of_the_connection(
-    client: BrickClient, brick: Any
-) -> None:
+def test_a_question_that_waits_is_woken_by_the_loss_of_the_connection(client, brick):
     brick.fault = "silent"
 
     def give_up() -> None:
@@ -181,7 +175,7 @@ def test_a_question_that_waits_is_woken_by_the_loss_of_the_connection(
         client.request(*NAME, timeout=3600)
 
 
-def test_a_command_does_not_wait_for_a_question_under_way(client: BrickClient, brick: Any) -> None:
+def test_a_command_does_not_wait_for_a_question_under_way(client, brick):
     brick.fault = "silent"
 
     def stop() -> None:
@@ -196,7 +190,7 @@ def test_a_command_does_not_wait_for_a_question_under_way(client: BrickClient, b
     assert all(motor.braked for motor in brick.motors)
 
 
-def test_many_threads_share_a_connection(caller: BrickClient, served: Any) -> None:
+def test_many_threads_share_a_connection(caller, served):
     wrong: list[object] = []
 
     def work(port: int) -> None:
@@ -215,17 +209,13 @@ def test_many_threads_share_a_connection(caller: BrickClient, served: Any) -> No
 
 
 @pytest.mark.parametrize("answer", [None, b"", b"HTTP/1.1 400 Bad Request\r\n\r\n", b"Accept:EV3", b"A" * 16])
-def test_a_host_that_is_not_a_brick_is_reported(
-    stranger: Callable[[bytes | None], int], answer: bytes | None, free_udp_port: int, short: None
-) -> None:
+def test_a_host_that_is_not_a_brick_is_reported(stranger, answer, free_udp_port, short):
     port = stranger(answer)
     with refused("is not an EV3 brick"):
         connect("127.0.0.1", port=port, beacon_port=free_udp_port)
 
 
-def test_a_host_that_hangs_up_again_and_again_is_reported(
-    free_udp_port: int, served: Any, caller: BrickClient, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_host_that_hangs_up_again_and_again_is_reported(free_udp_port, served, caller, monkeypatch):
     monkeypatch.setattr(finding, "_PAUSE", 0.01)
     caller.request(*NAME)  # the brick serves one client and hangs up on others
     with refused("hung up. Is another program connected to the brick"):
@@ -233,8 +223,8 @@ def test_a_host_that_hangs_up_again_and_again_is_reported(
 
 
 def test_a_brick_that_has_not_noticed_the_end_of_the_last_connection_is_tried_again(
-    free_udp_port: int, served: Any, caller: BrickClient
-) -> None:
+    free_udp_port, served, caller
+):
     caller.request(*NAME)
     attempts: list[None] = []
 
@@ -248,30 +238,28 @@ def test_a_brick_that_has_not_noticed_the_end_of_the_last_connection_is_tried_ag
     again.close()
 
 
-def test_an_address_where_nothing_is_gives_up_in_time(free_udp_port: int) -> None:
+def test_an_address_where_nothing_is_gives_up_in_time(free_udp_port):
     with refused(r"No EV3 brick was found. No connection to 127.0.0.1:1: .*refused"):
         connect("127.0.0.1", port=1, beacon_port=free_udp_port, patience=0.05)
 
 
-def test_without_address_and_beacon_the_search_gives_up_in_time(free_udp_port: int) -> None:
+def test_without_address_and_beacon_the_search_gives_up_in_time(free_udp_port):
     with refused("No beacon"):
         connect(beacon_port=free_udp_port, patience=0.05)
 
 
-def test_a_search_can_be_cancelled(free_udp_port: int) -> None:
+def test_a_search_can_be_cancelled(free_udp_port):
     with refused("No EV3 brick was found"):
         connect(beacon_port=free_udp_port, patience=60, cancelled=lambda: True)
 
 
 @pytest.mark.parametrize("address", ["", "ev3.local", "1.2.3", "1.2.3.4.5", "300.1.1.1", "[::1]"])
-def test_what_is_not_an_address_is_refused_at_once(address: str) -> None:
+def test_what_is_not_an_address_is_refused_at_once(address):
     with refused("is not the address of a brick"):
         check_address(address)
 
 
-def test_a_brick_is_found_by_its_beacon_and_unlocked_by_its_serial_number(
-    make_brick: Callable[..., Any], free_udp_port: int
-) -> None:
+def test_a_brick_is_found_by_its_beacon_and_unlocked_by_its_serial_number(make_brick, free_udp_port):
     brick = make_brick(free_udp_port)
     client = connect(beacon_port=free_udp_port, patience=3)
     assert client.place == "127.0.0.1"
@@ -282,8 +270,8 @@ def test_a_brick_is_found_by_its_beacon_and_unlocked_by_its_serial_number(
 
 
 def test_a_brick_that_refuses_tcp_until_its_beacon_is_answered_is_found_by_its_address(
-    make_brick: Callable[..., Any], free_udp_port: int
-) -> None:
+    make_brick, free_udp_port
+):
     brick = make_brick(free_udp_port)
     with pytest.raises(BridgeError, match="refused"):
         BrickClient(open_tcp(("127.0.0.1", brick.port)))
@@ -292,7 +280,7 @@ def test_a_brick_that_refuses_tcp_until_its_beacon_is_answered_is_found_by_its_a
     client.close()
 
 
-def test_where_an_address_is_given_tcp_needs_no_beacon(served: Any, free_udp_port: int) -> None:
+def test_where_an_address_is_given_tcp_needs_no_beacon(served, free_udp_port):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
         other_program.bind(("", free_udp_port))
         client = connect("127.0.0.1", port=served.port, beacon_port=free_udp_port)
@@ -300,32 +288,28 @@ def test_where_an_address_is_given_tcp_needs_no_beacon(served: Any, free_udp_por
     client.close()
 
 
-def test_a_beacon_that_cannot_be_received_is_reported(free_udp_port: int) -> None:
+def test_a_beacon_that_cannot_be_received_is_reported(free_udp_port):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
         other_program.bind(("", free_udp_port))
         with refused(f"Cannot listen on UDP port {free_udp_port}"):
             connect(beacon_port=free_udp_port)
 
 
-def test_the_beacon_of_another_brick_is_not_answered(
-    make_brick: Callable[..., Any], free_udp_port: int
-) -> None:
+def test_the_beacon_of_another_brick_is_not_answered(make_brick, free_udp_port):
     brick = make_brick(free_udp_port)
     with refused("No beacon of it"):
         connect(serial="001653ffffff", beacon_port=free_udp_port, patience=0.1)
     assert (brick.answers, brick.connections) == (0, 0)
 
 
-def test_a_brick_is_chosen_by_its_serial_number_as_people_write_it(
-    make_brick: Callable[..., Any], free_udp_port: int
-) -> None:
+def test_a_brick_is_chosen_by_its_serial_number_as_people_write_it(make_brick, free_udp_port):
     make_brick(free_udp_port)
     client = connect(serial="00:16:53:5A:1B:2C", beacon_port=free_udp_port, patience=3)
     assert client.serial == "0016535a1b2c"
     client.close()
 
 
-def test_a_beacon_is_read() -> None:
+def test_a_beacon_is_read():
     data = b"Serial-Number: 0016533f0c1e\r\nPort: 5555\r\nName: EV3 of Ann\r\nProtocol: EV3\r\n"
     assert parse_beacon(data) == ("0016533f0c1e", 5555, "EV3 of Ann")
 
@@ -342,9 +326,9 @@ def test_a_beacon_is_read() -> None:
         b"Serial-Number: 1\r\nPort: 5555\r\nProtocol: NXT\r\n",
     ],
 )
-def test_another_datagram_is_not_a_beacon(data: bytes) -> None:
+def test_another_datagram_is_not_a_beacon(data):
     assert parse_beacon(data) is None
 
 
-def test_a_stranger_is_distinguished_from_an_absent_brick() -> None:
+def test_a_stranger_is_distinguished_from_an_absent_brick():
     assert issubclass(NoBrickError, BridgeError)

@@ -26,9 +26,7 @@ def sent(brick: Any) -> list[str]:
 # -- motors -------------------------------------------------------------------------------------------
 
 
-def test_a_motor_started_at_a_speed_turns_until_the_next_command(
-    bridge: EV3Bridge, passes: Callable[[float], None]
-) -> None:
+def test_a_motor_started_at_a_speed_turns_until_the_next_command(bridge, passes):
     bridge.robot.motorB.start_at_speed(-30)
     passes(2)
     assert bridge.robot.motorB.count == -600
@@ -36,9 +34,7 @@ def test_a_motor_started_at_a_speed_turns_until_the_next_command(
     assert bridge.robot.motorA.speed == 0
 
 
-def test_a_motor_is_stopped_with_brake_unless_it_is_to_coast(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_motor_is_stopped_with_brake_unless_it_is_to_coast(bridge, brick, fresh):
     bridge.robot.motorA.start_at_power(80)
     fresh()
     assert brick.motors[0].turning == 80
@@ -63,9 +59,7 @@ def test_a_motor_is_stopped_with_brake_unless_it_is_to_coast(
         ({"seconds": 0}, 0),
     ],
 )
-def test_a_motor_runs_for_an_angle_or_a_time_and_stops(
-    bridge: EV3Bridge, clock: Any, fresh: Callable[[], None], arguments: dict[str, float], degrees: int
-) -> None:
+def test_a_motor_runs_for_an_angle_or_a_time_and_stops(bridge, clock, fresh, arguments, degrees):
     bridge.robot.motorD.run_for(**arguments)
     fresh()
     clock.now += 60
@@ -74,9 +68,7 @@ def test_a_motor_runs_for_an_angle_or_a_time_and_stops(
     assert bridge.robot.motorD.speed == 0
 
 
-def test_a_count_set_to_zero_is_zero_at_once_and_counts_from_there(
-    bridge: EV3Bridge, passes: Callable[[float], None]
-) -> None:
+def test_a_count_set_to_zero_is_zero_at_once_and_counts_from_there(bridge, passes):
     bridge.robot.motorC.start_at_speed(10)
     passes(5)
     assert bridge.robot.motorC.count == 500
@@ -86,7 +78,7 @@ def test_a_count_set_to_zero_is_zero_at_once_and_counts_from_there(
     assert bridge.robot.motorC.count == 100
 
 
-def test_the_beep_sounds(bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]) -> None:
+def test_the_beep_sounds(bridge, brick, fresh):
     bridge.robot.beep(frequency=880, seconds=0.1)
     fresh()
     assert brick.tones == [(50, 880, 100)]
@@ -119,14 +111,7 @@ def test_the_beep_sounds(bridge: EV3Bridge, brick: Any, fresh: Callable[[], None
         ("beep", (440, 1, 101), "volume goes from 0"),
     ],
 )
-def test_a_wrong_argument_is_refused_and_nothing_is_sent(
-    bridge: EV3Bridge,
-    brick: Any,
-    fresh: Callable[[], None],
-    member: str,
-    arguments: tuple[Any, ...],
-    sentence: str,
-) -> None:
+def test_a_wrong_argument_is_refused_and_nothing_is_sent(bridge, brick, fresh, member, arguments, sentence):
     with pytest.raises(BridgeError, match=sentence):
         attrgetter(member)(bridge.robot)(*arguments)
     fresh()
@@ -134,9 +119,7 @@ def test_a_wrong_argument_is_refused_and_nothing_is_sent(
 
 
 @pytest.mark.parametrize("command", ["start_at_speed", "start_at_power", "run_for"])
-def test_a_motor_that_is_not_plugged_in_is_reported(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], command: str
-) -> None:
+def test_a_motor_that_is_not_plugged_in_is_reported(bridge, brick, fresh, command):
     brick.motors[1].type = 126
     fresh()
     with pytest.raises(BridgeError, match="`motorB`: Nothing is plugged into port B"):
@@ -146,9 +129,7 @@ def test_a_motor_that_is_not_plugged_in_is_reported(
     assert sent(brick) == ["a3 00 02 01"]
 
 
-def test_a_disarmed_bridge_moves_nothing_but_reads_and_stops(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_disarmed_bridge_moves_nothing_but_reads_and_stops(bridge, brick, fresh):
     bridge.disarm()
     fresh()
     del brick.commands[:]
@@ -165,7 +146,7 @@ def test_a_disarmed_bridge_moves_nothing_but_reads_and_stops(
 # -- sensors ------------------------------------------------------------------------------------------
 
 
-def test_sensors_are_read_in_their_units(bridge: EV3Bridge, brick: Any) -> None:
+def test_sensors_are_read_in_their_units(bridge, brick):
     robot = bridge.robot
     assert (robot.sensor1.read(), robot.sensor1.type, robot.sensor1.mode) == (0, "touch", "touch")
     assert (robot.sensor2.read(), robot.sensor2.type, robot.sensor2.mode) == (42, "colour", "reflected")
@@ -173,7 +154,7 @@ def test_sensors_are_read_in_their_units(bridge: EV3Bridge, brick: Any) -> None:
     assert type(robot.sensor2.read()) is int
 
 
-def test_the_brick_reports_its_battery_name_and_motors(bridge: EV3Bridge) -> None:
+def test_the_brick_reports_its_battery_name_and_motors(bridge):
     assert (bridge.robot.battery, bridge.robot.name, bridge.robot.motorA.type) == (
         87,
         "SLOWPOKE",
@@ -182,7 +163,7 @@ def test_the_brick_reports_its_battery_name_and_motors(bridge: EV3Bridge) -> Non
 
 
 @pytest.mark.parametrize("mode", ["ambient", 1])
-def test_a_sensor_measures_what_is_wanted(bridge: EV3Bridge, until: Callable[..., None], mode: Any) -> None:
+def test_a_sensor_measures_what_is_wanted(bridge, until, mode):
     bridge.robot.sensor2.set_mode(mode)
     with pytest.raises(NoDataYet):  # what it measured before is not what is wanted now
         bridge.robot.sensor2.read()
@@ -191,35 +172,31 @@ def test_a_sensor_measures_what_is_wanted(bridge: EV3Bridge, until: Callable[...
 
 
 @pytest.mark.parametrize("mode", ["ambiant", 8, -1, True, None, 1.5])
-def test_a_mode_that_does_not_exist_is_refused(bridge: EV3Bridge, mode: Any) -> None:
+def test_a_mode_that_does_not_exist_is_refused(bridge, mode):
     with pytest.raises(BridgeError, match=r"`sensor2` \(colour\) has no mode .*`ambient`"):
         bridge.robot.sensor2.set_mode(mode)
 
 
-def test_a_mode_nearly_right_is_suggested(bridge: EV3Bridge) -> None:
+def test_a_mode_nearly_right_is_suggested(bridge):
     with pytest.raises(BridgeError, match="Did you mean `ambient`"):
         bridge.robot.sensor2.set_mode("ambiant")
 
 
-def test_a_sensor_without_a_value_yet_has_no_data(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_sensor_without_a_value_yet_has_no_data(bridge, brick, fresh):
     brick.sensors[1].values = {}  # it reports NaN
     fresh()
     with pytest.raises(NoDataYet):
         bridge.robot.sensor2.read()
 
 
-def test_an_empty_port_is_reported(bridge: EV3Bridge) -> None:
+def test_an_empty_port_is_reported(bridge):
     for ask in (bridge.robot.sensor4.read, lambda: bridge.robot.sensor4.set_mode(0)):
         with pytest.raises(BridgeError, match="Nothing is plugged into port 4"):
             ask()
     assert bridge.robot.sensor4.type == "nothing"
 
 
-def test_another_sensor_in_the_port_measures_in_its_own_mode(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_another_sensor_in_the_port_measures_in_its_own_mode(bridge, brick, fresh):
     bridge.robot.sensor2.set_mode("colour")
     fresh()
     assert bridge.robot.sensor2.read() == 5
@@ -230,7 +207,7 @@ def test_another_sensor_in_the_port_measures_in_its_own_mode(
     assert (bridge.robot.sensor2.read(), bridge.robot.sensor2.mode) == (-90, "angle")
 
 
-def test_one_tick_sees_one_world(bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]) -> None:
+def test_one_tick_sees_one_world(bridge, brick, fresh):
     bridge.begin_tick(0.0, 0.1)
     brick.sensors[0].values[0] = 1.0
     fresh()
@@ -240,7 +217,7 @@ def test_one_tick_sees_one_world(bridge: EV3Bridge, brick: Any, fresh: Callable[
     assert bridge.robot.sensor1.read() == 1
 
 
-def test_what_was_not_read_lately_has_an_age(bridge: EV3Bridge, air: Any) -> None:
+def test_what_was_not_read_lately_has_an_age(bridge, air):
     air.now += 0.3
     assert bridge.describe("sensor1.value").age == pytest.approx(0.3)
 
@@ -248,9 +225,7 @@ def test_what_was_not_read_lately_has_an_age(bridge: EV3Bridge, air: Any) -> Non
 # -- stopping -----------------------------------------------------------------------------------------
 
 
-def test_the_runstop_stops_all_motors_in_one_packet(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_the_runstop_stops_all_motors_in_one_packet(bridge, brick, fresh):
     for motor in (bridge.robot.motorA, bridge.robot.motorD):
         motor.start_at_speed(100)
     fresh()
@@ -261,7 +236,7 @@ def test_the_runstop_stops_all_motors_in_one_packet(
     assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
 
 
-def test_the_runstop_works_while_a_reading_hangs(bridge: EV3Bridge, brick: Any) -> None:
+def test_the_runstop_works_while_a_reading_hangs(bridge, brick):
     bridge.robot.motorA.start_at_speed(100)
     brick.fault, pressed = "silent", []
 
@@ -278,9 +253,7 @@ def test_the_runstop_works_while_a_reading_hangs(bridge: EV3Bridge, brick: Any) 
     assert brick.motors[0].turning == 0
 
 
-def test_a_runstop_that_cannot_reach_the_brick_reports_it(
-    bridge: EV3Bridge, brick: Any, until: Callable[..., None]
-) -> None:
+def test_a_runstop_that_cannot_reach_the_brick_reports_it(bridge, brick, until):
     brick.unplug()
     until(lambda: bridge.status.state == "lost")
     assert bridge.stop_all() is False
@@ -288,9 +261,7 @@ def test_a_runstop_that_cannot_reach_the_brick_reports_it(
     assert any("within 0.6 s by itself, and all as soon as it is found" in text for text in texts)
 
 
-def test_a_motor_started_once_runs_on_without_new_commands(
-    bridge: EV3Bridge, brick: Any, passes: Callable[[float], None]
-) -> None:
+def test_a_motor_started_once_runs_on_without_new_commands(bridge, brick, passes):
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.motorA.start_at_speed(100)
     bridge.end_tick(0.0)
@@ -301,7 +272,7 @@ def test_a_motor_started_once_runs_on_without_new_commands(
     assert brick.motors[0].turning == 100
 
 
-def test_closing_stops_the_motors(bridge: EV3Bridge, brick: Any, until: Callable[..., None]) -> None:
+def test_closing_stops_the_motors(bridge, brick, until):
     bridge.robot.motorA.start_at_speed(100)
     bridge.close()
     until(lambda: brick.goodbyes == 1)
@@ -313,9 +284,7 @@ def test_closing_stops_the_motors(bridge: EV3Bridge, brick: Any, until: Callable
 
 
 @pytest.mark.parametrize("fault", ["split", "merge"])
-def test_replies_cut_or_joined_disturb_nothing(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], fault: str
-) -> None:
+def test_replies_cut_or_joined_disturb_nothing(bridge, brick, fresh, fault):
     brick.fault = fault
     fresh()
     brick.sensors[1].values[0] = 43.0
@@ -334,8 +303,8 @@ def test_replies_cut_or_joined_disturb_nothing(
     ],
 )
 def test_a_brick_that_fails_is_lost_within_half_a_second_and_every_use_explains_why(
-    bridge: EV3Bridge, brick: Any, air: Any, fault: str, sentence: str
-) -> None:
+    bridge, brick, air, fault, sentence
+):
     brick.fault, began = fault, air.now
     bridge.link._turn()
     assert bridge.status.state == "lost"
@@ -357,9 +326,7 @@ def test_a_brick_that_fails_is_lost_within_half_a_second_and_every_use_explains_
 
 
 @pytest.mark.parametrize(("fault", "sentence"), [("refuse", "refused"), ("other size", "instead of")])
-def test_a_brick_that_refuses_to_be_read_stays_connected(
-    bridge: EV3Bridge, brick: Any, until: Callable[..., None], fault: str, sentence: str
-) -> None:
+def test_a_brick_that_refuses_to_be_read_stays_connected(bridge, brick, until, fault, sentence):
     brick.fault = fault
     until(lambda: bridge.status.state == "stale")
     with pytest.raises(BridgeError, match=sentence):
@@ -370,7 +337,7 @@ def test_a_brick_that_refuses_to_be_read_stays_connected(
     assert brick.connections == 1
 
 
-def test_the_loop_does_not_wait_for_a_brick_that_hangs(bridge: EV3Bridge, brick: Any) -> None:
+def test_the_loop_does_not_wait_for_a_brick_that_hangs(bridge, brick):
     brick.fault, ticks = "silent", []
 
     def tick() -> None:
@@ -392,8 +359,8 @@ def test_the_loop_does_not_wait_for_a_brick_that_hangs(bridge: EV3Bridge, brick:
 
 
 def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_and_nothing_is_sent_twice(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], until: Callable[..., None]
-) -> None:
+    bridge, brick, fresh, until
+):
     bridge.robot.motorA.start_at_speed(70)
     fresh()
     brick.unplug()
@@ -414,9 +381,7 @@ def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_
     assert [motor.turning for motor in brick.motors] == [30, 0, 0, 0]
 
 
-def test_a_fault_of_the_bridge_itself_is_a_lost_brick_that_is_found_again(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], until: Callable[..., None]
-) -> None:
+def test_a_fault_of_the_bridge_itself_is_a_lost_brick_that_is_found_again(bridge, brick, fresh, until):
     bridge.robot.motorA.start_at_speed(70)
     fresh()
     faults, advance = [ZeroDivisionError("no track")], bridge.link._advance
@@ -438,9 +403,7 @@ def test_a_fault_of_the_bridge_itself_is_a_lost_brick_that_is_found_again(
 # -- its address -------------------------------------------------------------------------------------
 
 
-def test_opening_at_an_address_without_a_brick_fails_and_can_be_tried_again(
-    make_bridge: Callable[..., EV3Bridge], brick: Any
-) -> None:
+def test_opening_at_an_address_without_a_brick_fails_and_can_be_tried_again(make_bridge, brick):
     brick.unplug()
     bridge = make_bridge()
     with pytest.raises(BridgeError, match="No EV3 brick was found"):
@@ -452,16 +415,14 @@ def test_opening_at_an_address_without_a_brick_fails_and_can_be_tried_again(
 
 
 @pytest.mark.parametrize("address", ["", "my brick", "1.2.3"])
-def test_an_answer_that_is_not_an_address_is_refused(
-    make_bridge: Callable[..., EV3Bridge], address: str
-) -> None:
+def test_an_answer_that_is_not_an_address_is_refused(make_bridge, address):
     bridge = make_bridge(None)
     bridge.open()
     with pytest.raises(BridgeError, match="not the address"):
         bridge.answer("host", address)
 
 
-def test_an_unknown_question_is_refused(make_bridge: Callable[..., EV3Bridge]) -> None:
+def test_an_unknown_question_is_refused(make_bridge):
     with pytest.raises(BridgeError, match="has no option `colour`"):
         make_bridge(None).answer("colour", "red")
 
@@ -469,7 +430,7 @@ def test_an_unknown_question_is_refused(make_bridge: Callable[..., EV3Bridge]) -
 # -- the panel ----------------------------------------------------------------------------------------
 
 
-def test_the_panel_shows_every_motor_and_sensor(bridge: EV3Bridge) -> None:
+def test_the_panel_shows_every_motor_and_sensor(bridge):
     panel = bridge.panel()
     motors, sensors, _robot = panel.tables
     assert motors.keys == ("motorA", "motorB", "motorC", "motorD")
@@ -486,7 +447,7 @@ def test_the_panel_shows_every_motor_and_sensor(bridge: EV3Bridge) -> None:
     assert fields["address"] == "127.0.0.1"
 
 
-def test_the_panel_is_there_before_and_after_the_brick(make_bridge: Callable[..., EV3Bridge]) -> None:
+def test_the_panel_is_there_before_and_after_the_brick(make_bridge):
     bridge = make_bridge(None)
     assert bridge.panel().tables[0].rows[0] == ("motorA", "", "", "")
     bridge.open()
@@ -494,9 +455,7 @@ def test_the_panel_is_there_before_and_after_the_brick(make_bridge: Callable[...
     assert bridge.panel().tables[1].rows[3] == ("sensor4", "", "", "", "")
 
 
-def test_motors_are_driven_by_hand(
-    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
-) -> None:
+def test_motors_are_driven_by_hand(bridge, brick, clock, fresh):
     bridge.press("forward", "motorA", {"speed": "30"})
     bridge.press("backward", "motorB", {"speed": "12,5"})
     bridge.press("forward", "motorC")
@@ -512,9 +471,7 @@ def test_motors_are_driven_by_hand(
     assert len(brick.tones) == 1
 
 
-def test_the_hand_cannot_move_a_disarmed_robot(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_the_hand_cannot_move_a_disarmed_robot(bridge, brick, fresh):
     bridge.disarm()
     bridge.press("forward", "motorA", {"speed": "30"})
     fresh()
@@ -522,7 +479,7 @@ def test_the_hand_cannot_move_a_disarmed_robot(
     assert bridge.safety.notices[-1].kind == "disarmed"
 
 
-def test_a_sensors_mode_is_changed_by_hand(bridge: EV3Bridge, until: Callable[..., None]) -> None:
+def test_a_sensors_mode_is_changed_by_hand(bridge, until):
     for mode in ("ambient", "colour", "reflected"):
         bridge.press("next_mode", "sensor2")
         until(lambda: bridge.robot.sensor2.mode == mode)  # noqa: B023
@@ -541,15 +498,13 @@ def test_a_sensors_mode_is_changed_by_hand(bridge: EV3Bridge, until: Callable[..
         ("next_mode", "sensor4", {}),
     ],
 )
-def test_a_button_that_cannot_be_pressed_explains_why(
-    bridge: EV3Bridge, brick: Any, key: str, row: str, values: dict[str, str]
-) -> None:
+def test_a_button_that_cannot_be_pressed_explains_why(bridge, brick, key, row, values):
     with pytest.raises(BridgeError):
         bridge.press(key, row, values)
     assert brick.commands == []
 
 
-def test_buttons_of_a_closed_bridge_report_what_is_missing(make_bridge: Callable[..., EV3Bridge]) -> None:
+def test_buttons_of_a_closed_bridge_report_what_is_missing(make_bridge):
     with pytest.raises(BridgeError, match="No brick is connected"):
         make_bridge(None).press("forward", "motorA", {})
 

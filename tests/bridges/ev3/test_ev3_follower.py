@@ -6,8 +6,6 @@ The emulated brick's motors drive the simulated robot, whose sensors are those o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.live.clock import VirtualClock
@@ -19,9 +17,7 @@ WHEEL, TRACK = 0.056, 0.12  # m
 EVERY = 8  # physics steps between two looks at the motors
 
 
-def test_the_follower_goes_there_and_back(
-    brick: Any, make_bridge: Callable[..., EV3Bridge], clock: Any, monkeypatch: Any
-) -> None:
+def test_the_follower_goes_there_and_back(brick, make_bridge, clock, monkeypatch):
     simulation, sensors = Simulation("line"), brick.sensors
     sensors[0].type, sensors[1].type, sensors[2].type, sensors[3].type = 16, 126, 29, 30
 

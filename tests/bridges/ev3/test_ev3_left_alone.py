@@ -48,16 +48,12 @@ def stands(brick: Any) -> bool:
     return not any(motor.turning for motor in brick.motors)
 
 
-def test_motors_stand_when_their_program_was_killed(
-    brick: Any, drives: Callable[[str], subprocess.Popen[str]]
-) -> None:
+def test_motors_stand_when_their_program_was_killed(brick, drives):
     drives(MOVING).kill()
     until(lambda: stands(brick))
 
 
-def test_motors_stand_while_their_program_is_suspended_and_it_does_not_start_them_again(
-    brick: Any, drives: Callable[[str], subprocess.Popen[str]]
-) -> None:
+def test_motors_stand_while_their_program_is_suspended_and_it_does_not_start_them_again(brick, drives):
     run = drives(TURNING)
     os.kill(run.pid, signal.SIGSTOP)
     until(lambda: stands(brick))

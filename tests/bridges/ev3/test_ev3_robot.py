@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -48,15 +47,13 @@ def drive_in_a_block(robot: Any) -> None:
         drive_in_a_block,
     ],
 )
-def test_every_form_of_move_drives_the_wheels(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], drive: Callable[[Any], None]
-) -> None:
+def test_every_form_of_move_drives_the_wheels(bridge, brick, fresh, drive):
     drive(bridge.robot)
     fresh()
     assert turning(brick) == FORWARD
 
 
-def test_it_has_the_members_of_the_simulated_robot_with_their_units_and_types(bridge: EV3Bridge) -> None:
+def test_it_has_the_members_of_the_simulated_robot_with_their_units_and_types(bridge):
     simulated = SimBridge("line")
     simulated.open()
     bridge.refresh()
@@ -68,24 +65,20 @@ def test_it_has_the_members_of_the_simulated_robot_with_their_units_and_types(br
 
 
 @pytest.mark.parametrize("drive", [{"linear_y": 0.2}, {"linear_z": 1}, {"angular_x": 1}, {"angular_y": 1}])
-def test_what_two_wheels_cannot_do_is_refused(bridge: EV3Bridge, brick: Any, drive: dict[str, float]) -> None:
+def test_what_two_wheels_cannot_do_is_refused(bridge, brick, drive):
     with pytest.raises(BridgeError, match="has two wheels"):
         bridge.robot.move(**drive)
     assert brick.commands == []
 
 
-def test_a_speed_beyond_the_motors_is_limited_and_that_is_shown(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_speed_beyond_the_motors_is_limited_and_that_is_shown(bridge, brick, fresh):
     bridge.robot.move(linear=3)
     fresh()
     assert turning(brick) == [0, 100, 100, 0]
     assert "`move`: linear 3 limited to 0.492." in [notice.text for notice in bridge.safety.notices]
 
 
-def test_a_curve_beyond_the_motors_is_slowed_down_and_that_is_shown_once(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_curve_beyond_the_motors_is_slowed_down_and_that_is_shown_once(bridge, brick, fresh):
     for _ in range(3):
         bridge.robot.move(linear=0.4, angular=4)
     fresh()
@@ -96,18 +89,14 @@ def test_a_curve_beyond_the_motors_is_slowed_down_and_that_is_shown_once(
     ]
 
 
-def test_a_wheel_without_a_motor_is_reported(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_wheel_without_a_motor_is_reported(bridge, brick, fresh):
     brick.motors[2].type = 126
     fresh()
     with pytest.raises(BridgeError, match="`motorC`: Nothing is plugged into port C"):
         bridge.robot.move(linear=0.2)
 
 
-def test_a_robot_that_gets_no_more_moves_is_stopped_with_a_reason(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_robot_that_gets_no_more_moves_is_stopped_with_a_reason(bridge, brick, fresh):
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.move(linear=0.2)
     bridge.end_tick(0.0)
@@ -119,9 +108,7 @@ def test_a_robot_that_gets_no_more_moves_is_stopped_with_a_reason(
     assert "Put `move` into `running`" in bridge.safety.notices[-1].text
 
 
-def test_a_robot_that_moves_in_every_tick_costs_five_commands_a_second(
-    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_robot_that_moves_in_every_tick_costs_five_commands_a_second(bridge, brick, clock, fresh):
     fresh()
     for tick in range(50):
         clock.now += 0.02
@@ -134,18 +121,14 @@ def test_a_robot_that_moves_in_every_tick_costs_five_commands_a_second(
     assert len(brick.commands) <= 7
 
 
-def test_a_motor_that_turns_on_costs_no_frame_at_all(
-    bridge: EV3Bridge, brick: Any, passes: Callable[[float], None]
-) -> None:
+def test_a_motor_that_turns_on_costs_no_frame_at_all(bridge, brick, passes):
     bridge.robot.motorA.start_at_speed(50)
     passes(3)
     assert brick.motors[0].turning == 50
     assert len(brick.commands) == 1, "renewals travel with the questions"
 
 
-def test_stop_stands_still_and_ends_the_renewals(
-    bridge: EV3Bridge, brick: Any, passes: Callable[[float], None]
-) -> None:
+def test_stop_stands_still_and_ends_the_renewals(bridge, brick, passes):
     bridge.robot.move(linear=0.2)
     bridge.robot.motorA.start_at_speed(10)
     bridge.robot.stop()
@@ -155,9 +138,7 @@ def test_stop_stands_still_and_ends_the_renewals(
     assert not bridge.safety.motion
 
 
-def test_a_motor_that_is_stopped_or_run_for_an_angle_is_not_renewed(
-    bridge: EV3Bridge, brick: Any, passes: Callable[[float], None]
-) -> None:
+def test_a_motor_that_is_stopped_or_run_for_an_angle_is_not_renewed(bridge, brick, passes):
     bridge.robot.motorA.start_at_speed(50)
     bridge.robot.motorB.start_at_speed(50)
     bridge.robot.motorC.start_at_power(50)
@@ -170,8 +151,8 @@ def test_a_motor_that_is_stopped_or_run_for_an_angle_is_not_renewed(
 
 
 def test_a_bridge_that_was_held_up_for_long_starts_no_motor_again_and_says_so(
-    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None], passes: Callable[[float], None]
-) -> None:
+    bridge, brick, clock, fresh, passes
+):
     bridge.robot.motorA.start_at_speed(50)
     bridge.robot.motorD.start_at_speed(50)
     fresh()
@@ -185,9 +166,7 @@ def test_a_bridge_that_was_held_up_for_long_starts_no_motor_again_and_says_so(
     assert bridge.status.state == "connected"
 
 
-def test_what_turned_before_a_loss_is_not_renewed_after_it(
-    bridge: EV3Bridge, brick: Any, until: Callable[..., None], passes: Callable[[float], None]
-) -> None:
+def test_what_turned_before_a_loss_is_not_renewed_after_it(bridge, brick, until, passes):
     bridge.robot.move(linear=0.2)
     brick.hang_up()
     until(lambda: brick.connections == 2 and bridge.status.state == "connected")
@@ -195,21 +174,19 @@ def test_what_turned_before_a_loss_is_not_renewed_after_it(
     assert turning(brick) == [0, 0, 0, 0]
 
 
-def test_the_brick_is_named_as_what_stops_the_motors_of_a_dead_process(bridge: EV3Bridge) -> None:
+def test_the_brick_is_named_as_what_stops_the_motors_of_a_dead_process(bridge):
     assert bridge.failsafe.startswith("The brick itself stops its motors: 0.6 s after the last renewal")
 
 
 # -- sensing ------------------------------------------------------------------------------------------
 
 
-def test_sensors_are_read_as_those_of_the_simulated_robot(bridge: EV3Bridge) -> None:
+def test_sensors_are_read_as_those_of_the_simulated_robot(bridge):
     robot = bridge.robot
     assert (robot.light.data, robot.bumper.data, robot.distance.data) == (107, False, 0.255)
 
 
-def test_sensors_in_other_ports_are_found_by_the_options(
-    brick: Any, make_bridge: Callable[..., EV3Bridge]
-) -> None:
+def test_sensors_in_other_ports_are_found_by_the_options(brick, make_bridge):
     brick.sensors[1], brick.sensors[2] = brick.sensors[2], brick.sensors[1]
     options = {"light": "2", "distance": "none", "left": "-A", "right": "D", "wheel": 28.0}
     bridge = make_bridge(**options)
@@ -220,9 +197,7 @@ def test_sensors_in_other_ports_are_found_by_the_options(
     assert bridge.vehicle.motors == (0, 3)
 
 
-def test_a_sensor_left_in_another_mode_is_set_to_the_right_one(
-    brick: Any, make_bridge: Callable[..., EV3Bridge]
-) -> None:
+def test_a_sensor_left_in_another_mode_is_set_to_the_right_one(brick, make_bridge):
     brick.sensors[2].mode, brick.sensors[3].mode = 2, 1
     bridge = make_bridge()
     bridge.open()
@@ -230,9 +205,7 @@ def test_a_sensor_left_in_another_mode_is_set_to_the_right_one(
     assert bridge.robot.light.data == 107
 
 
-def test_a_sensor_that_is_plugged_in_again_gets_its_mode_again(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], until: Callable[..., None]
-) -> None:
+def test_a_sensor_that_is_plugged_in_again_gets_its_mode_again(bridge, brick, fresh, until):
     bridge.robot.sensor3.set_mode("ambient")
     fresh()
     with pytest.raises(BridgeError, match="has set sensor 3 to another mode"):
@@ -247,18 +220,14 @@ def test_a_sensor_that_is_plugged_in_again_gets_its_mode_again(
     assert bridge.robot.light.data == 107
 
 
-def test_a_sensor_that_is_starting_has_no_value_yet(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_sensor_that_is_starting_has_no_value_yet(bridge, brick, fresh):
     brick.sensors[2].type = 125
     fresh()
     with pytest.raises(NoDataYet):
         bridge.robot.light.data  # noqa: B018
 
 
-def test_a_robot_that_drives_on_readings_that_no_longer_come_is_stopped(
-    bridge: EV3Bridge, brick: Any, air: Any, fresh: Callable[[], None]
-) -> None:
+def test_a_robot_that_drives_on_readings_that_no_longer_come_is_stopped(bridge, brick, air, fresh):
     bridge.begin_tick(0.0, 0.1)
     bridge.robot.move(linear=0.2)
     bridge.end_tick(0.0)
@@ -273,7 +242,7 @@ def test_a_robot_that_drives_on_readings_that_no_longer_come_is_stopped(
     assert [command[7:].hex(" ") for command in brick.commands] == ["a3 00 0f 01"]
 
 
-def test_options_are_understood_as_they_are_typed_on_a_command_line() -> None:
+def test_options_are_understood_as_they_are_typed_on_a_command_line():
     typed = {"left": "a", "right": "-D", "wheel": "68.8", "track": "150", "light": "2", "distance": "none"}
     bridge = make_bridge("ev3", **typed)
     assert isinstance(bridge, EV3Bridge)
@@ -287,9 +256,7 @@ def test_options_are_understood_as_they_are_typed_on_a_command_line() -> None:
 # -- where it is --------------------------------------------------------------------------------------
 
 
-def test_the_motors_tell_where_it_has_driven(
-    bridge: EV3Bridge, brick: Any, passes: Callable[[float], None]
-) -> None:
+def test_the_motors_tell_where_it_has_driven(bridge, brick, passes):
     bridge.robot.move(linear=0.2)
     passes(3)
     ahead = 3 * 410 / 360 * math.pi * 0.056
@@ -301,9 +268,7 @@ def test_the_motors_tell_where_it_has_driven(
     assert bridge.robot.odom.x == pytest.approx(ahead, abs=0.001)
 
 
-def test_setting_a_count_to_zero_does_not_move_the_robot(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], passes: Callable[[float], None]
-) -> None:
+def test_setting_a_count_to_zero_does_not_move_the_robot(bridge, brick, fresh, passes):
     bridge.robot.move(linear=0.2)
     passes(1)
     before = bridge.robot.odom.x
@@ -314,9 +279,7 @@ def test_setting_a_count_to_zero_does_not_move_the_robot(
     assert abs(bridge.robot.odom.theta) < 0.01
 
 
-def test_a_motor_that_is_plugged_in_again_does_not_move_the_robot(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], passes: Callable[[float], None]
-) -> None:
+def test_a_motor_that_is_plugged_in_again_does_not_move_the_robot(bridge, brick, fresh, passes):
     bridge.robot.move(linear=0.2)
     passes(1)
     bridge.robot.stop()
@@ -332,7 +295,7 @@ def test_a_motor_that_is_plugged_in_again_does_not_move_the_robot(
 # -- the panel ----------------------------------------------------------------------------------------
 
 
-def test_the_panel_shows_how_the_robot_is_built_and_what_it_reads(bridge: EV3Bridge) -> None:
+def test_the_panel_shows_how_the_robot_is_built_and_what_it_reads(bridge):
     panel = bridge.panel()
     fields = {field.key: field for field in panel.fields}
     assert (fields["left"].kind, fields["left"].value) == ("choice", "B")
@@ -345,16 +308,14 @@ def test_the_panel_shows_how_the_robot_is_built_and_what_it_reads(bridge: EV3Bri
     )
 
 
-def test_a_reading_that_fails_is_shown_by_its_reason_without_a_unit(bridge: EV3Bridge) -> None:
+def test_a_reading_that_fails_is_shown_by_its_reason_without_a_unit(bridge):
     bridge.press("build", values={"distance": "none"})
     name, reason, unit = bridge.panel().tables[2].rows[2]
     assert (name, unit) == ("distance.data", "")
     assert "No port is named for it" in reason
 
 
-def test_another_vehicle_is_used_from_the_panel_on(
-    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
-) -> None:
+def test_another_vehicle_is_used_from_the_panel_on(bridge, brick, fresh):
     bridge.robot.move(linear=0.2)
     values = {"left": "A", "right": "-D", "wheel": "112", "light": "none", "speed": "50"}
     bridge.press("build", values=values)
@@ -372,13 +333,13 @@ def test_another_vehicle_is_used_from_the_panel_on(
     assert bridge.panel().fields[-1].value == "4"
 
 
-def test_a_vehicle_that_cannot_be_changes_nothing(bridge: EV3Bridge) -> None:
+def test_a_vehicle_that_cannot_be_changes_nothing(bridge):
     with pytest.raises(BridgeError, match="both in port C"):
         bridge.press("build", values={"left": "C"})
     assert bridge.vehicle.left == "B"
 
 
-def test_a_vehicle_is_chosen_before_the_brick_is_there() -> None:
+def test_a_vehicle_is_chosen_before_the_brick_is_there():
     bridge = EV3Bridge()
     bridge.press("build", values={"track": "150"})
     assert bridge.vehicle.track == 150
@@ -387,8 +348,6 @@ def test_a_vehicle_is_chosen_before_the_brick_is_there() -> None:
 @pytest.mark.parametrize(
     ("option", "sentence"), [({"left": "Z"}, "motor port"), ({"light": 9}, "sensor port")]
 )
-def test_a_wrong_option_is_refused_before_anything_is_connected(
-    option: dict[str, Any], sentence: str
-) -> None:
+def test_a_wrong_option_is_refused_before_anything_is_connected(option, sentence):
     with pytest.raises(BridgeError, match=sentence):
         EV3Bridge("127.0.0.1", **option)

@@ -28,11 +28,7 @@ def searching(make_brick: Callable[..., Any], free_udp_port: int) -> Iterator[Ca
         bridge.close()
 
 
-def test_without_an_address_the_panel_asks_and_the_beacon_answers(
-    searching: Callable[..., EV3Bridge],
-    make_brick: Callable[..., Any],
-    free_udp_port: int,
-) -> None:
+def test_without_an_address_the_panel_asks_and_the_beacon_answers(searching, make_brick, free_udp_port):
     bridge = searching(patience=12)
     panel = bridge.open()
     assert panel is not None
@@ -47,9 +43,7 @@ def test_without_an_address_the_panel_asks_and_the_beacon_answers(
     assert bridge.robot.name == brick.name
 
 
-def test_an_answered_address_is_connected_to_without_waiting(
-    searching: Callable[..., EV3Bridge], make_brick: Callable[..., Any]
-) -> None:
+def test_an_answered_address_is_connected_to_without_waiting(searching, make_brick):
     brick = make_brick()
     bridge = searching(port=brick.port, patience=12)
     bridge.open()
@@ -59,11 +53,7 @@ def test_an_answered_address_is_connected_to_without_waiting(
     assert brick.connections == 1
 
 
-def test_a_search_that_finds_nothing_reports_it_and_continues(
-    searching: Callable[..., EV3Bridge],
-    make_brick: Callable[..., Any],
-    free_udp_port: int,
-) -> None:
+def test_a_search_that_finds_nothing_reports_it_and_continues(searching, make_brick, free_udp_port):
     bridge = searching(patience=0.05)
     bridge.open()
     until(lambda: bridge.status.state == "disconnected")
@@ -73,11 +63,7 @@ def test_a_search_that_finds_nothing_reports_it_and_continues(
     assert bridge.robot.battery == 87
 
 
-def test_a_lost_brick_is_not_replaced_by_another_one(
-    searching: Callable[..., EV3Bridge],
-    make_brick: Callable[..., Any],
-    free_udp_port: int,
-) -> None:
+def test_a_lost_brick_is_not_replaced_by_another_one(searching, make_brick, free_udp_port):
     first = make_brick(free_udp_port)
     bridge = searching(patience=12)
     bridge.open()
@@ -94,7 +80,7 @@ def test_a_lost_brick_is_not_replaced_by_another_one(
     assert (first.connections, other.connections, other.answers) == (2, 0, 0)
 
 
-def test_closing_ends_a_search(searching: Callable[..., EV3Bridge]) -> None:
+def test_closing_ends_a_search(searching):
     bridge = searching(patience=600)
     bridge.open()
     bridge.close()

@@ -60,32 +60,28 @@ def called(bluetooth: Any) -> Iterator[BrickClient]:
     client.close()
 
 
-def test_a_brick_answers_by_bluetooth_and_needs_no_unlocking(called: BrickClient, bluetooth: Any) -> None:
+def test_a_brick_answers_by_bluetooth_and_needs_no_unlocking(called, bluetooth):
     assert name_of(called) == b"SLOWPOKE"
     assert called.place == ADDRESS
     assert bluetooth.greetings == []
 
 
 @pytest.mark.parametrize("fault", ["split", "merge"])
-def test_replies_cut_or_joined_by_bluetooth_are_read(called: BrickClient, bluetooth: Any, fault: str) -> None:
+def test_replies_cut_or_joined_by_bluetooth_are_read(called, bluetooth, fault):
     bluetooth.fault = fault
     for _ in range(3):
         assert name_of(called) == b"SLOWPOKE"
 
 
 @pytest.mark.parametrize(("fault", "sentence", "seconds"), ANSWERS)
-def test_a_brick_that_does_not_answer_by_bluetooth_is_lost(
-    called: BrickClient, bluetooth: Any, fault: str, sentence: str, seconds: float
-) -> None:
+def test_a_brick_that_does_not_answer_by_bluetooth_is_lost(called, bluetooth, fault, sentence, seconds):
     bluetooth.fault = fault
     with pytest.raises(BridgeError, match=sentence):
         called.request(*NAME, timeout=seconds)
     assert sentence in called.lost
 
 
-def test_a_brick_that_left_the_reach_of_bluetooth_is_found_again_and_its_motors_are_stopped(
-    bluetooth: Any, clock: Any
-) -> None:
+def test_a_brick_that_left_the_reach_of_bluetooth_is_found_again_and_its_motors_are_stopped(bluetooth, clock):
     bridge = EV3Bridge(ADDRESS)
     bridge.clock = clock
     bridge.open()
@@ -113,9 +109,7 @@ def test_a_brick_that_left_the_reach_of_bluetooth_is_found_again_and_its_motors_
         (errno.EIO, "Is it paired with this computer"),
     ],
 )
-def test_a_call_by_bluetooth_that_fails_says_why_and_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, code: int, sentence: str
-) -> None:
+def test_a_call_by_bluetooth_that_fails_says_why_and_what_to_do(monkeypatch, code, sentence):
     class Refused(socket.socket):
         def connect_ex(self, address: Any) -> int:
             return code
@@ -125,7 +119,7 @@ def test_a_call_by_bluetooth_that_fails_says_why_and_what_to_do(
         connect(ADDRESS)
 
 
-def test_a_call_by_bluetooth_can_be_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_call_by_bluetooth_can_be_given_up(monkeypatch):
     class Mute(socket.socket):
         """It is never connected, and never refused."""
 
@@ -152,13 +146,13 @@ def test_a_call_by_bluetooth_can_be_given_up(monkeypatch: pytest.MonkeyPatch) ->
         open_bluetooth(ADDRESS, lambda: next(asked))
 
 
-def test_a_python_without_bluetooth_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_python_without_bluetooth_says_so(monkeypatch):
     monkeypatch.delattr(socket, "AF_BLUETOOTH", raising=False)
     with pytest.raises(BridgeError, match=r"This Python was built without Bluetooth\. Use another"):
         EV3Bridge(ADDRESS).open()
 
 
-def test_a_computer_without_bluetooth_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_computer_without_bluetooth_says_so(monkeypatch):
     monkeypatch.setattr(socket, "AF_BLUETOOTH", 9999, raising=False)
     monkeypatch.setattr(socket, "BTPROTO_RFCOMM", 3, raising=False)
     with pytest.raises(BridgeError, match=r"This computer has no Bluetooth: .*by USB or WiFi"):
@@ -209,7 +203,7 @@ def client(plugged: Any) -> Iterator[BrickClient]:
     client.close()
 
 
-def test_a_brick_is_found_among_the_devices_and_answers_by_usb(client: BrickClient, plugged: Any) -> None:
+def test_a_brick_is_found_among_the_devices_and_answers_by_usb(client, plugged):
     assert name_of(client) == b"SLOWPOKE"
     assert (client.place, client.serial) == ("usb", SERIAL)
     assert plugged.opened == [Path("/dev/hidraw3")]
@@ -219,16 +213,14 @@ def test_a_brick_is_found_among_the_devices_and_answers_by_usb(client: BrickClie
 
 
 @pytest.mark.parametrize(("fault", "sentence", "seconds"), ANSWERS[1:])  # a report is never halved
-def test_a_brick_that_does_not_answer_by_usb_is_lost(
-    client: BrickClient, plugged: Any, fault: str, sentence: str, seconds: float
-) -> None:
+def test_a_brick_that_does_not_answer_by_usb_is_lost(client, plugged, fault, sentence, seconds):
     plugged.fault = fault
     with pytest.raises(BridgeError, match=sentence):
         client.request(*NAME, timeout=seconds)
     assert sentence in client.lost
 
 
-def test_a_refused_command_is_no_loss_by_usb(client: BrickClient, plugged: Any) -> None:
+def test_a_refused_command_is_no_loss_by_usb(client, plugged):
     plugged.fault = "refuse"
     with pytest.raises(BridgeError, match="refused"):
         client.request(*NAME)
@@ -236,9 +228,7 @@ def test_a_refused_command_is_no_loss_by_usb(client: BrickClient, plugged: Any) 
     assert name_of(client) == b"SLOWPOKE"
 
 
-def test_an_answer_that_was_meant_for_another_program_is_dropped(
-    monkeypatch: pytest.MonkeyPatch, plugged: Any
-) -> None:
+def test_an_answer_that_was_meant_for_another_program_is_dropped(monkeypatch, plugged):
     size = NAME[1]
     theirs = (3 + size).to_bytes(2, "little") + b"\x01\x00\x02" + b"another".ljust(size, b"\0")
     monkeypatch.setattr(usb, "_open", lambda _device: plugged.insert(theirs))
@@ -247,7 +237,7 @@ def test_an_answer_that_was_meant_for_another_program_is_dropped(
     client.close()
 
 
-def test_a_cable_that_is_pulled_and_plugged_in_again_stops_the_motors(plugged: Any, clock: Any) -> None:
+def test_a_cable_that_is_pulled_and_plugged_in_again_stops_the_motors(plugged, clock):
     bridge = EV3Bridge("usb")
     bridge.clock = clock
     bridge.open()
@@ -264,7 +254,7 @@ def test_a_cable_that_is_pulled_and_plugged_in_again_stops_the_motors(plugged: A
         bridge.close()
 
 
-def test_a_device_that_breaks_is_a_loss(client: BrickClient, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_device_that_breaks_is_a_loss(client, monkeypatch):
     def broken(_number: int, _size: Any) -> bytes:
         raise OSError(errno.EIO, "Input/output error")
 
@@ -273,25 +263,25 @@ def test_a_device_that_breaks_is_a_loss(client: BrickClient, monkeypatch: pytest
         client.request(*NAME)
 
 
-def test_a_closed_client_says_so(client: BrickClient) -> None:
+def test_a_closed_client_says_so(client):
     client.close()
     with pytest.raises(BridgeError, match="is closed"):
         client.request(*NAME)
 
 
-def test_no_brick_at_usb_says_what_to_do(listed: Callable[..., None]) -> None:
+def test_no_brick_at_usb_says_what_to_do(listed):
     listed(0, vendor="0000046D")
     with pytest.raises(BridgeError, match=r"No EV3 brick is plugged in by USB\. Plug it in"):
         EV3Bridge("usb").open()
 
 
-def test_a_brick_with_another_serial_number_is_not_opened(plugged: Any) -> None:
+def test_a_brick_with_another_serial_number_is_not_opened(plugged):
     with pytest.raises(BridgeError, match=f"number 1234 is plugged in .* Plugged in: {SERIAL}"):
         connect("usb", serial="1234")
     assert plugged.opened == []
 
 
-def test_of_two_bricks_one_is_chosen_by_its_serial_number(plugged: Any, listed: Callable[..., None]) -> None:
+def test_of_two_bricks_one_is_chosen_by_its_serial_number(plugged, listed):
     listed(4, serial="001653ffffff")
     with pytest.raises(BridgeError, match=f"2 EV3 bricks are plugged in. .*serial={SERIAL}"):
         connect("usb")
@@ -299,9 +289,7 @@ def test_of_two_bricks_one_is_chosen_by_its_serial_number(plugged: Any, listed: 
     assert plugged.opened == [Path("/dev/hidraw4")]
 
 
-def test_a_device_that_may_not_be_opened_says_which_rule_to_write(
-    plugged: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_device_that_may_not_be_opened_says_which_rule_to_write(plugged, monkeypatch):
     def forbidden(_device: Path) -> Any:
         raise PermissionError(errno.EACCES, "Permission denied")
 
@@ -312,7 +300,7 @@ def test_a_device_that_may_not_be_opened_says_which_rule_to_write(
         assert part in str(refused.value)
 
 
-def test_a_device_that_cannot_be_opened_is_reported(plugged: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_device_that_cannot_be_opened_is_reported(plugged, monkeypatch):
     def gone(device: Path) -> Any:
         raise FileNotFoundError(errno.ENOENT, "No such file or directory", str(device))
 
@@ -321,9 +309,7 @@ def test_a_device_that_cannot_be_opened_is_reported(plugged: Any, monkeypatch: p
         connect("usb")
 
 
-def test_a_computer_that_lists_no_devices_is_told_the_other_lines(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_computer_that_lists_no_devices_is_told_the_other_lines(monkeypatch, tmp_path):
     monkeypatch.setattr(usb, "_LISTED", tmp_path / "missing")
     with pytest.raises(BridgeError, match=r"on Linux only\. Connect it by WiFi or Bluetooth"):
         open_usb()
@@ -343,11 +329,11 @@ def test_a_computer_that_lists_no_devices_is_told_the_other_lines(
         ("0016535a1b2c", "00:16:53:5A:1B:2C"),
     ],
 )
-def test_an_address_is_written_in_one_way(typed: str, address: str) -> None:
+def test_an_address_is_written_in_one_way(typed, address):
     assert check_address(typed) == address
 
 
 @pytest.mark.parametrize("typed", ["00:16:53:5a:1b", "00:16:53:5a:1b:2g", "001653:5a1b2c", "usb1"])
-def test_what_is_nearly_an_address_is_refused(typed: str) -> None:
+def test_what_is_nearly_an_address_is_refused(typed):
     with pytest.raises(BridgeError, match="is not the address of a brick"):
         check_address(typed)

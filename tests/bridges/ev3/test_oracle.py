@@ -61,11 +61,11 @@ def wait_for_commands(theirs: Any) -> None:
     assert theirs.battery.percentage == 87
 
 
-def test_it_answers_the_beacon_as_we_do(theirs: Any, brick: Any) -> None:
+def test_it_answers_the_beacon_as_we_do(theirs, brick):
     until(lambda: brick.answers == 1)
 
 
-def test_it_connects_and_reads_the_bricks_own_data(theirs: Any, brick: Any) -> None:
+def test_it_connects_and_reads_the_bricks_own_data(theirs, brick):
     assert theirs.host == "00:16:53:5A:1B:2C"
     assert theirs.name == brick.name
     assert theirs.battery == (7.5, pytest.approx(0.2), 87)
@@ -74,14 +74,14 @@ def test_it_connects_and_reads_the_bricks_own_data(theirs: Any, brick: Any) -> N
     assert (theirs.volume, theirs.sleep, theirs.network.name) == (50, 30, "school")
 
 
-def test_its_sensors_read_the_emulated_ones(ev3_dc: ModuleType, theirs: Any) -> None:
+def test_its_sensors_read_the_emulated_ones(ev3_dc, theirs):
     touch = ev3_dc.Touch(ev3_dc.PORT_1, ev3_obj=theirs)
     assert (touch.touched, touch.bumps) == (True, 3)
     colour = ev3_dc.Color(ev3_dc.PORT_2, ev3_obj=theirs)
     assert (colour.reflected, colour.ambient, colour.color) == (42, 7, 5)
 
 
-def test_its_motor_turns_the_emulated_one(ev3_dc: ModuleType, theirs: Any, brick: Any, clock: Any) -> None:
+def test_its_motor_turns_the_emulated_one(ev3_dc, theirs, brick, clock):
     motor = ev3_dc.Motor(ev3_dc.PORT_C, ev3_obj=theirs, speed=50)
     assert (motor.position, motor.busy) == (0, False)
     motor.start_move_for(2.0, direction=-1, ramp_up_time=0, ramp_down_time=0)
@@ -106,9 +106,7 @@ def test_its_motor_turns_the_emulated_one(ev3_dc: ModuleType, theirs: Any, brick
     assert brick.motors[2].braked
 
 
-def test_its_answer_to_our_question_for_everything_is_what_it_reads_itself(
-    ev3_dc: ModuleType, theirs: Any, clock: Any
-) -> None:
+def test_its_answer_to_our_question_for_everything_is_what_it_reads_itself(ev3_dc, theirs, clock):
     motor = ev3_dc.Motor(ev3_dc.PORT_B, ev3_obj=theirs)
     motor.start_move_for(60.0, speed=20, ramp_up_time=0, ramp_down_time=0)
     wait_for_commands(theirs)
@@ -133,17 +131,13 @@ def test_its_answer_to_our_question_for_everything_is_what_it_reads_itself(
         (protocol.run_milliseconds(15, 40, 600, False) + protocol.stop(0b0011, True), [0, 0, 40, 40]),
     ],
 )
-def test_our_commands_through_its_connection_move_the_motors(
-    theirs: Any, brick: Any, code: bytes, turning: list[int]
-) -> None:
+def test_our_commands_through_its_connection_move_the_motors(theirs, brick, code, turning):
     theirs.send_direct_cmd(code)
     wait_for_commands(theirs)
     assert [motor.turning for motor in brick.motors] == turning
 
 
-def test_the_emulated_brick_refuses_what_a_brick_would_not_understand(
-    ev3_dc: ModuleType, theirs: Any, brick: Any
-) -> None:
+def test_the_emulated_brick_refuses_what_a_brick_would_not_understand(ev3_dc, theirs, brick):
     for code in (b"\xff", b"\xa5\x00\x01", b"\xa5\x00\x01\x81\x80", b"\xa5\x01\x01\x05", b"\xa6\x00\x00"):
         with pytest.raises(ev3_dc.exceptions.DirCmdError):
             theirs.send_direct_cmd(code, sync_mode=ev3_dc.SYNC)
@@ -151,7 +145,7 @@ def test_the_emulated_brick_refuses_what_a_brick_would_not_understand(
     brick.violations.clear()
 
 
-def test_a_refusal_is_a_frame_that_it_reads_as_one(ev3_dc: ModuleType, theirs: Any, brick: Any) -> None:
+def test_a_refusal_is_a_frame_that_it_reads_as_one(ev3_dc, theirs, brick):
     brick.fault = "refuse"
     with pytest.raises(ev3_dc.exceptions.DirCmdError):
         theirs.send_direct_cmd(protocol.stop(15, True), sync_mode=ev3_dc.SYNC)

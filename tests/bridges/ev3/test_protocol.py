@@ -18,13 +18,13 @@ from lrp_jupyter.errors import BridgeError
 INT32 = st.integers(-(2**31) + 1, 2**31 - 1)
 
 
-def test_motor_a_at_speed_50_for_a_slice_is_the_frame_of_the_documentation() -> None:
+def test_motor_a_at_speed_50_for_a_slice_is_the_frame_of_the_documentation():
     assert protocol.frame(42, protocol.run_milliseconds(1, 50, 600, brake=False)).hex(" ") == (
         "13 00 2a 00 80 00 00 af 00 01 81 32 00 82 58 02 00 00 a6 00 01"
     )
 
 
-def test_unregulated_power_for_a_slice_differs_in_the_operation_only() -> None:
+def test_unregulated_power_for_a_slice_differs_in_the_operation_only():
     power = protocol.run_milliseconds(1, 50, 600, brake=False, regulated=False)
     assert power == b"\xad" + protocol.run_milliseconds(1, 50, 600, brake=False)[1:]
 
@@ -47,26 +47,24 @@ def test_unregulated_power_for_a_slice_differs_in_the_operation_only() -> None:
         (2**31 - 1, "83 ff ff ff 7f"),
     ],
 )
-def test_a_constant_has_the_shortest_form_that_is_not_the_bricks_nan(value: int, encoded: str) -> None:
+def test_a_constant_has_the_shortest_form_that_is_not_the_bricks_nan(value, encoded):
     assert protocol.constant(value).hex(" ") == encoded
 
 
 @pytest.mark.parametrize("value", [2**31, -(2**31)])
-def test_a_constant_that_does_not_fit_is_refused(value: int) -> None:
+def test_a_constant_that_does_not_fit_is_refused(value):
     with pytest.raises(BridgeError, match="too large"):
         protocol.constant(value)
 
 
 @given(value=INT32)
-def test_a_constant_is_read_as_itself_by_the_emulated_brick(emulation: ModuleType, value: int) -> None:
+def test_a_constant_is_read_as_itself_by_the_emulated_brick(emulation, value):
     decode = emulation.decode_parameter
     assert decode(protocol.constant(value), 0) == ("constant", value, len(protocol.constant(value)))
 
 
 @given(offset=st.integers(0, 1000))
-def test_a_place_in_the_reply_is_read_as_itself_by_the_emulated_brick(
-    emulation: ModuleType, offset: int
-) -> None:
+def test_a_place_in_the_reply_is_read_as_itself_by_the_emulated_brick(emulation, offset):
     encoded = protocol.variable(offset)
     assert emulation.decode_parameter(encoded, 0) == ("global", offset, len(encoded))
 
@@ -77,12 +75,12 @@ def ev3_dc_functions() -> ModuleType:
 
 
 @given(value=INT32)
-def test_a_constant_equals_that_of_ev3_dc(ev3_dc_functions: ModuleType, value: int) -> None:
+def test_a_constant_equals_that_of_ev3_dc(ev3_dc_functions, value):
     assert protocol.constant(value) == ev3_dc_functions.LCX(value)
 
 
 @given(offset=st.integers(0, 127))
-def test_a_place_in_the_reply_equals_that_of_ev3_dc(ev3_dc_functions: ModuleType, offset: int) -> None:
+def test_a_place_in_the_reply_equals_that_of_ev3_dc(ev3_dc_functions, offset):
     assert protocol.variable(offset) == ev3_dc_functions.GVX(offset)
 
 
@@ -97,9 +95,7 @@ def written(reply: protocol.BrickReply) -> bytes:
 
 
 @given(REPLIES, st.lists(st.integers(1, 9), min_size=1))
-def test_replies_are_the_same_however_the_network_cuts_them(
-    replies: list[protocol.BrickReply], cuts: list[int]
-) -> None:
+def test_replies_are_the_same_however_the_network_cuts_them(replies, cuts):
     stream, rest, found = b"".join(map(written, replies)), b"", []
     for turn in range(len(stream)):
         size = cuts[turn % len(cuts)]
@@ -109,7 +105,7 @@ def test_replies_are_the_same_however_the_network_cuts_them(
     assert (found, rest) == (replies, b"")
 
 
-def test_half_a_reply_is_kept_for_later() -> None:
+def test_half_a_reply_is_kept_for_later():
     data = written(protocol.BrickReply(7, True, b"abcd"))
     assert protocol.split_replies(data[:6]) == ([], data[:6])
 
@@ -117,13 +113,13 @@ def test_half_a_reply_is_kept_for_later() -> None:
 @pytest.mark.parametrize(
     "noise", [b"\xff\xff\x01\x00\x02", b"\x00\x00\x01\x00\x02", b"\x03\x00\x01\x00\x03", b"HTTP/1.1 400"]
 )
-def test_noise_is_not_a_reply(noise: bytes) -> None:
+def test_noise_is_not_a_reply(noise):
     with pytest.raises(BridgeError, match="The brick sent a frame"):
         protocol.split_replies(noise)
 
 
 @given(st.binary(max_size=80))
-def test_whatever_arrives_is_either_read_or_refused(data: bytes) -> None:
+def test_whatever_arrives_is_either_read_or_refused(data):
     try:
         replies, rest = protocol.split_replies(data)
     except BridgeError:
@@ -131,7 +127,7 @@ def test_whatever_arrives_is_either_read_or_refused(data: bytes) -> None:
     assert b"".join(map(written, replies)) + rest == data
 
 
-def test_one_frame_reads_everything_that_the_brick_knows(brick: Any, emulation: ModuleType) -> None:
+def test_one_frame_reads_everything_that_the_brick_knows(brick, emulation):
     brick.motors[2].setting = 30
     brick.motors[2].start()
     brick.motors[2].clock.now += 2
@@ -145,18 +141,18 @@ def test_one_frame_reads_everything_that_the_brick_knows(brick: Any, emulation: 
     assert reading.battery == 87
 
 
-def test_one_frame_also_sets_the_modes_that_are_wanted(brick: Any, emulation: ModuleType) -> None:
+def test_one_frame_also_sets_the_modes_that_are_wanted(brick, emulation):
     code, size = protocol.read_everything((-1, 2, -1, -1))
     assert protocol.parse_reading(emulation.run_code(brick, code, size)).sensors[1] == (5.0, 29, 2)
 
 
-def test_the_frame_that_reads_everything_fits_the_bricks_buffer() -> None:
+def test_the_frame_that_reads_everything_fits_the_bricks_buffer():
     code, size = protocol.read_everything((7, 7, 7, 7))
     assert len(protocol.frame(1, code, size)) <= 1024
     assert size <= 1019
 
 
-def test_a_reading_of_another_size_is_refused() -> None:
+def test_a_reading_of_another_size_is_refused():
     with pytest.raises(BridgeError, match="3 bytes instead of"):
         protocol.parse_reading(b"abc")
 
@@ -192,7 +188,7 @@ def ev3_dc_motor() -> tuple[Any, Tape]:
 
 
 @pytest.mark.parametrize("brake", [True, False])
-def test_stop_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape], brake: bool) -> None:
+def test_stop_equals_that_of_ev3_dc(ev3_dc_motor, brake):
     motor, tape = ev3_dc_motor
     motor.stop(brake=brake)
     assert protocol.frame(42, protocol.stop(2, brake)) == tape.sent
@@ -201,9 +197,7 @@ def test_stop_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape], brake: bool)
 @pytest.mark.parametrize("speed", [1, 31, 32, 100])
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize("seconds", [0.02, 0.5, 40, 100_000])
-def test_run_for_seconds_equals_that_of_ev3_dc(
-    ev3_dc_motor: tuple[Any, Tape], speed: int, direction: int, seconds: float
-) -> None:
+def test_run_for_seconds_equals_that_of_ev3_dc(ev3_dc_motor, speed, direction, seconds):
     motor, tape = ev3_dc_motor
     motor.start_move_for(
         seconds, speed=speed, direction=direction, ramp_up_time=0, ramp_down_time=0, brake=True
@@ -212,7 +206,7 @@ def test_run_for_seconds_equals_that_of_ev3_dc(
     assert protocol.frame(42, ours) == tape.sent
 
 
-def test_reset_count_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape]) -> None:
+def test_reset_count_equals_that_of_ev3_dc(ev3_dc_motor):
     motor, tape = ev3_dc_motor
     motor.position = 0
     assert protocol.frame(42, protocol.clear_count(2)) == tape.sent
@@ -220,9 +214,7 @@ def test_reset_count_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape]) -> No
 
 @pytest.mark.parametrize("ports", [1, 2, 4, 8, 15])
 @pytest.mark.parametrize("percent", [0, 31, 32, -33, -100, 100])
-def test_power_and_angle_equal_what_ev3_dcs_encoder_makes_of_the_operations(
-    ev3_dc_motor: tuple[Any, Tape], ports: int, percent: int
-) -> None:
+def test_power_and_angle_equal_what_ev3_dcs_encoder_makes_of_the_operations(ev3_dc_motor, ports, percent):
     from ev3_dc import constants as op
     from ev3_dc.functions import LCX
 
@@ -247,7 +239,7 @@ def test_power_and_angle_equal_what_ev3_dcs_encoder_makes_of_the_operations(
         assert protocol.frame(42 + number, ours) == tape.sent
 
 
-def test_a_question_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape]) -> None:
+def test_a_question_equals_that_of_ev3_dc(ev3_dc_motor):
     from ev3_dc import constants as op
     from ev3_dc.functions import GVX, LCX
 
@@ -257,7 +249,7 @@ def test_a_question_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape]) -> Non
     assert protocol.frame(42, *protocol.brick_name()) == tape.sent
 
 
-def test_a_tone_equals_that_of_ev3_dc(ev3_dc_motor: tuple[Any, Tape]) -> None:
+def test_a_tone_equals_that_of_ev3_dc(ev3_dc_motor):
     from ev3_dc import constants as op
     from ev3_dc.functions import LCX
 

@@ -26,9 +26,7 @@ def turning(brick: Any) -> list[float]:
     return [motor.turning for motor in brick.motors]
 
 
-def test_a_motor_that_is_renewed_turns_on_without_a_gap(
-    slices: Slices, obeys: Any, brick: Any, clock: Any
-) -> None:
+def test_a_motor_that_is_renewed_turns_on_without_a_gap(slices, obeys, brick, clock):
     obeys(slices.turn({1: 30}))
     for _ in range(500):
         clock.now += 0.02
@@ -40,9 +38,7 @@ def test_a_motor_that_is_renewed_turns_on_without_a_gap(
     assert 45 <= brick.motors[1].starts <= 51, "five commands a second"
 
 
-def test_a_motor_that_is_not_renewed_stands_after_a_slice_and_is_not_held(
-    slices: Slices, obeys: Any, brick: Any, clock: Any
-) -> None:
+def test_a_motor_that_is_not_renewed_stands_after_a_slice_and_is_not_held(slices, obeys, brick, clock):
     obeys(slices.turn({0: 100, 3: -20}) + slices.turn({1: 50}, regulated=False))
     clock.now += SLICE - 0.01
     assert turning(brick) == [100, 50, 0, -20]
@@ -52,8 +48,8 @@ def test_a_motor_that_is_not_renewed_stands_after_a_slice_and_is_not_held(
 
 
 def test_a_renewal_that_comes_too_late_starts_nothing_and_says_which_motors_stand(
-    slices: Slices, obeys: Any, brick: Any, clock: Any
-) -> None:
+    slices, obeys, brick, clock
+):
     obeys(slices.turn({0: 100, 3: -20}))
     clock.now += 3
     assert slices.renew() == (b"", 0b1001)
@@ -62,9 +58,7 @@ def test_a_renewal_that_comes_too_late_starts_nothing_and_says_which_motors_stan
     assert slices.turn({0: 100}), "a new command is another thing"
 
 
-def test_a_command_that_repeats_the_last_one_is_sent_when_a_renewal_is_due(
-    slices: Slices, clock: Any
-) -> None:
+def test_a_command_that_repeats_the_last_one_is_sent_when_a_renewal_is_due(slices, clock):
     assert slices.turn({1: 30, 2: 30})
     clock.now += 0.1
     assert slices.turn({1: 30, 2: 30}) == b""
@@ -77,13 +71,11 @@ def test_a_command_that_repeats_the_last_one_is_sent_when_a_renewal_is_due(
     )
 
 
-def test_motors_with_the_same_speed_begin_in_one_operation(slices: Slices) -> None:
+def test_motors_with_the_same_speed_begin_in_one_operation(slices):
     assert slices.turn({1: 30, 2: 30}) == protocol.run_milliseconds(0b0110, 30, 600, False)
 
 
-def test_a_speed_of_zero_stops_the_motor_and_holds_it_and_no_power_lets_it_run_out(
-    slices: Slices, clock: Any
-) -> None:
+def test_a_speed_of_zero_stops_the_motor_and_holds_it_and_no_power_lets_it_run_out(slices, clock):
     slices.turn({0: 30, 1: 30})
     assert slices.turn({0: 0}) == protocol.stop(0b0001, brake=True)
     assert slices.turn({1: 0}, regulated=False) == protocol.stop(0b0010, brake=False)
@@ -91,7 +83,7 @@ def test_a_speed_of_zero_stops_the_motor_and_holds_it_and_no_power_lets_it_run_o
     assert slices.renew() == (b"", 0)
 
 
-def test_what_another_command_took_over_is_not_renewed(slices: Slices, clock: Any) -> None:
+def test_what_another_command_took_over_is_not_renewed(slices, clock):
     slices.turn({0: 30, 1: 40})
     slices.release(0b0001)
     clock.now += 0.3

@@ -9,11 +9,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Broker, OfARobot, Processes, drives_and_senses, free_port
+from bridges.own.conftest import EXAMPLES, Broker, OfARobot, drives_and_senses, free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -100,17 +99,13 @@ class TestMqtt(OfARobot):
 
 
 @pytest.mark.slow
-def test_it_drives_as_it_is_told_and_says_what_it_senses(
-    broker: Broker, processes: Processes, bridge: Bridge
-) -> None:
+def test_it_drives_as_it_is_told_and_says_what_it_senses(broker, processes, bridge):
     told = processes.told(processes.robot("mqtt", broker.port, 1.0))
     drives_and_senses(bridge, lambda: told)
 
 
 @pytest.mark.slow
-def test_a_broker_that_dies_is_a_lost_robot_and_one_that_comes_back_is_found(
-    broker: Broker, bridge: Bridge
-) -> None:
+def test_a_broker_that_dies_is_a_lost_robot_and_one_that_comes_back_is_found(broker, bridge):
     bridge.robot.move(linear=0.2)
     sent = sent_by(bridge)
     broker.kill()
@@ -144,7 +139,7 @@ def sent_by(bridge: Any) -> list[Any]:
 
 
 @pytest.mark.slow
-def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(broker: Broker, listener: Listener) -> None:
+def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(broker, listener):
     bridge = make_bridge(MQTT, port=broker.port)
     bridge.open()
     assert not bridge.safety.armed
@@ -157,16 +152,14 @@ def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(broker: Broker,
 
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
-def test_the_broker_stops_the_robot_when_this_process_is(
-    end: signal.Signals, broker: Broker, processes: Processes, driving: Driving
-) -> None:
+def test_the_broker_stops_the_robot_when_this_process_is(end, broker, processes, driving):
     told = processes.told(processes.robot("mqtt", broker.port, 1.0))
     driving(told, "mqtt.py", port=broker.port).send_signal(end)
     until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
 
 
 @pytest.mark.slow
-def test_what_comes_once_a_minute_holds_nobody_up(bridge: Bridge, listener: Listener) -> None:
+def test_what_comes_once_a_minute_holds_nobody_up(bridge, listener):
     for topic, text in (("light", "255"), ("bumper", "0"), ("battery", "7.4")):
         listener.publish(topic, text)
     until(
@@ -188,9 +181,7 @@ def value_of(bridge: Bridge, name: str) -> object:
 
 
 @pytest.mark.slow
-def test_a_reading_that_is_no_number_is_told_and_the_others_come_on(
-    bridge: Bridge, listener: Listener
-) -> None:
+def test_a_reading_that_is_no_number_is_told_and_the_others_come_on(bridge, listener):
     listener.publish("light", "bright")
     words = "`robot/light` sent b'bright'"
     until(lambda: any(words in notice.text for notice in bridge.safety.notices), "it was not told")
@@ -199,9 +190,7 @@ def test_a_reading_that_is_no_number_is_told_and_the_others_come_on(
 
 
 @pytest.mark.slow
-def test_a_reading_that_the_broker_has_kept_is_not_a_reading_of_now(
-    broker: Broker, listener: Listener
-) -> None:
+def test_a_reading_that_the_broker_has_kept_is_not_a_reading_of_now(broker, listener):
     listener.publish("light", "7", retain=True)
     bridge = make_bridge(MQTT, port=broker.port)
     bridge.fed.clock = lambda: 0.0
@@ -215,7 +204,7 @@ def test_a_reading_that_the_broker_has_kept_is_not_a_reading_of_now(
 
 
 @pytest.mark.slow
-def test_a_broker_that_wants_a_password_is_told(processes: Processes, tmp_path: Path) -> None:
+def test_a_broker_that_wants_a_password_is_told(processes, tmp_path):
     port = free_port()
     (tmp_path / "closed.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous false\n")
     Broker(processes, port, "-c", tmp_path / "closed.conf")
@@ -223,11 +212,11 @@ def test_a_broker_that_wants_a_password_is_told(processes: Processes, tmp_path: 
         make_bridge(MQTT, port=port).open()
 
 
-def test_where_no_broker_is_it_is_said_how_to_start_one() -> None:
+def test_where_no_broker_is_it_is_said_how_to_start_one():
     with pytest.raises(BridgeError, match=r"No MQTT broker answers at localhost:\d+ .*`mosquitto`"):
         make_bridge(MQTT, port=free_port()).open()
 
 
-def test_a_port_that_is_no_number_is_told_with_its_name() -> None:
+def test_a_port_that_is_no_number_is_told_with_its_name():
     with pytest.raises(BridgeError, match=r"`port.*here`"):
         make_bridge(MQTT, port="here")

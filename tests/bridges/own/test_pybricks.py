@@ -134,7 +134,7 @@ class TestPybricks(BridgeConformance):
 
 
 @pytest.mark.slow
-def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(bridge: Bridge) -> None:
+def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(bridge):
     def failures() -> int:
         notices = bridge.safety.notices
         return sum(each.count for each in notices if "may not have stopped" in each.text)
@@ -148,12 +148,12 @@ def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(bridge
 
 
 @pytest.mark.slow
-def test_it_drives_as_it_is_told_and_the_hub_stops_it_when_nothing_more_comes(bridge: Bridge) -> None:
+def test_it_drives_as_it_is_told_and_the_hub_stops_it_when_nothing_more_comes(bridge):
     drives_and_senses(bridge, lambda: Hub.last.told)
     until(lambda: Hub.last.told[-1:] == ["drives 0.000 0.000"], "it drives on")
 
 
-def test_where_no_hub_is_near_it_is_said_to_switch_it_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_no_hub_is_near_it_is_said_to_switch_it_on(monkeypatch):
     monkeypatch.setattr(Hub, "near", ())
     with pytest.raises(BridgeError, match=r"No hub `red` with Pybricks is near\. Switch it on\."):
         make_bridge(PYBRICKS, hub="red").open()

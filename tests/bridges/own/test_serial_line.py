@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from bridges.own.conftest import EXAMPLES, OfARobot, Processes, drives_and_senses
+from bridges.own.conftest import EXAMPLES, OfARobot, drives_and_senses
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -94,7 +94,7 @@ class TestSerialLine(OfARobot):
 
 
 @pytest.mark.slow
-def test_it_drives_as_it_is_told_and_says_what_it_senses(processes: Processes, tmp_path: Path) -> None:
+def test_it_drives_as_it_is_told_and_says_what_it_senses(processes, tmp_path):
     told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
     bridge = make_bridge(SERIAL, port=str(tmp_path / "robot"))
     bridge.open()
@@ -104,15 +104,13 @@ def test_it_drives_as_it_is_told_and_says_what_it_senses(processes: Processes, t
 
 
 @pytest.mark.slow
-def test_the_guard_stops_the_robot_when_this_process_is_killed(
-    processes: Processes, driving: Driving, tmp_path: Path
-) -> None:
+def test_the_guard_stops_the_robot_when_this_process_is_killed(processes, driving, tmp_path):
     told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
     driving(told, "serial_line.py", port=tmp_path / "robot").kill()
     until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
 
 
-def test_readings_arrive_though_their_lines_come_in_pieces(line: Line, bridge: Bridge) -> None:
+def test_readings_arrive_though_their_lines_come_in_pieces(line, bridge):
     line.say("light 2")
     line.say("12\nbump")
     until(lambda: value_of(bridge, "light.data") == 212, "the first line did not arrive")
@@ -120,13 +118,13 @@ def test_readings_arrive_though_their_lines_come_in_pieces(line: Line, bridge: B
     until(lambda: value_of(bridge, "bumper.data") == 1, "the second line did not arrive")
 
 
-def test_what_is_no_reading_is_told_and_the_others_come_on(line: Line, bridge: Bridge) -> None:
+def test_what_is_no_reading_is_told_and_the_others_come_on(line, bridge):
     line.say("Traceback (most recent call last):\nlight 7\n")
     until(lambda: value_of(bridge, "light.data") == 7, "the next line did not arrive")
     assert any("Traceback (most recent call last):" in notice.text for notice in bridge.safety.notices)
 
 
-def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge) -> None:
+def test_what_the_robot_says_rarely_is_never_late(line, bridge):
     line.say("light 7\nbumper 0\nbattery 7.4\n")
     until(
         lambda: "battery" in dir(bridge.robot) and value_of(bridge, "battery.data") == 7.4, "nothing arrives"
@@ -137,14 +135,14 @@ def test_what_the_robot_says_rarely_is_never_late(line: Line, bridge: Bridge) ->
     assert bridge.robot.battery.data == 7.4
 
 
-def test_a_command_is_a_line_of_text(line: Line, bridge: Bridge) -> None:
+def test_a_command_is_a_line_of_text(line, bridge):
     line.say("light 7\nbumper 0\n")
     until(lambda: value_of(bridge, "bumper.data") == 0, "nothing arrives")
     bridge.robot.move(linear=0.2, angular=-1)
     until(lambda: "move 0.200 -1.000" in line.told(), "nothing was sent")
 
 
-def test_an_unplugged_robot_is_lost_and_found_when_it_is_plugged_in_again(line: Line, bridge: Bridge) -> None:
+def test_an_unplugged_robot_is_lost_and_found_when_it_is_plugged_in_again(line, bridge):
     line.unplug()
     until(lambda: bridge.status.state == "lost", "it was not noticed")
     with pytest.raises(BridgeError):
@@ -156,11 +154,11 @@ def test_an_unplugged_robot_is_lost_and_found_when_it_is_plugged_in_again(line: 
     assert not [told for told in line.told() if told.startswith("move 0.2")], "an old command was sent again"
 
 
-def test_a_line_that_is_not_there_is_told_with_its_name(tmp_path: Path) -> None:
+def test_a_line_that_is_not_there_is_told_with_its_name(tmp_path):
     with pytest.raises(BridgeError, match=r"`.*nowhere` cannot be opened: .*Plug the robot in"):
         make_bridge(SERIAL, port=str(tmp_path / "nowhere")).open()
 
 
-def test_a_speed_that_is_no_number_is_told_with_its_name() -> None:
+def test_a_speed_that_is_no_number_is_told_with_its_name():
     with pytest.raises(BridgeError, match=r"`baud.*fast`"):
         make_bridge(SERIAL, port="/dev/ttyACM0", baud="fast")

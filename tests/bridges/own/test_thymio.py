@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, OfARobot, Processes, drives_and_senses, free_port
+from bridges.own.conftest import EXAMPLES, OfARobot, drives_and_senses, free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -42,7 +42,7 @@ class TestThymio(OfARobot):
 
 
 @pytest.mark.slow
-def test_it_drives_as_it_is_told_and_says_what_it_senses(processes: Processes, port: int) -> None:
+def test_it_drives_as_it_is_told_and_says_what_it_senses(processes, port):
     told = processes.told(processes.robot("thymio", port, 1.0))
     bridge = make_bridge(THYMIO, port=port)
     bridge.open()
@@ -52,9 +52,7 @@ def test_it_drives_as_it_is_told_and_says_what_it_senses(processes: Processes, p
 
 
 @pytest.mark.slow
-def test_a_device_manager_that_ends_is_a_lost_robot_and_one_that_starts_is_found(
-    processes: Processes, port: int
-) -> None:
+def test_a_device_manager_that_ends_is_a_lost_robot_and_one_that_starts_is_found(processes, port):
     manager = processes.robot("thymio", port, 1.0)
     bridge = make_bridge(THYMIO, port=port)
     bridge.open()
@@ -68,18 +66,14 @@ def test_a_device_manager_that_ends_is_a_lost_robot_and_one_that_starts_is_found
 
 
 @pytest.mark.slow
-def test_the_guard_stops_the_robot_when_this_process_is_killed(
-    processes: Processes, port: int, driving: Driving
-) -> None:
+def test_the_guard_stops_the_robot_when_this_process_is_killed(processes, port, driving):
     told = processes.told(processes.robot("thymio", port, 1.0))
     driving(told, "thymio.py", port=port).kill()
     until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
 
 
 @pytest.mark.slow
-def test_a_stop_that_the_robot_did_not_get_is_not_counted(
-    processes: Processes, port: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_stop_that_the_robot_did_not_get_is_not_counted(processes, port, monkeypatch):
     def unplugged(self: Any, linear: float = 0.0, angular: float = 0.0) -> None:
         raise BrokenPipeError
 
@@ -94,7 +88,7 @@ def test_a_stop_that_the_robot_did_not_get_is_not_counted(
 
 
 @pytest.mark.slow
-def test_a_robot_that_another_program_uses_is_told(processes: Processes, port: int) -> None:
+def test_a_robot_that_another_program_uses_is_told(processes, port):
     processes.robot("thymio", port, 1.0)
     first, second = (make_bridge(THYMIO, port=port) for _ in range(2))
     first.open()
@@ -105,7 +99,7 @@ def test_a_robot_that_another_program_uses_is_told(processes: Processes, port: i
         first.close()
 
 
-def test_where_no_device_manager_is_it_is_said_what_to_start(port: int) -> None:
+def test_where_no_device_manager_is_it_is_said_what_to_start(port):
     with pytest.raises(BridgeError, match=r"No device manager answers at 127\.0\.0\.1:\d+ .*Thymio Suite"):
         make_bridge(THYMIO, port=port).open()
 
@@ -117,13 +111,13 @@ def stranger() -> Iterator[int]:
         yield listener.getsockname()[1]
 
 
-def test_a_server_that_says_nothing_is_told(stranger: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_that_says_nothing_is_told(stranger, monkeypatch):
     connect = socket.create_connection
     monkeypatch.setattr(socket, "create_connection", lambda where, timeout: connect(where, 0.05))
     with pytest.raises(BridgeError, match="has no Thymio that is free"):
         make_bridge(THYMIO, port=stranger).open()
 
 
-def test_a_brightness_that_is_no_number_is_told_with_its_name() -> None:
+def test_a_brightness_that_is_no_number_is_told_with_its_name():
     with pytest.raises(BridgeError, match=r"`bright.*white`"):
         make_bridge(THYMIO, bright="white")

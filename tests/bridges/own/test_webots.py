@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from types import ModuleType
-from typing import Any
 
 import pytest
 from bridges.own.conftest import EXAMPLES, HERE
@@ -49,7 +48,7 @@ class TestWebots(BridgeConformance):
         """Time passes in `advance`."""
 
 
-def test_the_unchanged_follower_goes_there_and_back(controller: Any) -> None:
+def test_the_unchanged_follower_goes_there_and_back(controller):
     with Session(load("follower"), WEBOTS, step=0.02) as session:
         session.run(30)
         assert controller.Robot.created.simulation.robot.pose[0] > 1.0
@@ -59,7 +58,7 @@ def test_the_unchanged_follower_goes_there_and_back(controller: Any) -> None:
         assert not session.issues
 
 
-def test_the_world_stands_still_while_the_program_is_paused(controller: Any) -> None:
+def test_the_world_stands_still_while_the_program_is_paused(controller):
     with Session(load("follower"), WEBOTS, step=0.02) as session:
         session.start()
         assert session.wait_for("moving", timeout=60)
@@ -71,13 +70,13 @@ def test_the_world_stands_still_while_the_program_is_paused(controller: Any) -> 
         assert (world.getTime(), world.simulation.robot.pose) == (then, where)
 
 
-def test_the_time_of_the_program_is_the_time_of_the_world(controller: Any) -> None:
+def test_the_time_of_the_program_is_the_time_of_the_world(controller):
     with Session(load("follower"), WEBOTS, step=0.02) as session:
         session.run(3)
         assert controller.Robot.created.getTime() == pytest.approx(session.frame.time)
 
 
-def test_the_end_of_webots_is_a_lost_robot(controller: Any) -> None:
+def test_the_end_of_webots_is_a_lost_robot(controller):
     with Session(load("follower"), WEBOTS, step=0.02) as session:
         session.run(1)
         controller.Robot.created.has_ended = True
@@ -86,32 +85,30 @@ def test_the_end_of_webots_is_a_lost_robot(controller: Any) -> None:
         assert session.bridge.status.sentence == "Webots has ended the simulation."
 
 
-def test_it_cannot_step_back(controller: Any) -> None:
+def test_it_cannot_step_back(controller):
     with Session(load("follower"), WEBOTS, step=0.02) as session:
         session.run(1)
         with pytest.raises(BridgeError, match="cannot step back"):
             session.rewind()
 
 
-def test_another_time_step_is_told_with_the_option_to_set(controller: Any) -> None:
+def test_another_time_step_is_told_with_the_option_to_set(controller):
     with pytest.raises(BridgeError, match=r"This world moves in steps of 0\.02 s\. Say so: `step=0\.02`\."):
         make_bridge(WEBOTS).open()
 
 
-def test_a_robot_without_ground_sensors_is_told(controller: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_robot_without_ground_sensors_is_told(controller, monkeypatch):
     monkeypatch.setattr(controller.Robot, "without", ("gs1",))
     with pytest.raises(BridgeError, match="no device `gs1`"):
         make_bridge(WEBOTS, step=0.02).open()
 
 
-def test_where_webots_is_not_installed_it_is_said_where_its_module_is(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_where_webots_is_not_installed_it_is_said_where_its_module_is(monkeypatch):
     monkeypatch.setitem(sys.modules, "controller", None)
     with pytest.raises(BridgeError, match="Add `lib/controller/python` of the folder of Webots"):
         make_bridge(WEBOTS).open()
 
 
-def test_an_option_that_is_no_number_is_told_with_its_name() -> None:
+def test_an_option_that_is_no_number_is_told_with_its_name():
     with pytest.raises(BridgeError, match=r"`step.*fast`"):
         make_bridge(WEBOTS, step="fast")
