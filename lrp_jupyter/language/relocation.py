@@ -51,6 +51,7 @@ def relocated(stray: Stray, machines: Sequence[Members], text: str) -> tuple[Edi
     node, start, end = stray.node, stray.start, stray.end
     before = len(text[:start].rstrip())
     gone, moved = Edit(before, end, ""), text[start:end]
+    machines = [machine for machine in machines if not start < machine.span.start < end]
     around = [machine for machine in machines if machine.span.start < start < machine.span.end]
     if isinstance(node, Transition):
         used = {str(name) for name in (*node.sources, *([] if node.outward else [node.destination]))}
