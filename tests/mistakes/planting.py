@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 
 from .sources import Source, line_of, sources
 
@@ -102,6 +103,7 @@ def plant(name: str, count: int = PER_KIND, seed: int = 0) -> list[Mistake]:
     return found[:count]
 
 
+@cache
 def corpus(count: int = PER_KIND, seed: int = 0) -> dict[str, list[Mistake]]:
     """The planted mistakes by kind."""
     return {name: plant(name, count, seed) for name in KINDS}

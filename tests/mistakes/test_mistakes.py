@@ -15,7 +15,7 @@ FEWER = 4
 
 
 def test_there_are_mistakes_of_many_kinds_in_many_programs():
-    planted = corpus(FEWER)
+    planted = corpus(FEWER, 0)
     assert len(planted) >= 41
     assert sum(map(len, planted.values())) >= 0.9 * FEWER * len(planted)
     assert len({mistake.program for mistakes in planted.values() for mistake in mistakes}) > 30
