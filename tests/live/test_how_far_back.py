@@ -80,7 +80,7 @@ def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast(alwa
 
 
 def test_a_world_is_remembered_as_long_as_the_program():
-    with started(DRIVER, "sim", world="empty") as session:
+    with started(DRIVER, "sim", 20, world="empty") as session:
         session.run(65)
         first, seconds = reach(session)
         assert seconds > 59.9
@@ -151,7 +151,7 @@ def test_a_fork_is_never_far_from_a_checkpoint(always_rested):
 def test_memory_does_not_grow_after_that(always_rested):
     tracemalloc.start()
     try:
-        with started() as session:
+        with started(rate=20) as session:
             session.run(70)
             gc.collect()  # what is kept counts, not what is still to be collected
             before = tracemalloc.get_traced_memory()[0]
