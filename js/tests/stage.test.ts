@@ -192,6 +192,12 @@ it("the robot is moved by every key, also by those that come before a frame show
   expect(stage.draftOf({ kind: "robot", index: 0 })).toBe(null); // it may drive from there
 });
 
+it("the robot's start is where it was just put, also before a frame shows it there", () => {
+  press("ArrowRight");
+  edits.startHere();
+  expect(acts.at(-1)).toEqual({ do: "set_start", index: 0, pose: [expect.closeTo(0.52), 1, 0] });
+});
+
 describe("the trail", () => {
   beforeEach(() => {
     const robots = (x: number) => [

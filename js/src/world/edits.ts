@@ -173,11 +173,11 @@ export class WorldEdits {
     this.act({ do: kind, points, width });
   }
 
-  /** Set the start to where the robot is: the selected one, or the first. */
+  /** Set the start to where the robot is shown, also before a frame has it there: the selected, or the first one. */
   startHere(): void {
     const index = this.selected?.kind === "robot" ? this.selected.index : 0;
-    const pose = this.stage.latest?.robots[index]?.pose;
-    if (pose) this.act({ do: "set_start", index, pose });
+    const shape = this.stage.shape({ kind: "robot", index });
+    if (shape) this.act({ do: "set_start", index, pose: [shape.x, shape.y, shape.angle] });
   }
 
   undo(): void {
