@@ -294,17 +294,21 @@ class LabPage:
 
     def place(self, x, y):
         """Return where a place of the world (metres) is on the screen."""
+        return self.places((x, y))[0]
+
+    def places(self, *points):
+        """Return where places of the world (metres) are on the screen."""
         self.until(  # what was painted is of the present size
             "canvas => Math.abs(canvas.dataset.view?.split(' ')[3] - canvas.clientHeight) < 1", ".lrp-canvas"
         )
         frame = self.at_rest(".lrp-canvas")  # a legend that appears makes the world smaller
         left, base, scale, _ = map(float, self.find(".lrp-canvas").get_attribute("data-view").split())
-        return frame["x"] + left + x * scale, frame["y"] + base - y * scale
+        return [(frame["x"] + left + x * scale, frame["y"] + base - y * scale) for x, y in points]
 
     def drag_robot(self, start, end):
         """Drag what is at a place of the world (metres) to another."""
         mouse = self.page.mouse
-        start, end = self.place(*start), self.place(*end)
+        start, end = self.places(start, end)
         mouse.move(*start)
         mouse.down()
         mouse.move(*end, steps=5)
