@@ -22,7 +22,8 @@ class Drawer:
         return middle(self.box(state))
 
     def fill(self, *values, check=False):
-        """Fill in the field that is open, and apply it."""
+        """Fill in the field that is open, apply it, and wait until the program is drawn as it is then."""
+        revision = self.lab.revision
         inputs = self.lab.sees(".lrp-field").locator("input[type=text]")
         for index, value in enumerate(values):
             inputs.nth(index).fill(value)
@@ -30,6 +31,7 @@ class Drawer:
             self.lab.find(".lrp-field input[type=checkbox]").check()
         self.lab.find(".lrp-field-apply").click()
         self.lab.misses(".lrp-field")
+        self.lab.until("(root, before) => Number(root.dataset.lrpRevision) > before", argument=revision)
 
     def drag(self, start, end):
         self.mouse.move(*start)
