@@ -42,13 +42,13 @@ class TestARobotBehindDds(StandsStill):
 def test_a_robot_is_stopped_on_its_own_side_when_the_computer_of_the_program_sleeps(
     robot: Robot, processes: Any, tmp_path: Path
 ) -> None:
-    command = (sys.executable, "-m", "lrp_jupyter", "guard", "--backend", "dds", "--topic", "/cmd_vel")
-    printed = processes.lines(processes.start(*command))
-    until(lambda: any("Connected" in line for line in printed))
     driver = CommandLine(robot, tmp_path, before=PATIENT)
     asleep: list[int] = []
     try:
         until(lambda: robot.drives)
+        command = (sys.executable, "-m", "lrp_jupyter", "guard", "--backend", "dds", "--topic", "/cmd_vel")
+        printed = processes.lines(processes.start(*command))
+        until(lambda: any("Connected" in line for line in printed))
         asleep = [*guards(driver.pid), driver.pid]
         assert len(asleep) == 2
         for each in asleep:
