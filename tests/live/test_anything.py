@@ -100,7 +100,7 @@ class Anything(RuleBasedStateMachine):
             self.reference.step(i.now)
             assert i.active == self.reference.active, f"after tick {i.tick}"
             assert values(i) == {p: repr(v) for p, v in self.reference.variables.items() if not callable(v)}
-        self.frames[i.tick] = (i.active, values(i), i.program.text)
+        self.frames[i.tick] = (i.active, values(i), i.program.text, i.now)
 
     def acted(self):
         """Something was done that the reference does not know."""
@@ -369,12 +369,12 @@ class Anything(RuleBasedStateMachine):
 
     @run_on
     @tame
-    @rule(tick=st.integers(1, 60))
-    def look_back(self, tick):
-        first = self.session.frame.tick - self.session.interpreter.journal + 1
-        if first <= tick and tick in self.frames:
-            past, (active, then, text) = self.session.at(tick), self.frames[tick]
-            assert (past.active, past.program.text) == (active, text)
+    @rule(back=st.integers(0, 20))
+    def look_back(self, back):
+        tick = self.session.frame.tick - back
+        if back < self.session.interpreter.journal and tick in self.frames:
+            past, (active, then, text, now) = self.session.at(tick), self.frames[tick]
+            assert (past.active, past.program.text, past.time) == (active, text, now)
             assert {path: repr(past.values[path]) for path in unchanging(then)} == unchanging(then)
 
     @rule(what=wild.waited_for, after=st.integers(0, 3), once=st.booleans())
