@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from reference import Reference
+from story import HERE
 from support.bench import Bench
 from support.robots import Bare
 from support.sessions import come_to_the_end, seen, values
@@ -30,13 +31,14 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import ViewState
 
 REFUSED = (LRPError, ValueError, SyntaxError, NameError, TypeError)
+SMALL = [path.read_text("utf-8") for path in sorted((HERE / "programs").glob("*.lrp"))]
 MARKS = st.sampled_from([{"gain": 3}, {"gain": 0.5}, {"marks": [7]}, {"marks": []}])
 
 tame = precondition(lambda self: not self.hostile)
 hostile = precondition(lambda self: self.hostile)
 simulated = precondition(lambda self: self.session.bridge.name == "sim")
 lit = precondition(lambda self: self.session.bridge.name != "sim")
-run_on = precondition(lambda self: self.session.frame.tick > 0)
+has_run = precondition(lambda self: self.session.frame.tick > 0)
 
 
 def lamp_that_tests_switch():
@@ -71,7 +73,7 @@ class Anything(RuleBasedStateMachine):
             "namespace": {"gain": 1, "marks": [1, 2]},
         }
         if lamp:
-            self.session = Session(data.draw(wild.program), lamp_that_tests_switch(), **common)
+            self.session = Session(data.draw(st.sampled_from(SMALL)), lamp_that_tests_switch(), **common)
         else:
             first = data.draw(st.sampled_from([wild.ROVING, wild.ROVING, *wild.BUNDLED.values()]))
             rough = {"motor": 0.1, "light": 8, "odom": 0.05} if noise else None
@@ -82,6 +84,7 @@ class Anything(RuleBasedStateMachine):
         self.frames, self.reference, self.went_back = {}, None, 0
         self.happenings, self.cursor = [], None
         self.begin_reference()
+        self.go_on(1)
 
     # -- the oracles -------------------------------------------------------------------------------
 
@@ -110,6 +113,7 @@ class Anything(RuleBasedStateMachine):
         if not hasattr(self, "session"):
             return
         session, lab = self.session, self.lab
+        self.go_on(0.5)
         if session.frame.tick and not self.hostile:
             self.reproduced()
             if session.bridge.name == "sim":  # forks with another robot are fed what it has read
@@ -182,9 +186,13 @@ class Anything(RuleBasedStateMachine):
 
     # -- time --------------------------------------------------------------------------------------
 
-    @rule(seconds=st.floats(0, 1.5))
-    def run(self, seconds):
+    def go_on(self, seconds):
         self.session.run(seconds, after_tick=self.follow)
+
+    # half of what happens is that time passes
+    run, again, more, on, further, later = map(
+        rule(seconds=st.sampled_from([0.1, 0.3, 1.0, 2.2])), [go_on] * 6
+    )
 
     @rule()
     def step(self):
@@ -231,7 +239,7 @@ class Anything(RuleBasedStateMachine):
         except ValueError:
             assert rate not in (0, 1, 7.5, 10, 100)
 
-    @run_on
+    @has_run
     @rule()
     def stop_and_start_again(self):
         self.session.stop()
@@ -272,7 +280,7 @@ class Anything(RuleBasedStateMachine):
     def edit_here_and_there(self, place):
         self.offers(self.session.text.replace(*place, 1))
 
-    @rule(new=wild.text)
+    @rule(new=st.sampled_from([wild.ROVING, *SMALL, *wild.BUNDLED.values()]))
     def edit_all(self, new):
         self.offers(new)
 
@@ -367,7 +375,7 @@ class Anything(RuleBasedStateMachine):
         self.happenings, self.cursor = [*kept, *part.happenings], part.cursor
         assert self.happenings == list(self.session.timeline().happenings)
 
-    @run_on
+    @has_run
     @tame
     @rule(back=st.integers(0, 20))
     def look_back(self, back):
@@ -391,7 +399,7 @@ class Anything(RuleBasedStateMachine):
             else:
                 self.session.set_breakpoint(number, enabled)
 
-    @run_on
+    @has_run
     @tame
     @rule(seconds=st.floats(0.1, 0.5))
     def fork(self, seconds):
