@@ -297,6 +297,7 @@ def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(session, wal
     made = session(RUNNING.format("entered.set()\nwhile not gate.is_set(): pass"), namespace=names)
     made.start()
     assert names["entered"].wait(LONG)
+    wall.pass_unnoticed(0)  # the monitor has seen that it runs
     wall.pass_unnoticed(100)
     assert made.status == "hung"
     answer = made.submit(ReplaceProgram(parse(GOOD)))
