@@ -17,7 +17,6 @@ from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import NotebookPage, close_all, forget
 
 WAIT = 120_000  # ms: it only ends a test that hangs
-WAIT_FOR_PYTHON = WAIT  # it is loaded and compiled in the page
 WINDOW = {"width": 1600, "height": 1000}
 ALONE = "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1"
 
