@@ -36,7 +36,6 @@ SMALL = [path.read_text("utf-8") for path in sorted((HERE / "programs").glob("*.
 MARKS = st.sampled_from([{"gain": 3}, {"gain": 0.5}, {"marks": [7]}, {"marks": []}])
 
 tame = precondition(lambda self: not self.hostile)
-hostile = precondition(lambda self: self.hostile)
 simulated = precondition(lambda self: self.session.bridge.name == "sim")
 lit = precondition(lambda self: self.session.bridge.name != "sim")
 has_run = precondition(lambda self: self.session.frame.tick > 0)
@@ -47,14 +46,12 @@ def lamp_that_tests_switch():
 
 
 class Anything(RuleBasedStateMachine):
-    """A session that is recorded from its first tick on, and shown in a page.
+    """A session that is recorded from its first tick on, and shown in a page."""
 
-    Programs that are hostile, or read a clock, cannot be repeated: no oracle but the page for those.
-    """
+    hostile = False
 
     @initialize(
         lamp=st.booleans(),
-        hostile=st.sampled_from([False, False, False, True]),
         rate=st.sampled_from([10, 10, 25, 7, 100]),
         keep=st.booleans(),
         pause=st.sampled_from([False, False, True]),
@@ -63,8 +60,8 @@ class Anything(RuleBasedStateMachine):
         noise=st.booleans(),
         data=st.data(),
     )
-    def begin(self, lamp, hostile, rate, keep, pause, journal, world, noise, data):
-        self.hostile, self.lines = hostile, []
+    def begin(self, lamp, rate, keep, pause, journal, world, noise, data):
+        self.lines = []
         common = {
             "clock": VirtualClock(),
             "rate": rate,
@@ -95,7 +92,7 @@ class Anything(RuleBasedStateMachine):
     def begin_reference(self):
         """Let the reference start with the session, where it knows the robot and all blocks."""
         program = self.session.program
-        known = self.session.bridge.name != "sim" and not self.hostile and "(onpause" not in program.text
+        known = self.session.bridge.name != "sim" and "(onpause" not in program.text
         self.reference = (
             Reference(program, self.session.bridge.robot, self.session.namespace) if known else None
         )
@@ -103,6 +100,8 @@ class Anything(RuleBasedStateMachine):
     def follow(self):
         """After a tick: the reference does the same, and the moment is remembered."""
         i = self.session.interpreter
+        if self.hostile:  # not even its values can be looked at
+            return
         if self.reference is not None:
             self.reference.step(i.now)
             assert i.active == self.reference.active, f"after tick {i.tick}"
@@ -295,11 +294,6 @@ class Anything(RuleBasedStateMachine):
     def edit_all(self, new):
         self.offers(new)
 
-    @hostile
-    @rule(new=wild.hostile | wild.damaged)
-    def edit_maliciously(self, new):
-        self.offers(new)
-
     @rule(
         order=wild.renaming
         | st.tuples(st.just("state"), st.just("m/back"), st.sampled_from(["back", "away"]))
@@ -436,8 +430,20 @@ def unchanging(texts):
     return {path: text for path, text in texts.items() if text[:1] not in "[{("}
 
 
+class Hostile(Anything):
+    """A session whose programs do what they can to harm it. They cannot be repeated: only the page judges."""
+
+    hostile = True
+
+    @rule(new=wild.hostile | wild.damaged)
+    def edit_maliciously(self, new):
+        self.offers(new)
+
+
 TestAnything = Anything.TestCase
-TestAnything.settings = settings(stateful_step_count=25)
+TestAnything.settings = settings(max_examples=max(60, settings().max_examples), stateful_step_count=25)
+TestHostile = Hostile.TestCase
+TestHostile.settings = settings(max_examples=settings().max_examples // 2, stateful_step_count=25)
 
 
 @given(wild.damaged)
