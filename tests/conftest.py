@@ -6,6 +6,7 @@ printed with the line that repeats it. ``few`` tries the first of those that are
 """
 
 import os
+import signal
 import sys
 
 import pytest
@@ -16,6 +17,11 @@ settings.register_profile("same", always, max_examples=40, derandomize=True)
 settings.register_profile("few", always, max_examples=8, derandomize=True)
 settings.register_profile("long", always, max_examples=150, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+if (
+    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+):  # in a shell's background; what is started here inherits it
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(autouse=True, scope="session")
