@@ -4,6 +4,8 @@ import re
 import shutil
 from pathlib import Path
 
+from support.waiting import until
+
 from e2e.pages import NotebookPage
 from e2e.typist import Typist
 
@@ -165,6 +167,7 @@ def test_section_4_of_the_paper_restarts_once(open_lab):
     assert typist.restarts == 1
     typist.sees_active("returnleft")
     lab.sees('[data-lrp-issue="LRP303"]')
+    until(lambda: typist.issues, "the transition to a state that is missing is no issue")
     lab.pause()
     typist.after("angular=-search)]))")
     typist.types(
