@@ -52,7 +52,15 @@ def test_a_lab_and_its_parts_are_pictures_and_no_state_of_widgets_is_stored(tmp_
 def test_a_lab_is_a_widget_where_one_is_wanted_and_a_wrong_wish_is_told_with_the_right_ones(tmp_path):
     lab = f"%%lrp m\n{TEXT}"
     voila = ("%env LRP_STATIC=", "%env VOILA_PREHEAT=False")
-    notebook = executed(tmp_path, "%env LRP_STATIC=0", lab, *voila, lab, "%env LRP_STATIC=yes", lab)
+    notebook = executed(
+        tmp_path,
+        "%env LRP_STATIC=0",
+        lab,
+        *voila,
+        lab,
+        "%env LRP_STATIC=yes",
+        lab.replace("%%lrp m", "%%lrp n"),
+    )
     for index in (2, 5):
         assert WIDGET in data_of(notebook, index)
     assert "widgets" in notebook.metadata
