@@ -7,6 +7,7 @@ import type lab from "../index";
 import { copyText } from "../ui/clipboard";
 import { h, prose } from "../ui/dom";
 import { addressOf, readAddress, type Wanted } from "./address";
+import { keepFiles } from "./keeping";
 import type { Site } from "./messages";
 import { writeNotebook } from "./notebook";
 import { Python } from "./python";
@@ -26,26 +27,6 @@ function say(sentence: string, kind: "busy" | "error" | "done" = "busy"): void {
   status.replaceChildren(...prose(sentence));
   status.dataset.kind = kind;
   status.hidden = !sentence;
-}
-
-/** Let the service worker keep what is loaded; without one the page works, but loads all at each visit. */
-async function keepFiles(): Promise<void> {
-  const workers = navigator.serviceWorker;
-  if (!workers) return;
-  try {
-    const { installing, waiting } = await workers.register(file("cache.js"));
-    const coming = installing ?? waiting; // else it is there, unless the page was loaded without it on purpose
-    if (!coming) return;
-    await new Promise<void>((resolve) => {
-      const look = () => {
-        if (workers.controller === coming || coming.state === "redundant") resolve();
-      };
-      workers.addEventListener("controllerchange", look);
-      coming.addEventListener("statechange", look);
-    });
-  } catch {
-    // a private window, or a page without https
-  }
 }
 
 class Page {
@@ -77,7 +58,7 @@ class Page {
       location.reload();
     });
     addEventListener("popstate", () => void this.guarded(() => this.show(true)));
-    await keepFiles();
+    await keepFiles(navigator.serviceWorker, file("cache.js"));
     await this.python.start(this.site, base.href);
     const [navigation] = performance.getEntriesByType("navigation") as PerformanceNavigationTiming[];
     await this.show(navigation?.type !== "navigate");
