@@ -80,7 +80,7 @@ class Robot:
 
     def is_stopped(self) -> None:
         """Wait until it was told to stand, and nothing else after that."""
-        until(lambda: self.stands, "nobody stopped it")
+        until(lambda: self.stands, "it was not stopped")
 
 
 class CommandLine:
@@ -243,7 +243,7 @@ class StandsStill:
         try:
             robot.is_driven()
             told = suspend(driver, robot)
-            assert driver.process.wait(60) == 1, "nobody could resume it"
+            assert driver.process.wait(60) == 1, "the program did not end"
             does_not_drive_on(robot, told)
             assert "publishes on" not in driver.said(), "the guard is no other node that commands"
         finally:

@@ -248,7 +248,7 @@ def connect_another_address(lab, ros):
 
 
 def pick_topics(lab, ros):
-    """A topic is picked, its type filled in, its row removed again; what is no name is refused."""
+    """A topic is picked, its type filled in, its row removed again; an invalid name is refused."""
     field(lab, "variable").fill("my light")
     field(lab, "topic").fill("/light")
     press(lab, "subscribe")

@@ -263,7 +263,7 @@ class Brick:
         self._for_ev3_dc = for_ev3_dc
         self._closing = False
         self.hearing = threading.Lock()
-        self.waits: Callable[[], object] = lambda: None  # called when somebody waits for it in vain
+        self.waits: Callable[[], object] = lambda: None  # called when a wait for it times out
         self.port = tcp_port
         self._thread: threading.Thread | None = None
         self._voice: socket.socket | None = None

@@ -45,7 +45,7 @@ def caller(served: Any) -> Iterator[BrickClient]:
 
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have little time for what nobody will answer."""
+    """Shorten the waits for answers that never come."""
     monkeypatch.setattr(lines, "_OPEN_TIME", 0.05)
     monkeypatch.setattr(finding, "_PAUSE", 0.01)
 

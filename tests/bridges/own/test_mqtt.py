@@ -155,7 +155,7 @@ def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(broker, listene
 def test_the_broker_stops_the_robot_when_this_process_is(end, broker, processes, driving):
     told = processes.told(processes.robot("mqtt", broker.port, 1.0))
     driving(told, "mqtt.py", port=broker.port).send_signal(end)
-    until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
+    until(lambda: told[-1] == "drives 0.000 0.000", "it was not stopped")
 
 
 @pytest.mark.slow

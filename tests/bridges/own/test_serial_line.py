@@ -107,7 +107,7 @@ def test_it_drives_as_it_is_told_and_says_what_it_senses(processes, tmp_path):
 def test_the_guard_stops_the_robot_when_this_process_is_killed(processes, driving, tmp_path):
     told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
     driving(told, "serial_line.py", port=tmp_path / "robot").kill()
-    until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
+    until(lambda: told[-1] == "drives 0.000 0.000", "it was not stopped")
 
 
 def test_readings_arrive_though_their_lines_come_in_pieces(line, bridge):

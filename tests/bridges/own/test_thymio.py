@@ -69,7 +69,7 @@ def test_a_device_manager_that_ends_is_a_lost_robot_and_one_that_starts_is_found
 def test_the_guard_stops_the_robot_when_this_process_is_killed(processes, port, driving):
     told = processes.told(processes.robot("thymio", port, 1.0))
     driving(told, "thymio.py", port=port).kill()
-    until(lambda: told[-1] == "drives 0.000 0.000", "nobody stopped it")
+    until(lambda: told[-1] == "drives 0.000 0.000", "it was not stopped")
 
 
 @pytest.mark.slow

@@ -209,7 +209,7 @@ def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
     server.hangs.clear()
     until(lambda: notices(ros)[-1].endswith("answers now: topics are listed."))
     if not is_ros2:
-        assert set(server.clients) == before, "no connection is made anew"
+        assert set(server.clients) == before, "no new connection is made"
 
 
 def test_what_rosapi_answers_in_another_form_is_passed_over(make: Make, server: Any, graph: Any) -> None:

@@ -161,7 +161,7 @@ def test_a_robot_that_goes_is_named_and_gets_no_old_command_when_it_is_back(
     until(lambda: "no other node subscribes to `/cmd_vel` any more" in ros.status.sentence)
     ros.stop_all()
     robot.do("reader cmd_vel reliable")
-    until(lambda: robot.speeds() == [0.2, 0.0])  # the stop that nobody heard
+    until(lambda: robot.speeds() == [0.2, 0.0])  # the stop that was not received
     ros.robot.move(linear=0.2)
     until(lambda: robot.speeds() == [0.2, 0.0, 0.2])
     robot.kill()
