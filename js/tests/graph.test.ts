@@ -373,6 +373,16 @@ describe("the camera's own movements", () => {
     expect(at()).toEqual([50, 50, 1]);
   });
 
+  it("leave a drawing alone that the user has shown whole since the panel changed its size", () => {
+    autofit.typed();
+    resize(300, 200);
+    autofit.resized(null);
+    autofit.whole(box(0, 0, 400, 300));
+    const whole = at();
+    vi.advanceTimersByTime(5000);
+    expect(at()).toEqual(whole);
+  });
+
   it("are for the panel as it was last seen, while it is in a tab that is not shown", () => {
     resize(0, 0);
     autofit.resized(null);

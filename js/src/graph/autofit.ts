@@ -94,6 +94,15 @@ export class AutoFit {
     this.check();
   }
 
+  /** Show all of a drawing at once, in the panel as large as it is now: the user asked for it. */
+  whole(content: Box): void {
+    this.stop();
+    this.measure();
+    this.camera.fit(content, this.size.width, this.size.height);
+    this.camera.moved = this.camera.scale < LEGIBLE; // the user prefers all of it to legible names
+    this.place();
+  }
+
   /** Bring something into view when the user pauses, or at once if the user asked for it. */
   reveal(wanted: Subject, now = false): void {
     this.wanted = wanted;

@@ -10,7 +10,7 @@ import { h, s, setAttribute } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
-import { AutoFit, LEGIBLE } from "./autofit";
+import { AutoFit } from "./autofit";
 import { type Box, Camera } from "./camera";
 import { drawDots } from "./dots";
 import { Dragging } from "./drag";
@@ -111,12 +111,7 @@ export function graphView(lab: Lab): HTMLElement {
     camera.zoom(factor, svg.clientWidth / 2, svg.clientHeight / 2);
     place();
   };
-  const whole = () => {
-    fitting.stop();
-    camera.fit(contents(), svg.clientWidth, svg.clientHeight);
-    camera.moved = camera.scale < LEGIBLE; // the user prefers all of it to legible names
-    place();
-  };
+  const whole = () => fitting.whole(contents());
   const isNested = () =>
     Object.values(store.state.layouts).some(({ states }) => states.some(({ inside }) => inside.length));
   const save = (kind: "svg" | "png") => {
