@@ -29,7 +29,7 @@ BACKENDS = (backends.AUTO, *backends.BACKENDS, MQTT)
 """The ways to a robot."""
 
 _LOOK = 0.05  # s between two looks, and between two stops
-_STOPS = 20  # a message may be lost, or the robot may be connected later than this guard
+_STOPS = 100  # a message may be lost, or the robot may be connected seconds later than this guard
 
 
 def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, after: float) -> int:
@@ -160,9 +160,12 @@ class MqttSide:
         self._topic, self._place = topic, str(address)
         self._command: Any = {}
         self._unread = ""  # what came last, if it is no JSON
+        self._hears = False  # a command before the broker has accepted the subscription is missed
         self.heard = (0.0, False)
         self._client = client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
         client.on_connect = lambda *_: client.subscribe(topic)
+        client.on_subscribe = lambda *_: setattr(self, "_hears", True)
+        client.on_disconnect = lambda *_: setattr(self, "_hears", False)
         client.on_message = self._hear
         client.reconnect_delay_set(1, 1)
         try:
@@ -180,7 +183,7 @@ class MqttSide:
 
     def state(self) -> str:
         """Return a sentence about the connection."""
-        if not self._client.is_connected():
+        if not self._hears:
             return f"The MQTT broker at {self._place} does not answer."
         if self._unread:
             return f"{self._unread} on `{self._topic}` is not JSON, so the robot is not guarded."
@@ -188,7 +191,7 @@ class MqttSide:
 
     def stop(self) -> None:
         """Publish the last command with all its numbers zero."""
-        if not self._client.is_connected():
+        if not self._hears:
             raise BridgeError(self.state())
         self._client.publish(self._topic, json.dumps(_zero(self._command)))
 

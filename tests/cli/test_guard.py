@@ -38,10 +38,10 @@ class Commanded:
         self.now += seconds
         if self.commands and self.commands[0] <= self.now:
             self.heard = (self.commands.pop(0), True)
-        return self.now > 105
+        return self.now > 110
 
     def is_guarded(self, *commands: float) -> None:
-        """Be commanded to drive at these seconds, and guarded for five."""
+        """Be commanded to drive at these seconds, and guarded for ten."""
         self.commands = [self.now + at for at in commands]
         guard.watch(self, 0.5, self.said.append, self)  # type: ignore[arg-type]
 
@@ -56,7 +56,7 @@ def robot(monkeypatch: pytest.MonkeyPatch) -> Commanded:
 def test_a_robot_is_stopped_half_a_second_after_the_last_command_and_may_join_late(robot: Commanded) -> None:
     robot.is_guarded(0.1, 0.5, 0.9)
     assert robot.stops[0] == pytest.approx(101.4, abs=0.06)
-    assert len(robot.stops) == 20, "hearing the first one says nothing about the robot"
+    assert len(robot.stops) == 100, "hearing the first one says nothing about the robot"
     assert robot.said == [
         "Connected.",
         "No command for 0.5 s, and the last one moves the robot. It is stopped.",
@@ -64,18 +64,18 @@ def test_a_robot_is_stopped_half_a_second_after_the_last_command_and_may_join_la
 
 
 def test_a_robot_that_is_commanded_in_time_is_left_alone(robot: Commanded) -> None:
-    robot.is_guarded(*(0.4 * number for number in range(14)))
+    robot.is_guarded(*(0.4 * number for number in range(26)))
     assert robot.stops == []
 
 
 def test_a_stop_that_cannot_be_sent_is_tried_again(robot: Commanded) -> None:
     robot.is_away = True
     robot.is_guarded(0.1)
-    assert len(robot.stops) == 20
+    assert len(robot.stops) == 100
 
 
 def test_a_driver_that_is_back_ends_the_stops(robot: Commanded) -> None:
-    robot.is_guarded(0.1, *(0.8 + 0.4 * number for number in range(14)))
+    robot.is_guarded(0.1, *(0.8 + 0.4 * number for number in range(26)))
     assert robot.stops
     assert robot.stops[-1] < 100.9
 
