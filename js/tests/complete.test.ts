@@ -1,9 +1,11 @@
 import { CompletionContext } from "@codemirror/autocomplete";
 import { EditorState } from "@codemirror/state";
-import { describe, expect, it } from "vitest";
-import { offered } from "../src/editor/complete";
+import { afterEach, describe, expect, it, vi } from "vitest";
+import { complete, offered } from "../src/editor/complete";
 import { FORMS } from "../src/editor/forms";
+import { lrp } from "../src/language/lrp";
 import * as terms from "../src/language/parser.terms";
+import type { Lab } from "../src/session/store";
 
 function offer(word: string, explicit = false) {
   const context = new CompletionContext(EditorState.create({ doc: word }), word.length, explicit);
@@ -23,6 +25,34 @@ describe("completion", () => {
   });
   it("is offered when it is asked for", () => {
     expect(offer("rest", true)?.options).toHaveLength(2);
+  });
+});
+
+describe("completion with a kernel that answers after half a minute", () => {
+  const labels = async (expression: string) => {
+    vi.useFakeTimers();
+    const doc = `(machine m (state a (running [${expression}])))`;
+    const context = new CompletionContext(
+      EditorState.create({ doc, extensions: lrp() }),
+      doc.indexOf("]"),
+      false,
+    );
+    const store = { state: { bridge: { members: [{ name: "odom.x", kind: "property" }] }, members: {} } };
+    const late = { options: [{ label: "pose" }] };
+    const ask = () => new Promise((resolve) => setTimeout(() => resolve(late), 30_000));
+    const result = complete(context, { ask, store } as unknown as Lab);
+    await vi.advanceTimersByTimeAsync(30_000);
+    return (await result)?.options.map(({ label }) => label);
+  };
+  afterEach(() => {
+    vi.useRealTimers();
+  });
+
+  it("offers what is known in the page", async () => {
+    expect(await labels("robot.odom.")).toEqual(["x"]);
+  });
+  it("waits where nothing is known in the page", async () => {
+    expect(await labels("robot.light.")).toEqual(["pose"]);
   });
 });
 

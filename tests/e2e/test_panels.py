@@ -139,7 +139,7 @@ def arm(lab):
 COMPLETED = [
     ("msg: msg", ".lin", {"linear"}),
     ("msg: msg.linear", ".", {"x", "y", "z"}),
-    ("robot.odom", ".", {"x", "y", "theta", "pose", "twist"}),
+    ("robot.odom", ".", {"x", "y", "theta"}),
     ("robot.odom.", "pose.pose.position.", {"x", "y", "z"}),
     ("c (running [robot.move(", "ang", {"angular_z="}),
 ]

@@ -15,8 +15,7 @@ import { h, prose } from "../ui/dom";
 import { contextAt, spawnable } from "./context";
 import { FORMS } from "./forms";
 
-const PATIENCE = 250; // ms to wait for the kernel with what is known here,
-const LONGER = 2000; // and with nothing
+const PATIENCE = 250; // ms to wait for the kernel with what is known here
 
 export function completion(lab: Lab): Extension {
   return autocompletion({
@@ -26,7 +25,7 @@ export function completion(lab: Lab): Extension {
   });
 }
 
-async function complete(context: CompletionContext, lab: Lab): Promise<CompletionResult | null> {
+export async function complete(context: CompletionContext, lab: Lab): Promise<CompletionResult | null> {
   const word = context.matchBefore(/[\w\u0080-\uffff]+$/);
   const from = word?.from ?? context.pos;
   const place = contextAt(context.state, context.pos);
@@ -125,10 +124,11 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   const taking = prefix.includes(".") ? null : TAKING.exec(before);
   const questions = [command ?? prefix, ...(taking ? [`robot.${taking[1]}(${prefix}`] : [])];
   const begun = prefix.slice(prefix.lastIndexOf(".") + 1);
-  const patience = own.some(({ label }) => label.startsWith(begun)) ? PATIENCE : LONGER;
-  const replies = questions.map((question) =>
-    soon(lab.ask({ type: "complete", prefix: question, scope }), patience),
-  );
+  const isKnown = own.some(({ label }) => label.startsWith(begun));
+  const replies = questions.map((question) => {
+    const reply = lab.ask({ type: "complete", prefix: question, scope });
+    return isKnown ? soon(reply) : reply; // without options here there is nothing to hold up
+  });
   const [names, fields] = await Promise.all(replies);
   const known = new Set(own.map(({ label }) => label));
   const more = [...(fields?.options ?? []), ...(names?.options ?? [])]
@@ -143,8 +143,8 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
 }
 
 /** The kernel's reply if it comes soon: a busy kernel must not hold up the other options. */
-function soon<T>(reply: Promise<T>, patience: number): Promise<T | null> {
-  return Promise.race([reply, new Promise<null>((resolve) => setTimeout(() => resolve(null), patience))]);
+function soon<T>(reply: Promise<T>): Promise<T | null> {
+  return Promise.race([reply, new Promise<null>((resolve) => setTimeout(() => resolve(null), PATIENCE))]);
 }
 
 const NEAR = 1000; // characters in which a message gets its name
