@@ -38,6 +38,7 @@ from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import write_file
+from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.live import commands as do
@@ -524,9 +525,8 @@ class _Run:
         if self._stuck:
             plain_console(stderr=True).print(f"lrp: {self._stuck}")
         elif alone:
-            of_issues = [each for each in frame.issues if each.message == frame.reason]
-            issue = max(of_issues, key=lambda each: each.last_tick, default=None)
-            why = f" at an issue:\n{issue.traceback or issue}" if issue else f": {frame.reason}"
+            by = frame.paused_by
+            why = f" at an issue:\n{by.traceback or by}" if isinstance(by, Issue) else f": {frame.reason}"
             self.print(f"Paused{why}")
         self._report_breakpoints()
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"

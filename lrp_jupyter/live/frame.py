@@ -157,8 +157,8 @@ class Frame:
         The bridge's snapshot of its robot, also frozen; None if it has none.
     hung : Hung or None
         The block that does not return, while `status` is ``hung``.
-    paused_by : Hit or None
-        The breakpoint that paused the program, until it runs on.
+    paused_by : Hit or Issue or None
+        The breakpoint or the issue that paused the program, until it runs on.
     breakpoints : tuple of Breakpoint
         All of them, by number.
 
@@ -204,7 +204,7 @@ class Frame:
     bridge: str = ""
     robot: object = None
     hung: Hung | None = None
-    paused_by: Hit | None = None
+    paused_by: Hit | Issue | None = None
     breakpoints: tuple[Breakpoint, ...] = ()
 
     def __repr__(self) -> str:

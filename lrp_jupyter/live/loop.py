@@ -101,7 +101,7 @@ class Loop:
         self.changed = changed
         self._printed = printed
         self.breakpoints: Breakpoints | None = None
-        self.paused_by: Hit | None = None
+        self.paused_by: Hit | Issue | None = None
         self.after_tick: list[Callable[[], object]] = []
         """Called after every tick."""
         self._driven_by = 0  # the thread that made the last turn
@@ -258,6 +258,7 @@ class Loop:
         issues = self.interpreter.issues
         last = max(issues, key=lambda issue: (issue.last_tick, issue.first_tick), default=None)
         self._stand_still(last.message if last else "")
+        self.paused_by = last
 
     def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:
         """Tick in virtual time, without waiting, for at most this number of seconds.

@@ -236,8 +236,8 @@ def _hung_view(frame: Frame) -> HungView | None:
     return None if hung is None else {"where": hung.where, "seconds": hung.seconds, "held": hung.held}
 
 
-def _hit_view(hit: Hit | None) -> HitView | None:
-    return None if hit is None else {"number": hit.number, "text": str(hit), "hits": hit.count}
+def _hit_view(hit: object) -> HitView | None:
+    return {"number": hit.number, "text": str(hit), "hits": hit.count} if isinstance(hit, Hit) else None
 
 
 def _breakpoint_view(each: Breakpoint, program: Program) -> BreakpointView:

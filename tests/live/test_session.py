@@ -201,6 +201,7 @@ def test_on_issue_pause_completes_the_tick_and_pauses(session):
     frame = failing.frame
     assert (frame.status, frame.tick, frame.variables) == ("paused", 2, {("n",): "1"})
     assert "ZeroDivisionError" in frame.reason
+    assert frame.paused_by is frame.issues[0]
     failing.run(1)
     assert failing.frame.issues[0].count > 1
 
@@ -217,7 +218,7 @@ def test_an_issue_of_a_command_pauses_at_once_and_a_resume_goes_on(session):
     made.transition_to("b")
     assert (made.status, made.frame.reason) == ("paused", "ZeroDivisionError: division by zero")
     made.resume()
-    assert made.status == "running"
+    assert (made.status, made.frame.paused_by) == ("running", None)
     assert made.run(1), "nothing else pauses it"
 
 
