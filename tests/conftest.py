@@ -5,6 +5,7 @@ By default Hypothesis tries the same examples every time, however loaded the mac
 printed with the line that repeats it. ``few`` tries the first of those that are always tried.
 """
 
+import gc
 import os
 import signal
 import sys
@@ -18,10 +19,14 @@ settings.register_profile("few", always, max_examples=8, derandomize=True)
 settings.register_profile("long", always, max_examples=150, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
-if (
-    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-):  # in a shell's background; what is started here inherits it
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in a shell's background; children inherit it
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish():
+    """Keep thousands of tests out of every garbage collection to come."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -441,7 +441,7 @@ class Hostile(Anything):
 
 
 TestAnything = Anything.TestCase
-TestAnything.settings = settings(max_examples=max(60, settings().max_examples), stateful_step_count=25)
+TestAnything.settings = settings(stateful_step_count=25)
 TestHostile = Hostile.TestCase
 TestHostile.settings = settings(max_examples=settings().max_examples // 2, stateful_step_count=25)
 
