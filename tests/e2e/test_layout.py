@@ -91,7 +91,7 @@ def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page
             nothing_overlaps(lab)
             has_a_whole_head(lab)
             (is_side_by_side if width >= 1280 else is_stacked)(lab)
-            axe.finds_nothing_serious(lab)
+        axe.finds_nothing_serious(lab)
     page.set_viewport_size({"width": 1280, "height": 800})
     lab.root.evaluate("root => root.scrollIntoView()")
     for part in PANELS:
