@@ -29,7 +29,8 @@ def first_visit(tmp_path, context):
         page = context.new_page()
         page.set_default_timeout(WAIT)
         page.goto(server.url)
-        page.wait_for_function(f"{APP}?.content?.widgets?.length > 0")
+        # JupyterLab would wait half a minute for the end of a kernel that is being started
+        page.wait_for_function(f"{APP}?.sessionContext?.session?.kernel?.status === 'idle'")
         yield server, page
         page.close()
 
