@@ -163,7 +163,9 @@ def chosen(names: str, durations: str, *options: str) -> None:
 
     plugin = _Chosen(json.loads(Path(names).read_text()))
     files = sorted({name.split("::")[0] for name in plugin.places})
-    code = pytest.main(["-q", "-n0", "-p", "no:cacheprovider", *options, *files], plugins=[plugin])
+    code = pytest.main(
+        ["-q", "-n0", "--dist=no", "-p", "no:cacheprovider", *options, *files], plugins=[plugin]
+    )
     Path(durations).write_text(json.dumps(plugin.durations))
     os._exit(code)  # whatever a mutant has left running
 
