@@ -8,8 +8,8 @@ import threading
 from typing import ClassVar
 
 import pytest
-from seeds import seeds
-from smil import evaluate, placed
+from support.seeds import seeds
+from support.smil import evaluate, placed
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.panel import Panel, Question

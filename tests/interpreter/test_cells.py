@@ -1,7 +1,7 @@
 import dis
 
 from hypothesis import given
-from wild import program
+from support.wild import program
 
 from lrp_jupyter.interpreter.cells import writes_of
 from lrp_jupyter.interpreter.linker import BlockPlan, link

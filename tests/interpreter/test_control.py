@@ -3,8 +3,8 @@
 import builtins
 
 import pytest
-import story
-from story import active, robot
+from support import story
+from support.story import active, robot
 from support.tables import every
 
 from lrp_jupyter.errors import NoDataYet, UnknownElementError

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from story import HERE, read, robot, run_until
+from support.story import HERE, read, robot, run_until
 from support.tables import every
 
 from lrp_jupyter.errors import LRPSyntaxError

@@ -1,7 +1,7 @@
 """Forced states, in combination with timers, exits, spawns that dangle and edits."""
 
 import pytest
-from story import active, started
+from support.story import active, started
 from support.tables import every
 
 from lrp_jupyter.errors import UnknownElementError

@@ -1,7 +1,7 @@
 """Going back, in combination with everything that acts between ticks."""
 
 import pytest
-from story import active, started
+from support.story import active, started
 from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from story import started
-from wild import command, moment, obey, program
+from support.story import started
+from support.wild import command, moment, obey, program
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Faulted, Fired, Spawned

@@ -1,7 +1,7 @@
 """The life of an issue: its location, its message, when it is resolved, and how edits affect it."""
 
 import pytest
-from story import active, started
+from support.story import active, started
 from support.tables import every
 
 from lrp_jupyter.language.parser import parse

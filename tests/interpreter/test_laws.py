@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from reference import Reference
-from story import ORDINARY, no_label
-from wild import command, moment, obey, program
+from support.reference import Reference
+from support.story import ORDINARY, no_label
+from support.wild import command, moment, obey, program
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.events import EVENT_KINDS

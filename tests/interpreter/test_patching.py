@@ -1,6 +1,6 @@
 """Edits of a running program beyond the rows of the table: events, issues, pauses, roots, what is refused."""
 
-from story import active, started
+from support.story import active, started
 from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter

@@ -1,7 +1,7 @@
 """Every program of tests/programs does what its comments expect, in production and in the reference."""
 
-from reference import Reference
-from story import HERE, ORDINARY, PERIOD, no_label, read, robot, run_until
+from support.reference import Reference
+from support.story import HERE, ORDINARY, PERIOD, no_label, read, robot, run_until
 from support.tables import every
 
 from lrp_jupyter.interpreter.interpreter import Interpreter

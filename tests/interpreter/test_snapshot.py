@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from story import started
+from support.story import started
 from support.tables import every
-from wild import command, moment, obey, program
+from support.wild import command, moment, obey, program
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.interpreter import Interpreter

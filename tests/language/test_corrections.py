@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 from checking import start_of
-from seeds import seeds
+from support.seeds import seeds
 from support.tables import every
 
 from lrp_jupyter.errors import edited

@@ -10,15 +10,15 @@ from tempfile import TemporaryDirectory
 from typing import get_type_hints
 
 import pytest
-import wild
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from reference import Reference
-from story import HERE
+from support import wild
 from support.bench import Bench
+from support.reference import Reference
 from support.robots import Bare
 from support.sessions import come_to_the_end, seen, values
+from support.story import HERE
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.issues import IssueKind

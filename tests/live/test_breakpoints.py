@@ -4,7 +4,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.robots import Bare
-from wild import program
+from support.wild import program
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter import variables

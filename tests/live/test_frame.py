@@ -3,7 +3,7 @@ from dataclasses import FrozenInstanceError
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from story import robot, started
+from support.story import robot, started
 
 from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.interpreter.interpreter import Interpreter

@@ -11,7 +11,7 @@ from pathlib import Path
 from threading import Thread
 
 import pytest
-import wild
+from support import wild
 from support.robots import Bare
 from support.sessions import seen
 

@@ -4,8 +4,8 @@ import json
 import math
 
 import pytest
-from smil import evaluate, placed
 from support.robots import Bare
+from support.smil import evaluate, placed
 
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError

@@ -7,8 +7,8 @@ from itertools import pairwise
 from xml.etree import ElementTree
 
 import pytest
-from seeds import seeds
-from smil import SVG, evaluate, placed
+from support.seeds import seeds
+from support.smil import SVG, evaluate, placed
 
 from lrp_jupyter.sim import PutSolid, PutZone, RemoveSolid, Simulation, World, load
 from lrp_jupyter.sim.animation import EVERY, TURNED, WITHIN, animated

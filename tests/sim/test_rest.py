@@ -1,7 +1,7 @@
 from random import Random
 
 import pytest
-from seeds import seeds
+from support.seeds import seeds
 
 from lrp_jupyter.sim import Simulation, load
 from lrp_jupyter.sim.rest import Rest

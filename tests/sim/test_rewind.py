@@ -4,7 +4,7 @@ from random import Random
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from seeds import seeds
+from support.seeds import seeds
 from support.tables import every
 
 from lrp_jupyter.sim import (

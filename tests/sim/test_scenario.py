@@ -7,7 +7,7 @@ Its rules are the listing's, tested in the order of the listing, with `nobump` c
 from dataclasses import replace
 
 import pytest
-from seeds import seeds
+from support.seeds import seeds
 
 from lrp_jupyter.sim import Simulation, load
 from lrp_jupyter.sim.world import Noise

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from seeds import seeds
+from support.seeds import seeds
 
 from lrp_jupyter import files
 from lrp_jupyter.errors import LRPError

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from reference import Reference, Skip, find
-from wild import program
+from support.reference import Reference, Skip, find
+from support.wild import program
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.reasons import CODES, cause_of

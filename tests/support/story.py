@@ -21,7 +21,7 @@ from types import SimpleNamespace
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[1]
 PERIOD = 0.1
 ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
 """The kinds of events that a reference interpreter has, too."""
