@@ -199,9 +199,10 @@ class Rosapi:
         try:
             values = self._ask("/rosapi/topics")
         except RefusedError as error:
-            if "master" in str(error).lower() and self._exists:  # rosapi is there, but ROS is not
+            if "master" in str(error).lower():  # whether or not rosapi is there, ROS is not
                 self.trouble = f"`{self._url}` answers, but its ROS master does not: {error}"
                 return False
+            self.trouble = ""
             self._miss(
                 "has no rosapi: topics are not listed, and only common types are known. Start it there."
             )

@@ -14,7 +14,7 @@ import pytest
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
-from lrp_jupyter.bridges.ros import RosBridge, link, panel, websocket
+from lrp_jupyter.bridges.ros import RosBridge, link, panel, rosapi, websocket
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.clock import MonotonicClock
 from lrp_jupyter.live.session import Session
@@ -201,6 +201,24 @@ def test_a_server_whose_master_dies_is_looked_for_in_steps_until_it_is_back(
     until(lambda: ros.status.state is ConnectionState.WAITING)
     until(lambda: hears(ros, graph))
     assert ros.robot.odom.y == 2.0
+
+
+def test_a_master_that_dies_while_rosapi_does_not_answer_is_noticed(
+    make: Make, graph: Any, server: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rosapi, "_ANSWER", 0.1)
+    ros = make()
+    ros.open()
+    ros.subscribe("odom", "/odom")
+    until(lambda: ros.topics)
+    server.hangs.add("topics")
+    until(lambda: any("does not answer" in notice.text for notice in ros.safety.notices))
+    graph.master_is_alive = False
+    server.hangs.clear()
+    until(lambda: ros.status.state is ConnectionState.LOST)
+    assert "its ROS master does not" in ros.status.sentence
+    graph.master_is_alive = True
+    until(lambda: hears(ros, graph))
 
 
 # -- a server that hangs, or is slow --------------------------------------------------------------
