@@ -7,6 +7,8 @@ from e2e.programs import COUNTER, FOLLOWER
 RERUNS = 15
 GROWTH = 2.5e6  # bytes
 ALERT = '[role="alertdialog"]'
+TYPED = "The kernel ended before all that was typed"
+KEPT = "The lab's last text"
 PARTS = """\
 import lrp_jupyter, ipywidgets
 ipywidgets.HBox([lrp_jupyter.StateGraph('follower'), lrp_jupyter.Variables('follower')])"""
@@ -32,13 +34,16 @@ def cell(lab, program):
     lab.ready()
 
 
-def again(lab):
-    """Run the cells again after the end of the kernel; the lab asks about the text that was typed."""
+def again(lab, which):
+    """Run the cells again after the end of the kernel; the lab asks about the text that was typed.
+
+    What the page has kept it asks a moment after what the kernel had: that is another question.
+    """
     lab.notebook.run_cell(0)
     lab.notebook.run_cell(1)
     lab.sees(':scope[data-link="live"]')
     lab.ready()
-    asked(lab)
+    asked(lab, which)
 
 
 # -- pages and cells -------------------------------------------------------------------------------
@@ -135,7 +140,7 @@ def test_what_was_typed_comes_back_after_the_end_of_a_kernel(open_lab, server):
     assert "(state third)" in lab.text
     lab.find(".cm-content").focus()
     lab.page.keyboard.type(" (state fourth)")  # to no kernel
-    again(lab)
+    again(lab, TYPED)
     assert "(state third)" not in lab.text
     lab.do("take")
     lab.sees('[data-lrp-state="m/fourth"]')
@@ -150,7 +155,7 @@ def test_what_was_typed_comes_back_after_the_end_of_a_kernel(open_lab, server):
     lab.type_after("(state third)", " (state fif")
     lab.page.reload()
     lab.notebook.ready()
-    again(lab)
+    again(lab, TYPED)
     assert lab.text == COUNTER
     lab.do("take")
     lab.reads(".cm-content", "(state rest)) no program (state third) (state fif")
@@ -165,7 +170,7 @@ def test_what_was_typed_comes_back_after_the_end_of_a_kernel(open_lab, server):
     server.end_kernels()
     notebook.close()
     notebook.show()
-    again(lab)
+    again(lab, KEPT)
     lab.do("take")
     lab.sees('[data-lrp-state="m/fifth"]')
     lab.goes_on()
