@@ -2,6 +2,9 @@
 
 It subscribes to `/cmd_vel` (Twist) and publishes `/odom` (Odometry), `/light` (UInt8, 0 black ... 255
 white) and `/bumper` (UInt8, 1 pressed). It prints when it was told another speed, by `time.monotonic`.
+
+The frame of the odometry is the robot's time, in seconds. With a SPEED of `inf` it passes at once after each
+command, for a little longer than until the next one, and then hardly.
 """
 
 from __future__ import annotations
@@ -21,15 +24,18 @@ from lrp_jupyter.sim.simulation import STEP, Simulation
 
 _EVERY = 4  # physics steps between two messages
 _LATE = 0.05  # s
+_LEAD = 0.12  # s of the robot that pass after a command, at an infinite speed
+_CREEP = 0.1  # s of wall time for each further step
 
 
 def main(speed: float, world: str) -> None:
     simulation = Simulation(world)
-    wanted = [(0.0, 0.0)]
+    wanted, heard, news = [(0.0, 0.0)], [0.0], threading.Event()
 
     def drive(message: Any) -> None:
         speed, before = (message.linear.x, message.angular.z), wanted[0]
-        wanted[0] = speed
+        wanted[0], heard[0] = speed, simulation.steps * STEP
+        news.set()
         if speed[0] != before[0]:
             sys.stdout.write(f"{time.monotonic()} {speed[0]}\n")
             sys.stdout.flush()
@@ -51,7 +57,7 @@ def main(speed: float, world: str) -> None:
         readings = simulation.latch()
         x, y, theta = readings.odom
         odom = Odometry()
-        odom.header.frame_id = "odom"
+        odom.header.frame_id = str(simulation.steps * STEP)
         odom.pose.pose.position.x, odom.pose.pose.position.y = x, y
         odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = math.sin(theta / 2), math.cos(theta / 2)
         topics["odom"].publish(odom)
@@ -60,7 +66,11 @@ def main(speed: float, world: str) -> None:
         ahead = began + simulation.steps * STEP / speed - time.monotonic()
         if ahead < -_LATE:  # a robot that was held up is slow: it does not race on with an old command
             began -= ahead
-        gone.wait(max(0.0, ahead))
+        if speed < math.inf:
+            gone.wait(max(0.0, ahead))
+        elif simulation.steps * STEP > heard[0] + _LEAD:
+            news.wait(_CREEP)
+            news.clear()
 
 
 if __name__ == "__main__":

@@ -26,6 +26,8 @@ from lrp_jupyter.sim.simulation import STEP, Simulation
 
 _EVERY = 4  # physics steps between two messages
 _LATE = 0.05  # s
+_LEAD = 0.12  # s of the robot that pass after a command, at an infinite speed
+_CREEP = 0.1  # s of wall time for each further step
 QOS = Qos(
     Policy.Reliability.Reliable(duration(milliseconds=100)),
     Policy.Durability.Volatile,
@@ -124,7 +126,7 @@ def main(speed: float, world: str, lease: float) -> None:
         name: DataWriter(participant, Topic(participant, f"rt/{name}", kind), QOS)
         for name, kind in (("odom", Odometry), ("light", UInt8), ("bumper", UInt8))
     }
-    wanted = (0.0, 0.0)
+    wanted, heard = (0.0, 0.0), 0.0
     gone = threading.Event()
     threading.Thread(target=lambda: (sys.stdin.read(), gone.set()), daemon=True).start()
     sys.stdout.write("ready\n")
@@ -136,13 +138,13 @@ def main(speed: float, world: str, lease: float) -> None:
                 if command.linear.x != wanted[0]:
                     sys.stdout.write(f"{time.monotonic()} {command.linear.x}\n")
                     sys.stdout.flush()
-                wanted = (command.linear.x, command.angular.z)
+                wanted, heard = (command.linear.x, command.angular.z), simulation.steps * STEP
         simulation.drive(*wanted)
         simulation.step(_EVERY)
         readings = simulation.latch()
         x, y, theta = readings.odom
         odom = Odometry()
-        odom.header.frame_id = "odom"
+        odom.header.frame_id = str(simulation.steps * STEP)
         odom.pose.pose.position.x, odom.pose.pose.position.y = x, y
         odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = math.sin(theta / 2), math.cos(theta / 2)
         writers["odom"].write(odom)
@@ -151,7 +153,12 @@ def main(speed: float, world: str, lease: float) -> None:
         ahead = began + simulation.steps * STEP / speed - time.monotonic()
         if ahead < -_LATE:  # a robot that was held up is slow: it does not race on with an old command
             began -= ahead
-        gone.wait(max(0.0, ahead))
+        if speed < math.inf:
+            gone.wait(max(0.0, ahead))
+        elif simulation.steps * STEP > heard + _LEAD:
+            end = time.monotonic() + _CREEP
+            while time.monotonic() < end and not commands.read(1):
+                gone.wait(0.002)
     del domain
 
 
