@@ -64,9 +64,9 @@ def go_there_and_back(ros: RosBridge) -> None:
     """Run the program, unchanged, with a robot `AT_ONCE`."""
     with Session(_PROGRAM, bridge=ros, clock=RobotTime(ros)) as session:
         session.start()
-        assert session.wait_for("bumpback", timeout=30)
+        assert session.wait_for("bumpback", timeout=180)
         assert ros.robot.odom.x > 1.0
-        assert session.wait_for("end", timeout=30)
+        assert session.wait_for("end", timeout=180)
         assert ros.robot.odom.x < 0.0
         assert [issue.message for issue in session.issues] == []
 
