@@ -513,6 +513,25 @@ def test_the_start_moves_to_another_state() -> None:
     assert drawn("(machine m (state a))", (drawing.start_in, ("m", "a"))).endswith("\n\n(spawn m a)\n")
 
 
+@every(
+    ("sources", "left"),
+    [
+        ("{a b}", "b"),
+        ("{a b c}", "{b c}"),
+        ("{b a c}", "{b c}"),
+        ("{b c a}", "{b c}"),
+        ("*-{a}", "*"),
+        ("*-{a a}", "*"),
+        ("*-{a b}", "*-{b}"),
+        ("*-{b a c}", "*-{b c}"),
+    ],
+)
+def test_a_deleted_state_is_taken_from_several_sources_or_exceptions(sources: str, left: str) -> None:
+    text = "(machine m (state a) (state b) (state c) (state d) (ontime 5 SOURCES -> d go)) (spawn m b)"
+    done = drawn(text.replace("SOURCES", sources), (drawing.delete_state, ("m", "a")))
+    assert parse(done) == parse(text.replace("(state a) ", "").replace("SOURCES", left))
+
+
 def test_deleting_a_machine_deletes_its_spawns() -> None:
     text = "(machine m (state t (onentry (spawn n a)) (machine n (state a)))) (spawn m t)"
     assert drawn(text, (drawing.delete_machine, ("m", "t", "n"))) == "(machine m (state t)) (spawn m t)"
