@@ -55,7 +55,7 @@ print(again.difference, sha256(repr(seen(again.session)).encode()).hexdigest())
 
 
 def test_a_session_is_reproduced_in_another_process(tmp_path):
-    path, tests = str(tmp_path / "run.lrplog"), str(Path(wild.__file__).parent)
+    path, tests = str(tmp_path / "run.lrplog"), str(Path(wild.__file__).parents[1])
     noise = {"motor": 0.1, "light": 8}
     names = {"gain": 1, "marks": {"a", "b"}}
     with Session(
