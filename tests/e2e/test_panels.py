@@ -300,7 +300,10 @@ def complete_fields(lab):
             ".cm-tooltip-autocomplete",
             sorted(offered),
         )
-        lab.page.keyboard.press("Enter" if typed == ".lin" else "Escape")
+        if typed == ".lin":  # by a click: Enter is a new line as long as a list has just opened
+            lab.find(".cm-completionLabel").first.click()
+        else:
+            lab.page.keyboard.press("Escape")
         lab.misses(".cm-tooltip-autocomplete")
 
 
