@@ -29,7 +29,7 @@ def first_visit(tmp_path, context):
         page = context.new_page()
         page.set_default_timeout(WAIT)
         page.goto(server.url)
-        # JupyterLab would wait half a minute for the end of a kernel that is being started
+        # a kernel that is still being started may hold up the end of its server
         page.wait_for_function(f"{APP}?.sessionContext?.session?.kernel?.status === 'idle'")
         yield server, page
         page.close()

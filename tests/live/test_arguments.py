@@ -9,6 +9,9 @@ import pytest
 
 import lrp_jupyter as lrp
 from lrp_jupyter.errors import BridgeError, FileError, LRPSyntaxError, UnknownElementError
+from lrp_jupyter.grading.batch import HowRun, grade_all
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.challenges import challenge
 
 PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)"
 
@@ -34,6 +37,7 @@ PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (s
             "`driver` must be `thread` or `asyncio`, not `threads`. Did you mean `thread`?",
         ),
         ({"journal": -1}, "`journal` must be a number of ticks, 0 or more, not -1."),
+        ({"journal": 2.5}, "`journal` must be a number of ticks, not float."),
         ({"journal": "many"}, "`journal` must be a number of ticks, not str."),
         ({"rate": "fast"}, "`rate` must be a number of ticks per second, not str."),
         ({"speed": None}, "`speed` must be a number, not None."),
@@ -41,6 +45,7 @@ PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (s
         ({"namespace": ["n"]}, "`namespace` must be a dict, not list."),
         ({"name": 3}, "`name` must be a text, not int."),
         ({"hung_after": 0}, "`hung_after` must be a number of seconds above 0, not 0."),
+        ({"dead_man": 0}, "`dead_man` must be a number of seconds above 0, not 0."),
         ({"dead_man": "never"}, "`dead_man` must be a number of seconds, not str."),
         ({"program": b"text"}, "`program` must be a text or a Program, not bytes."),
         (
@@ -81,7 +86,13 @@ def test_a_wrong_argument_of_a_session_is_one_sentence(arguments, sentence):
 
 
 A_PROGRAM = "a Program, which `parse(text)` makes of a text"
+LAMP = challenge("lamp")
+NO_HITS = "`after` must be a number of hits, 1 or more, not 0."
 A_PATH = "A path is a text such as `m/a`, or a tuple of names, not int."
+
+
+def made(name="mine", criteria=LAMP.criteria, **fields):
+    return Challenge(name, "Do it.", ("line",), criteria, **fields)
 
 
 @pytest.mark.parametrize(
@@ -105,10 +116,38 @@ A_PATH = "A path is a text such as `m/a`, or a tuple of names, not int."
             "`seeds` must be a number of runs, or the seeds themselves, not bool.",
         ),
         (lambda: lrp.VirtualClock("now"), "`start` must be a time in seconds, not str."),
+        (lambda: lrp.diff(lrp.parse(PROGRAM), PROGRAM), f"`new` must be {A_PROGRAM}, not str."),
+        (lambda: lrp.Interpreter(lrp.parse(PROGRAM), namespace=[]), "`namespace` must be a dict, not list."),
+        (lambda: lrp.Lab(PROGRAM, challenge=3), "`challenge` must be a Challenge or its name, not int."),
+        (lambda: lrp.grade("", "lamp", memory=0), "`memory` must be a number of megabytes above 0, not 0."),
+        (lambda: lrp.grade("", "lamp", 0), "`seeds` must be a number of runs, 1 or more, not 0."),
+        (
+            lambda: lrp.grade("", LAMP.worlds[0], seconds=0),
+            "`seconds` must be a number of seconds above 0, not 0.",
+        ),
+        (
+            lambda: grade_all([""], LAMP, how=HowRun(limit=0)),
+            "`limit` must be a number of seconds above 0, not 0.",
+        ),
+        (
+            lambda: grade_all([""], LAMP, how=HowRun(memory=0)),
+            "`memory` must be a number of megabytes above 0, not 0.",
+        ),
+        (
+            lambda: grade_all([""], LAMP, how=HowRun(processes=0)),
+            "`processes` must be a number of processes, 1 or more, not 0.",
+        ),
+        (
+            lambda: lrp.sweep(PROGRAM, 3, {}),
+            "`what` must be the name of a challenge or a Challenge, not int.",
+        ),
+        (lambda: made(name=3), "`name` must be a text, not int."),
+        (lambda: made(needed=0), "`needed` must be a share from 0 to 1 above 0, not 0."),
+        (lambda: made(criteria=(3,)), "`criteria` must be made by functions such as `visits`, not int."),
     ],
 )
-def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
-    with pytest.raises(TypeError) as caught:
+def test_a_wrong_argument_anywhere_is_one_sentence(call, sentence):
+    with pytest.raises((TypeError, ValueError)) as caught:
         call()
     assert str(caught.value) == sentence
 
@@ -189,6 +228,30 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
             TypeError,
             "`machine` is the scope of a `condition`. To name an element, pass its path.",
         ),
+        (
+            lambda s: s.pause_when("a", after=0),
+            ValueError,
+            NO_HITS,
+        ),
+        (lambda s: s.set_breakpoint(1, after=1.5), TypeError, "`after` must be a number of hits, not float."),
+        (
+            lambda s: s.set_breakpoint(1, after=0),
+            ValueError,
+            NO_HITS,
+        ),
+        (lambda s: s.what_if(seconds=0), ValueError, "`seconds` must be a number of seconds above 0, not 0."),
+        (
+            lambda s: s.try_values("n", [1], -1),
+            ValueError,
+            "`seconds` must be a number of seconds, 0 or more, not -1.",
+        ),
+        (lambda s: s.offer(3), TypeError, "`text` must be the text of a program, not int."),
+        (
+            lambda s: s.wait_for("b", -1),
+            ValueError,
+            "`timeout` must be a number of seconds, 0 or more, not -1.",
+        ),
+        (lambda s: s.rewind(1.5), TypeError, "`ticks` must be a number of ticks, not float."),
         (lambda s: s.rewind(-1), ValueError, "`ticks` must be a number of ticks, 0 or more, not -1."),
         (lambda s: s.pause(3), TypeError, "`reason` must be a sentence, not int."),
         (lambda s: s.rename("state", "m/a", 3), TypeError, "`new_name` must be a name, not int."),
