@@ -242,12 +242,9 @@ class RosBridge(Bridge):
         link = self.wiring.link
         if link is None:
             raise BridgeError("The bridge `ros` is closed.")
-        values = message.as_dict()
-        channel.has_moved |= channel.is_velocity and moves(values)
-        link.send(channel, values)
-        channel.stamp()
         assert isinstance(message, RosMessage)
-        channel.last_sent = message
+        channel.has_moved |= channel.is_velocity and moves(message.as_dict())
+        link.send(channel, message)
 
     def stop(self) -> None:
         """Publish a velocity of zero on every velocity topic."""
@@ -355,7 +352,7 @@ class RosBridge(Bridge):
 
     def _report(self, state: ConnectionState, sentence: str) -> None:
         """Apply a change of the connection; stop a robot that may not answer. On the link's thread."""
-        if state is ConnectionState.CONNECTED:
+        if state is not ConnectionState.LOST:
             sentence = f"{sentence} Back end: {self.connected_by}."
         self._last_status = (state, sentence)
         self.set_status(state, sentence)

@@ -85,12 +85,13 @@ class Channel:
             self.problem = f"A message on `{self.wire.topic}` is not a `{self.type}`: {error}"
             return
         self.problem = ""
-        self.stamp()
+        self._times.append(time.monotonic())
         self.latest = Arrival(value, self.stamps.made_at(raw, self._times[-1]))
 
-    def stamp(self) -> None:
-        """Record the time of a received or sent message."""
+    def sent(self, message: RosMessage) -> None:
+        """Record a message that was sent, which may be a stop."""
         self._times.append(time.monotonic())
+        self.last_sent = message
 
     def forget(self) -> None:
         """Return to "no data yet"."""

@@ -21,7 +21,7 @@ from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
 from lrp_jupyter.bridges.ros.setup import Direction
-from lrp_jupyter.bridges.ros.types import Types
+from lrp_jupyter.bridges.ros.types import RosMessage, Types
 from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
 GUARD_NODE = "lrp_guard"
@@ -227,18 +227,20 @@ class TopicLink:
         channel.forget()
         self._wake.set()
 
-    def send(self, channel: Channel, values: Mapping[str, Any], urgent: bool = False) -> None:
+    def send(self, channel: Channel, message: RosMessage | None, urgent: bool = False) -> None:
         """Publish, without waiting; `urgent` for a stop, which is always tried.
 
-        Raises BridgeError: it is not connected; nothing is kept to be sent later.
+        Raises BridgeError: it is not connected, or there is no message because the type is not known;
+        nothing is kept to be sent later.
         """
         name, handle = f"`robot.{channel.wire.variable}`", channel.handle
         if not self.connected and not urgent:
             raise BridgeError(f"{name} was not sent: {ended(self._trouble)}")
-        if handle is None or (channel.problem and not urgent):
+        if handle is None or message is None or (channel.problem and not urgent):
             why = channel.problem or (channel.waiting if self.connected else self._trouble)
             raise BridgeError(f"{name} was not sent: {ended(why)}")
-        self.transport.send(handle, values, urgent)
+        self.transport.send(handle, message.as_dict(), urgent)
+        channel.sent(message)
 
     # -- on its own thread ------------------------------------------------------------------------
 
@@ -356,7 +358,9 @@ class TopicLink:
         handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive)
         if channel.owes_stop and channel.message is not None:
             channel.owes_stop = channel.has_moved = False
-            self.transport.send(handle, channel.message().as_dict(), True)
+            stop = channel.message()
+            self.transport.send(handle, stop.as_dict(), True)
+            channel.sent(stop)
         channel.problem, channel.waiting = "", self.transport.hint(handle)
         channel.handle = handle
 

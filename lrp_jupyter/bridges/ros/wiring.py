@@ -122,8 +122,7 @@ class Wiring:
         """
         link = self.link
         if link is not None and channel.is_velocity:
-            zero = {} if channel.message is None else channel.message().as_dict()  # None: not connected yet
-            link.send(channel, zero, urgent=True)
+            link.send(channel, None if channel.message is None else channel.message(), urgent=True)
 
     def wait_for_answers(self, patience: float) -> None:
         """Wait until the robot has answered for every channel, at most `patience` seconds."""

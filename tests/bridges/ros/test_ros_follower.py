@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.ros.follower import AT_ONCE, SETUP, go_there_and_back
+from bridges.ros.follower import SETUP, TOLD, go_there_and_back
 
 from lrp_jupyter.bridges.ros import RosBridge
 
 
 @pytest.mark.ros
 def test_the_follower_goes_there_and_back(real: Any, connect: Callable[..., RosBridge]) -> None:
-    real.start_robot(AT_ONCE, "line")
+    real.start_robot(TOLD, "line")
     go_there_and_back(connect(setup=SETUP))
 
 

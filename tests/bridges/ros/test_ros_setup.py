@@ -368,6 +368,8 @@ def test_the_panel_shows_every_connection_with_rate_age_and_value(
     ros.robot.move(linear=0.2)
     assert rows(ros)["move"]["value"] == "linear.x=0.2"
     assert rows(ros)["move"]["direction"] == "publisher"
+    ros.robot.stop()
+    assert rows(ros)["move"]["value"].startswith("linear.x=0, linear.y=0")
 
 
 def test_picking_a_topic_fills_in_its_type(ros: RosBridge) -> None:

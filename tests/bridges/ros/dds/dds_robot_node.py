@@ -26,8 +26,6 @@ from lrp_jupyter.sim.simulation import STEP, Simulation
 
 _EVERY = 4  # physics steps between two messages
 _LATE = 0.05  # s
-_LEAD = 0.12  # s of the robot that pass after a command, at an infinite speed
-_CREEP = 0.1  # s of wall time for each further step
 QOS = Qos(
     Policy.Reliability.Reliable(duration(milliseconds=100)),
     Policy.Durability.Volatile,
@@ -60,6 +58,11 @@ class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
 @dataclass
 class UInt8(IdlStruct, typename="std_msgs.msg.dds_.UInt8_"):
     data: uint8 = 0
+
+
+@dataclass
+class Float64(IdlStruct, typename="std_msgs.msg.dds_.Float64_"):
+    data: float64 = 0.0
 
 
 @dataclass
@@ -126,39 +129,46 @@ def main(speed: float, world: str, lease: float) -> None:
         name: DataWriter(participant, Topic(participant, f"rt/{name}", kind), QOS)
         for name, kind in (("odom", Odometry), ("light", UInt8), ("bumper", UInt8))
     }
-    wanted, heard = (0.0, 0.0), 0.0
+    goals = DataReader(participant, Topic(participant, "rt/until", Float64), QOS)
+    wanted, until = (0.0, 0.0), 0.0
     gone = threading.Event()
     threading.Thread(target=lambda: (sys.stdin.read(), gone.set()), daemon=True).start()
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     began = time.monotonic()
     while not gone.is_set():
+        news = False
         for command in commands.take(10):
             if isinstance(command, Twist):
                 if command.linear.x != wanted[0]:
                     sys.stdout.write(f"{time.monotonic()} {command.linear.x}\n")
                     sys.stdout.flush()
-                wanted, heard = (command.linear.x, command.angular.z), simulation.steps * STEP
+                wanted, news = (command.linear.x, command.angular.z), True
+        for goal in goals.take(10):
+            if isinstance(goal, Float64):
+                until, news = goal.data, True
+        if not (speed or news):
+            gone.wait(0.001)
+            continue
         simulation.drive(*wanted)
-        simulation.step(_EVERY)
+        simulation.step(_EVERY if speed else max(0, round(until / STEP) - simulation.steps))
         readings = simulation.latch()
         x, y, theta = readings.odom
         odom = Odometry()
-        odom.header.frame_id = str(simulation.steps * STEP)
+        odom.header.frame_id = str(simulation.steps)
         odom.pose.pose.position.x, odom.pose.pose.position.y = x, y
         odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = math.sin(theta / 2), math.cos(theta / 2)
+        odom.twist.twist.linear.x, odom.twist.twist.angular.z = wanted
+        light = readings.lights[0]
         writers["odom"].write(odom)
-        writers["light"].write(UInt8(readings.lights[0]))
+        writers["light"].write(UInt8(light if speed else light & ~15 | simulation.steps & 15))
         writers["bumper"].write(UInt8(int(readings.bumper)))
+        if not speed:
+            continue
         ahead = began + simulation.steps * STEP / speed - time.monotonic()
         if ahead < -_LATE:  # a robot that was held up is slow: it does not race on with an old command
             began -= ahead
-        if speed < math.inf:
-            gone.wait(max(0.0, ahead))
-        elif simulation.steps * STEP > heard + _LEAD:
-            end = time.monotonic() + _CREEP
-            while time.monotonic() < end and not commands.read(1):
-                gone.wait(0.002)
+        gone.wait(max(0.0, ahead))
     del domain
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.ros.follower import AT_ONCE, PATIENT, SETUP, go_there_and_back, last_state
+from bridges.ros.follower import PATIENT, SETUP, TOLD, go_there_and_back, last_state
 
 from lrp_jupyter.bridges.ros import RosBridge
 
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.ros
 def test_the_follower_goes_there_and_back(
     robot: Callable[..., Any], connect: Callable[..., RosBridge]
 ) -> None:
-    robot(AT_ONCE)
+    robot(TOLD)
     go_there_and_back(connect(setup=SETUP))
 
 
