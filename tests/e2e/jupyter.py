@@ -39,8 +39,8 @@ CONFIG = "from lrp_jupyter.cli.lab import send_at_once; send_at_once()"  # as `l
 
 
 def chromium():
-    """Return the path of the browser, or None."""
-    return shutil.which("chromium")
+    """Return the path of the browser, or None; the one without windows costs a fifth less."""
+    return shutil.which("chromium-headless-shell") or shutil.which("chromium")
 
 
 def lacking(*others):
