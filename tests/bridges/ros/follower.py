@@ -16,6 +16,7 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.simulation import STEP
 
 SETUP = Path(__file__).with_suffix(".json")
+LOOSE: dict[str, Any] = json.loads(SETUP.read_text())  # whose changes are not saved
 FRESH: dict[str, Any] = json.loads(SETUP.read_text())  # one whose readings become too old
 for _wire in FRESH["subscriptions"].values():
     _wire["stale_after"] = 0.5

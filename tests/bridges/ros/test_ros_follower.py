@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.ros.follower import SETUP, TOLD, go_there_and_back
+from bridges.ros.follower import LOOSE, SETUP, TOLD, go_there_and_back
 
 from lrp_jupyter.bridges.ros import RosBridge
 
@@ -16,7 +16,7 @@ from lrp_jupyter.bridges.ros import RosBridge
 @pytest.mark.ros
 def test_the_follower_goes_there_and_back(real: Any, connect: Callable[..., RosBridge]) -> None:
     real.start_robot(TOLD, "line")
-    go_there_and_back(connect(setup=SETUP))
+    go_there_and_back(connect(setup=LOOSE))
 
 
 def test_the_setup_of_the_follower_survives_saving(tmp_path: Path) -> None:

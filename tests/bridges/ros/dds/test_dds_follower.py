@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridges.ros.follower import PATIENT, SETUP, TOLD, go_there_and_back, last_state
+from bridges.ros.follower import LOOSE, PATIENT, SETUP, TOLD, go_there_and_back, last_state
 
 from lrp_jupyter.bridges.ros import RosBridge
 
@@ -18,7 +18,7 @@ def test_the_follower_goes_there_and_back(
     robot: Callable[..., Any], connect: Callable[..., RosBridge]
 ) -> None:
     robot(TOLD)
-    go_there_and_back(connect(setup=SETUP))
+    go_there_and_back(connect(setup=LOOSE))
 
 
 @pytest.mark.slow
