@@ -93,7 +93,7 @@ def visitors(alone, site):
     contexts, asked = [], []
 
     def visitor():
-        context = alone.new_context(viewport=WINDOW)
+        context = alone.new_context(viewport=WINDOW, permissions=["clipboard-write"])
         contexts.append(context)
         context.set_default_timeout(WAIT)
         context.on("request", lambda request: asked.append(request.url))
