@@ -58,7 +58,6 @@ class Page {
       location.reload();
     });
     addEventListener("popstate", () => void this.guarded(() => this.show(true)));
-    await keepFiles(navigator.serviceWorker, file("cache.js"));
     await this.python.start(this.site, base.href);
     const [navigation] = performance.getEntriesByType("navigation") as PerformanceNavigationTiming[];
     await this.show(navigation?.type !== "navigate");
@@ -144,6 +143,7 @@ async function main(): Promise<void> {
     fetch(file("site.json")).then((response) => response.json() as Promise<Site>),
     import(file("lab.js").href) as Promise<{ default: typeof lab }>,
   ]);
+  await keepFiles(navigator.serviceWorker, file("cache.js")); // before Python's worker, whose files are kept, too
   const page = new Page(site, module.default.render);
   await page.guarded(() => page.start());
 }
