@@ -133,14 +133,15 @@ class _Crew(Protocol):
     """Who makes runs: processors or a cluster.
 
     `size`: how many runs at a time; it may change.
-    `patience`: seconds after which one looks at it again although no run has ended.
+    `patience`: seconds after which one looks at it again although no run has ended. Ctrl-C does not end a
+        wait of the main thread if the system hands the signal to another one.
     """
 
     @property
     def size(self) -> int: ...
 
     @property
-    def patience(self) -> float | None: ...
+    def patience(self) -> float: ...
 
     def submit(self, request: bytes) -> Future[bytes]:
         """Have a run made."""
@@ -155,7 +156,7 @@ class _Crew(Protocol):
 class _Processors:
     """The processors of this machine."""
 
-    patience = None
+    patience = 1.0
 
     def __init__(self, size: int, halt: threading.Event) -> None:
         self.size, self._halt = size, halt

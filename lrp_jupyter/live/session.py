@@ -109,6 +109,9 @@ from lrp_jupyter.logs import open_log
 __all__ = ["Session", "Until"]
 
 _ABSENT = object()
+_GLANCE = (
+    1.0  # wall seconds of a wait: Ctrl-C does not end it if the system hands the signal to another thread
+)
 _REPEATING = 2.0  # wall seconds that a block may take in a fork that others wait for
 
 Until = str | Path | Callable[[Frame], object]
@@ -544,7 +547,7 @@ class Session:
                     missing = str(missing_state(condition, frame.program) or "")
                 raise SessionTimeoutError(f"{what} within {timeout:g} s: {self!r}. {missing}".rstrip())
             with self._changed:
-                self._changed.wait_for(lambda old=version: self._version != old, min(left, 3600))  # type: ignore[misc]
+                self._changed.wait_for(lambda old=version: self._version != old, min(left, _GLANCE))  # type: ignore[misc]
 
     # -- changing the program --------------------------------------------------------------------
 
