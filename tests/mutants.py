@@ -12,7 +12,6 @@ import contextlib
 import copy
 import csv
 import itertools
-import json
 import os
 import queue
 import random
@@ -30,10 +29,8 @@ from typing import NamedTuple
 
 _ROOT = Path(__file__).parents[1]
 _PARTS = ["interpreter", "language", "live", "bridges", "widgets", "graph", "sim", "grading"]
-_BUDGET, _PATIENCE = (
-    30.0,
-    300.0,
-)  # s of tests for a mutant, as they take without it; s until one that hangs is killed
+_BUDGET = 30.0  # s of tests for a mutant, as they take without it
+_PATIENCE = 300.0  # s until one that hangs is killed
 _PLAIN = "-k=not hang and not return and not sleep"  # blocks are interrupted by a tracer, too
 _OTHER = "Lt LtE, Gt GtE, Eq NotEq, Is IsNot, In NotIn, And Or, Add Sub, Mult Div, Mod Add, FloorDiv Mult"
 _PAIRS = [tuple(getattr(ast, name) for name in pair.split()) for pair in _OTHER.split(", ")]
@@ -141,63 +138,29 @@ def mutants() -> Iterator[Mutant]:
             yield from _typescript(path)
 
 
-class _Chosen:
-    """Runs the tests of a list in its order, or all; notes how long each takes."""
-
-    def __init__(self, names: list[str]) -> None:
-        self.places, self.durations = {name: place for place, name in enumerate(names)}, Counter()
-
-    def pytest_collection_modifyitems(self, items: list) -> None:
-        if self.places:
-            items[:] = sorted(
-                (i for i in items if i.nodeid in self.places), key=lambda i: self.places[i.nodeid]
-            )
-
-    def pytest_runtest_logreport(self, report) -> None:
-        self.durations[report.nodeid] += report.duration
-
-
-def chosen(names: str, durations: str, *options: str) -> None:
-    """Run tests in the current folder: what a process of its own does for each mutant."""
-    import pytest
-
-    plugin = _Chosen(json.loads(Path(names).read_text()))
-    files = sorted({name.split("::")[0] for name in plugin.places})
-    code = pytest.main(
-        ["-q", "-n0", "--dist=no", "-p", "no:cacheprovider", *options, *files], plugins=[plugin]
-    )
-    Path(durations).write_text(json.dumps(plugin.durations))
-    os._exit(code)  # whatever a mutant has left running
-
-
 class Suite:
     """Which tests reach which line, how long each takes, and copies of the checkout to run them in."""
 
     def __init__(self, folder: Path, jobs: int) -> None:
-        self._coverage, durations, self._copies = (
-            str(folder / "coverage"),
-            folder / "durations",
-            queue.Queue(),
-        )
+        measured, log, self._copies = folder / "coverage", folder / "durations", queue.Queue()
         for copied in (folder / f"copy{number}" for number in range(jobs)):
             shutil.rmtree(copied, ignore_errors=True)
             shutil.copytree(_ROOT, copied, symlinks=True, ignore=shutil.ignore_patterns(".git", ".venv*"))
             self._copies.put(copied)
-        if not durations.exists():
-            self._pytest(_ROOT, [], str(durations), "--cov", "--cov-context=test", "--cov-report=", _PLAIN)
-        self._durations = json.loads(durations.read_text())
+        if not log.exists():
+            command = _pytest("--durations=0", "-vv", "--cov", "--cov-context=test", "--cov-report=", _PLAIN)
+            with log.open("w") as file:
+                subprocess.run(
+                    command, cwd=_ROOT, env=os.environ | {"COVERAGE_FILE": str(measured)}, stdout=file
+                )
+        self._durations = Counter[str]()
+        for seconds, name in re.findall(r"^([\d.]+)s \w+ +(tests/.*)$", log.read_text(), re.MULTILINE):
+            self._durations[name] += float(seconds)
         from coverage import CoverageData
 
-        data = CoverageData(self._coverage)
+        data = CoverageData(str(measured))
         data.read()
         self._reached = {os.path.relpath(f, _ROOT): data.contexts_by_lineno(f) for f in data.measured_files()}
-
-    def _pytest(self, where: Path, names: list[str], durations: str, *options: str) -> bool:
-        listed = str(where / ".chosen")
-        Path(listed).write_text(json.dumps(names))
-        code = f"from tests.mutants import chosen; chosen({listed!r}, {durations!r}, *{options!r})"
-        environment = os.environ | {"PYTHONPATH": str(where), "COVERAGE_FILE": self._coverage}
-        return _passes([sys.executable, "-c", code], where, environment, _PATIENCE if names else None)
 
     def _tests(self, mutant: Mutant) -> list[str]:
         lines = self._reached.get(mutant.path, {})
@@ -219,9 +182,10 @@ class Suite:
             file.write_bytes(source[: mutant.start] + mutant.after.encode() + rest)
             if mutant.part == "js":
                 command = ["npx", "vitest", "related", "--run", "--bail=1", mutant.path.removeprefix("js/")]
-                passed = _passes(command, where / "js", dict(os.environ), _PATIENCE)
+                passed = _passes(command, where / "js")
             elif names := self._tests(mutant):
-                passed = self._pytest(where, names, os.devnull, "-x")
+                (where / ".chosen").write_text("\n".join(names))
+                passed = _passes(_pytest("-x", "@.chosen"), where)
             else:
                 return "unreached"
             return "survived" if passed else "killed"
@@ -230,12 +194,17 @@ class Suite:
             self._copies.put(where)
 
 
-def _passes(command: list[str], where: Path, environment: dict[str, str], patience: float | None) -> bool:
+def _pytest(*arguments: str) -> list[str]:
+    return [sys.executable, "-m", "pytest", "-n0", "--dist=no", "-p", "no:cacheprovider", *arguments]
+
+
+def _passes(command: list[str], where: Path) -> bool:
     """Whether a command succeeds; one that hangs does not, and what it has started is killed."""
     quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+    environment = os.environ | {"PYTHONPATH": str(where)}
     with subprocess.Popen(command, cwd=where, env=environment, start_new_session=True, **quiet) as process:
         try:
-            return process.wait(patience) == 0
+            return process.wait(_PATIENCE) == 0
         except subprocess.TimeoutExpired:
             return False
         finally:
