@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, settings
 always = settings(deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("same", always, max_examples=40, derandomize=True)
 settings.register_profile("few", always, max_examples=8, derandomize=True)
-settings.register_profile("long", always, max_examples=100, print_blob=True)
+settings.register_profile("long", always, max_examples=150, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in a shell's background; children inherit it
