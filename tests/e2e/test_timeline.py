@@ -209,9 +209,9 @@ def keep_it_as_it_was_left(lab):
 
 def read_values_with_long_names(lab):
     """The values at the playhead stay in sight, however long their names."""
-    lab.page.set_viewport_size({"width": 900, "height": 900})
     lab = lab.notebook.open(LONG, "long")
     lab.until("root => Number(root.dataset.lrpTick) > 40")
+    lab.page.set_viewport_size({"width": 900, "height": 900})
     if not lab.find(BODY).is_visible():
         lab.do("timeline")
     lab.do("timeline-in")

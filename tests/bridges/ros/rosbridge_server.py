@@ -134,9 +134,10 @@ class Latecomers:
         self.publisher = publisher
 
     def peer_subscribe(self, _topic: str, _to_all: Any, to_peer: Callable[[Any], None]) -> None:
-        if time.monotonic() - self.publisher.began < self.PATIENCE:
-            for message in tuple(self.publisher.first):
-                to_peer(message)
+        with self.publisher.impl.publock:  # nothing newer is sent before what is older
+            if time.monotonic() - self.publisher.began < self.PATIENCE:
+                for message in self.publisher.first:
+                    to_peer(message)
 
     def peer_unsubscribe(self, _topic: str, _count: int) -> None:
         pass
@@ -221,10 +222,11 @@ class RospyGraph:
         genpy.message.fill_message_args(message, [values])
         if "header" in values and "stamp" not in values["header"]:
             message.header.stamp = self.rospy.Time.from_sec(time.time())
-        handle.began = handle.began or time.monotonic()
-        if time.monotonic() - handle.began < Latecomers.PATIENCE:
-            handle.first.append(message)
-        handle.publish(message)
+        with handle.impl.publock:
+            handle.began = handle.began or time.monotonic()
+            if time.monotonic() - handle.began < Latecomers.PATIENCE:
+                handle.first.append(message)
+            handle.publish(message)
 
 
 PACKED = {
