@@ -133,8 +133,8 @@ class _Crew(Protocol):
     """Who makes runs: processors or a cluster.
 
     `size`: how many runs at a time; it may change.
-    `patience`: seconds after which one looks at it again although no run has ended. Ctrl-C does not end a
-        wait of the main thread if the system hands the signal to another one.
+    `patience`: seconds of one wait for the end of a run: Ctrl-C does not end it if another thread gets the
+        signal.
     """
 
     @property

@@ -109,9 +109,7 @@ from lrp_jupyter.logs import open_log
 __all__ = ["Session", "Until"]
 
 _ABSENT = object()
-_GLANCE = (
-    1.0  # wall seconds of a wait: Ctrl-C does not end it if the system hands the signal to another thread
-)
+_GLANCE = 1.0  # wall seconds of one wait, which Ctrl-C does not end if another thread gets the signal
 _REPEATING = 2.0  # wall seconds that a block may take in a fork that others wait for
 
 Until = str | Path | Callable[[Frame], object]

@@ -243,7 +243,8 @@ class RosBridge(Bridge):
         if link is None:
             raise BridgeError("The bridge `ros` is closed.")
         assert isinstance(message, RosMessage)
-        channel.has_moved |= channel.is_velocity and moves(message.as_dict())
+        if channel.is_velocity and not channel.has_moved:
+            channel.has_moved = moves(message.as_dict())
         link.send(channel, message)
 
     def stop(self) -> None:

@@ -68,7 +68,7 @@ class RobotTime:
         asked, polls = -1.0, 0
         while self.now() < t and not wake.wait(0.001):
             goal = t + self._base if self._obeys() else self._there()
-            if goal != asked or polls % 100 == 0:  # again: the first ones may find nobody
+            if goal != asked or polls % 100 == 0:  # again: at first, there may be no subscriber
                 with suppress(BridgeError):  # it is not connected yet
                     self._ros.robot.until(data=goal)
             asked, polls = goal, polls + 1
