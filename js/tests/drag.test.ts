@@ -141,7 +141,7 @@ describe("the ends of a selected transition", () => {
     h("div", {}, svg);
     const store = new Store();
     store.state.chosen = "m/a/i:t";
-    attachPencil({ store } as unknown as Lab, svg, root, {} as Pen);
+    attachPencil({ store } as unknown as Lab, svg, root, {} as Pen, () => {});
     return { svg, root };
   };
 
@@ -174,4 +174,19 @@ describe("the ends of a selected transition", () => {
     const box = { x: 0, y: 0, width: 9, height: 9 };
     expect(svgDocument(svg, root, box)).not.toContain("circle");
   });
+});
+
+it("a double click renames the state that is seen where two lie on each other", () => {
+  const state = (name: string) => {
+    const box = s("rect", { class: "lrp-box" });
+    box.getBoundingClientRect = () => new DOMRect(0, 0, 80, 45);
+    return s("g", { class: "lrp-state", "data-lrp-state": `m/${name}` }, box);
+  };
+  const root = s("g", {}, state("below"), state("above"));
+  const host = h("div", {}, s("svg", {}, root));
+  document.body.replaceChildren(host);
+  const svg = host.querySelector("svg")!;
+  attachPencil({ store: new Store() } as unknown as Lab, svg, root, {} as Pen, () => {});
+  root.dispatchEvent(new MouseEvent("dblclick", { clientX: 40, clientY: 20, bubbles: true }));
+  expect(host.querySelector("input")?.value).toBe("above");
 });

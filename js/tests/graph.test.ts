@@ -6,9 +6,10 @@ import { Dragging } from "../src/graph/drag";
 import { draw, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
 import { AFTERGLOW, lastFired, Marks } from "../src/graph/marks";
-import { scroll } from "../src/graph/scroll";
+import { ScrollBars, scroll } from "../src/graph/scroll";
 import type { Layout, StateShape, TransitionShape } from "../src/protocol";
 import { initialState, type LabState } from "../src/session/state";
+import fc from "./laws";
 import recording from "./page/recording.json";
 
 const follower = recording.snapshot.frame.layouts.follower as unknown as Layout;
@@ -226,24 +227,34 @@ describe("the camera", () => {
 });
 
 describe("scrolling", () => {
-  const content = { x: -20, y: 0, width: 300, height: 80 };
-  const size = { width: 200, height: 100 };
-
-  it("moves a drawing that is larger than its panel, and not beyond its ends", () => {
-    const camera = new Camera();
-    camera.set({ x: 20, y: 10, scale: 1 });
-    expect(scroll(camera, content, size, 60, 0)).toBe(true);
-    expect(camera.x).toBe(-40);
-    scroll(camera, content, size, 500, 0);
-    expect(camera.x).toBe(-80);
-    expect(scroll(camera, content, size, 1, 0)).toBe(false);
-  });
-
-  it("leaves a drawing alone that is in view, so that the page scrolls", () => {
-    const camera = new Camera();
-    camera.set({ x: 20, y: 10, scale: 1 });
-    expect(scroll(camera, content, size, 0, 40)).toBe(false);
-    expect(camera.y).toBe(10);
+  it("moves a drawing that is larger than its panel, not beyond its ends, and its bars show what is in view", () => {
+    const length = fc.integer({ min: 50, max: 1000 });
+    const by = fc.integer({ min: -300, max: 300 });
+    fc.assert(
+      fc.property(length, length, fc.array(by, { maxLength: 5 }), (long, room, ways) => {
+        const content = { x: -20, y: -20, width: long, height: long };
+        const size = { width: room, height: room };
+        const [camera, bars] = [new Camera(), new ScrollBars()];
+        camera.set({ x: 20, y: 20, scale: 1 });
+        const most = long > room + 1 ? long - room : 0; // px that can be cut off
+        let gone = 0;
+        for (const way of ways) {
+          const next = Math.min(most, Math.max(0, gone + way));
+          expect(scroll(camera, content, size, way, way)).toBe(next !== gone);
+          gone = next;
+          expect([camera.x, camera.y]).toEqual([20 - gone, 20 - gone]);
+        }
+        bars.update(camera, content, size);
+        const [across, down] = bars.elements.map(({ style }) => style);
+        expect(bars.elements.map(({ hidden }) => hidden)).toEqual([long <= room + 1, long <= room + 1]);
+        if (long <= room + 1) return;
+        const px = (share: number) => (share / long) * (room - 4);
+        for (const begin of [across!.left, down!.top])
+          expect(Number.parseFloat(begin)).toBeCloseTo(2 + px(gone));
+        for (const extent of [across!.width, down!.height])
+          expect(Number.parseFloat(extent)).toBeCloseTo(px(room));
+      }),
+    );
   });
 });
 
@@ -417,6 +428,20 @@ describe("a state that is dragged", () => {
     dragging.drop();
     dragging.drawn([layout([shape("a", { x: 5 }), shape("b", { y: 9 })])]);
     expect(ended).toHaveBeenCalledTimes(1);
+  });
+
+  it("goes home where its drop is refused, also if it is never drawn where it was dropped", () => {
+    const [pinned, ended] = [vi.fn(), vi.fn()];
+    const dragging = new Dragging(pinned, ended);
+    draw(layers, layout([shape("a"), shape("b", { y: 60 })]));
+    dragging.begin(node("m/b")!);
+    dragging.move(0, -60, 0);
+    dragging.drop();
+    dragging.put("m/b", 0, 60);
+    expect(node("m/b")!.getAttribute("transform")).toBe("translate(0 60)");
+    expect(pinned).toHaveBeenLastCalledWith("m/b", 0, 60);
+    dragging.drawn([layout([shape("a"), shape("b", { y: 60 })])]);
+    expect(ended).toHaveBeenCalledOnce();
   });
 });
 

@@ -55,6 +55,16 @@ export class Dragging {
     this.timer = setTimeout(() => this.end(), PATIENCE);
   }
 
+  /** Pin a state to a place, also one that was dropped elsewhere a moment ago and is not drawn there yet. */
+  put(path: string, x: number, y: number): void {
+    const { dragged, dropped } = this;
+    if (dropped && dragged?.path === path) {
+      Object.assign(dragged, { x, y });
+      moveState(dragged.node, x, y);
+    }
+    this.send(path, x, y);
+  }
+
   /** Return the state to where it was. */
   cancel(): void {
     const { dragged } = this;

@@ -22,7 +22,14 @@ export interface Pencil {
   acts: Acts;
 }
 
-export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pen: Pen): Pencil {
+/** `put` pins a state to a place. */
+export function attachPencil(
+  lab: Lab,
+  svg: SVGSVGElement,
+  root: SVGGElement,
+  pen: Pen,
+  put: (path: string, x: number, y: number) => void,
+): Pencil {
   const host = svg.parentElement!;
   const acts = new Acts(lab, pen, host);
   const layer = s("g", { class: "lrp-layer-pencil" });
@@ -44,7 +51,8 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
     return matrix ? new DOMPoint(x, y).matrixTransform(matrix) : { x, y };
   };
   const at = (event: MouseEvent): Point => ({ x: event.clientX, y: event.clientY });
-  const boxes = () => [...root.querySelectorAll<SVGGElement>(".lrp-state")];
+  /** All states, the topmost first. */
+  const boxes = () => [...root.querySelectorAll<SVGGElement>(".lrp-state")].reverse();
   const frameOf = (node: Element) => (node.querySelector(".lrp-box") ?? node).getBoundingClientRect();
   /** The path of a state, `m/*` for the fictional one of the wildcards. */
   const pathOf = (node: Element) => node.getAttribute("data-lrp-state") ?? `${lab.store.state.machine}/*`;
@@ -211,7 +219,7 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
         if (!target) return;
         const refusal = await acts.draw({ act: "nest", kind: "state", path, to: nameOf(pathOf(target)) });
         const [x = 0, y = 0] = home;
-        if (refusal) lab.send({ do: "pin", path: parentOf(path), name: nameOf(path), x, y });
+        if (refusal) put(path, x, y);
       },
     );
   };

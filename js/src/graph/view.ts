@@ -323,7 +323,8 @@ export function graphView(lab: Lab): HTMLElement {
     const box = { x, y, width: width / camera.scale, height: height / camera.scale };
     fitting.reveal(() => box, true);
   });
-  const pencil = lab.pen && attachPencil(lab, svg, layers.root, lab.pen);
+  const pencil =
+    lab.pen && attachPencil(lab, svg, layers.root, lab.pen, (path, x, y) => dragging.put(path, x, y));
   return element;
 }
 

@@ -84,8 +84,8 @@ export function freshId(): string {
 }
 
 /**
- * Update the children of an element to match a list, by key: elements that stay are reused. The keyboard focus in
- * one that is gone moves to the lab.
+ * Update the children of an element to match a list, by key: elements that stay are reused. The one with the
+ * keyboard focus is never moved; if it goes, the focus moves to the lab.
  */
 export function reconcile<T>(
   parent: Element,
@@ -106,6 +106,13 @@ export function reconcile<T>(
       element.setAttribute("data-key", name);
     }
     update(element, item);
+    if (hasFocus(element))
+      // moved, it would lose the focus: what is before it goes to the end until it is due
+      while (place && place !== element) {
+        const next: Element | null = place.nextElementSibling;
+        parent.append(place);
+        place = next;
+      }
     if (element === place) place = place.nextElementSibling;
     else parent.insertBefore(element, place);
   }
