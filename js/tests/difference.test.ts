@@ -1,6 +1,7 @@
 // @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
 import { differentLines, drawDifference, summaryOf } from "../src/ui/difference";
+import fc from "./laws";
 
 const SIGNS = { both: " ", present: "-", other: "+" };
 
@@ -11,15 +12,13 @@ function shown(present: string, other: string): string {
 }
 
 /** Texts of few different lines, so that many are common. */
-function* texts(count: number): Generator<string> {
-  let seed = 7;
-  const random = (below: number) => {
-    seed = (seed * 48271) % 2147483647;
-    return seed % below;
-  };
-  for (let n = 0; n < count; n++) {
-    yield Array.from({ length: random(9) }, () => "abc"[random(3)]).join("\n");
-  }
+const text = fc.array(fc.constantFrom("a", "b", "c"), { maxLength: 9 }).map((lines) => lines.join("\n"));
+
+/** How many lines two texts have in common, in their order. */
+function common([line, ...a]: string[], b: string[]): number {
+  if (line === undefined || !b.length) return 0;
+  const at = b.indexOf(line);
+  return Math.max(common(a, b), at < 0 ? 0 : 1 + common(a, b.slice(at + 1)));
 }
 
 describe("the difference of two texts", () => {
@@ -29,15 +28,18 @@ describe("the difference of two texts", () => {
     expect(shown("", "a")).toBe("-|+a");
   });
 
-  it("contains both texts, whatever they are", () => {
-    const [first, second] = [[...texts(200)], [...texts(400)].slice(200)];
-    first.forEach((present, n) => {
-      const other = second[n]!;
-      const lines = differentLines(present, other);
-      const of = (where: string) => lines.filter((line) => line.where !== where).map(({ text }) => text);
-      expect(of("other").join("\n")).toBe(present);
-      expect(of("present").join("\n")).toBe(other);
-    });
+  it("contains both texts, and marks as few lines as can be", () => {
+    fc.assert(
+      fc.property(text, text, (present, other) => {
+        const lines = differentLines(present, other);
+        const without = (where: string) =>
+          lines.filter((line) => line.where !== where).map(({ text }) => text);
+        expect(without("other").join("\n")).toBe(present);
+        expect(without("present").join("\n")).toBe(other);
+        const both = lines.filter(({ where }) => where === "both").length;
+        expect(both).toBe(common(present.split("\n"), other.split("\n")));
+      }),
+    );
   });
 
   it("ignores line ends, of which an editor decides", () => {

@@ -1,15 +1,28 @@
 import { describe, expect, it } from "vitest";
 import { parser } from "../src/language/parser";
+import fc from "./laws";
 import { write } from "./tree";
 
 const tree = (text: string) => write(parser.parse(text));
+
+/** The characters from one to another. */
+function range(ends: string) {
+  const [min, max] = [...ends].map((char) => char.codePointAt(0)!) as [number, number];
+  return fc.integer({ min, max }).map((code) => String.fromCodePoint(code));
+}
 
 describe("the grammar", () => {
   it("names a definition", () => {
     expect(tree("(var x := [1])")).toBe("Variable(Keyword Definition(Name) Assign Block(Python))");
   });
-  it("treats a word as a keyword only after a bracket", () => {
+  it("treats a word as a keyword only after a bracket, and only all of it", () => {
     expect(tree("(on state state -> on)")).toBe("Transition(Keyword Name Name Arrow Name)");
+    const letter = fc.oneof(...["az", "AZ", "09", "__", "¡\ud7ff", "\u{10000}\u{10ffff}"].map(range));
+    fc.assert(
+      fc.property(fc.constantFrom("on", "state", "var", "eps", "exit"), letter, (word, letter) => {
+        expect(tree(`(${word}${letter} x)`)).toBe("Unknown(Name Name)");
+      }),
+    );
   });
   it("lets a state be called by a keyword", () => {
     expect(tree("(state state)")).toBe("State(Keyword Definition(Name))");

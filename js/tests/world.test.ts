@@ -20,6 +20,7 @@ import {
 } from "../src/world/things";
 import { Trail, trailState } from "../src/world/trail";
 import { SMALLEST_ROBOT, Viewport } from "../src/world/viewport";
+import fc from "./laws";
 import recording from "./page/recording.json";
 
 const view: WorldView = {
@@ -60,6 +61,29 @@ describe("a world's JSON", () => {
     expect(complete({ ...view, robots: [{ pose: [0, 0, 0], light: [] }] }).robots[0]?.light).toEqual([]);
   });
 });
+
+const real = (min: number, max: number) => fc.double({ min, max, noNaN: true });
+const place = real(-5, 5);
+const angle = real(-Math.PI, Math.PI);
+const side = real(0.03, 2);
+/** Boxes and discs anywhere. */
+const shape: fc.Arbitrary<Shape> = fc.oneof(
+  fc.record({ x: place, y: place, angle, box: fc.tuple(side, side) }),
+  fc.record({ x: place, y: place, angle, radius: side }),
+);
+
+type Solid = NonNullable<WorldView["solids"]>[number];
+
+/** The point so far along the heading of a pose and to the left of it. */
+function around({ x, y, angle }: Shape, along: number, aside: number): Point {
+  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+  return [x + along * cos - aside * sin, y + along * sin + aside * cos];
+}
+
+function near(found: number[], wanted: number[]): void {
+  expect(found).toHaveLength(wanted.length);
+  found.forEach((number, i) => expect(number).toBeCloseTo(wanted[i]!, 6));
+}
 
 describe("poses", () => {
   it("are read: robots first, then what can be pushed; the rest is unchanged", () => {
@@ -134,13 +158,20 @@ describe("poses", () => {
     expect(readPoses(real, new DataView(bytes.buffer))?.robots).toHaveLength(1);
   });
 
-  it("turn the short way round between two pictures", () => {
-    const [a, b] = [firstPoses(world), firstPoses(world)];
-    a.robots[0]!.pose = [0, 0, 3.1];
-    b.robots[0]!.pose = [0.1, 0, -3.1];
-    const [x, , theta] = between(a, b, 0.5).robots[0]!.pose;
-    expect(x).toBeCloseTo(0.05);
-    expect(Math.abs(theta)).toBeGreaterThan(3.1);
+  it("between two pictures are in proportion, and turn the short way round", () => {
+    const some = fc.record({ x: place, y: place, angle, way: real(-0.17, 0.17), aside: real(-0.17, 0.17) });
+    fc.assert(
+      fc.property(some, real(-3, 3), real(0, 1), ({ x, y, angle, way, aside }, turn, share) => {
+        const [a, b] = [firstPoses(world), firstPoses(world)];
+        a.robots[0]!.pose = [x, y, angle];
+        b.robots[0]!.pose = [x + way, y + aside, angle + turn + 2 * Math.PI];
+        near(between(a, b, share).robots[0]!.pose, [
+          x + share * way,
+          y + share * aside,
+          angle + share * turn,
+        ]);
+      }),
+    );
   });
 
   it("jump where the robot was put, instead of gliding", () => {
@@ -157,17 +188,21 @@ describe("the pointer", () => {
     expect(thingAt(world, now, [0.52, 1.02], 0.02)).toEqual({ kind: "robot", index: 0 });
   });
 
-  it("finds walls and round things, thin ones within the grip", () => {
-    expect(thingAt(world, now, [2.03, 1.15], 0)).toEqual({ kind: "solid", index: 0 });
-    expect(thingAt(world, now, [2.06, 1.15], 0)).toBeNull();
-    expect(thingAt(world, now, [2.06, 1.15], 0.02)).toEqual({ kind: "solid", index: 0 });
-    expect(thingAt(world, now, [1.05, 0.5], 0)).toEqual({ kind: "solid", index: 1 });
-  });
-
-  it("finds a turned wall at its present place", () => {
-    const turned = { ...now, solids: [[2, 1, Math.PI / 2], now.solids[1]] } as typeof now;
-    expect(thingAt(world, turned, [2.15, 1], 0)).toEqual({ kind: "solid", index: 0 });
-    expect(thingAt(world, turned, [2, 1.15], 0)).toBeNull();
+  it("finds what it is on, however that is turned, thin things within the grip", () => {
+    fc.assert(
+      fc.property(shape, real(0, 0.05), real(-2, 2), real(-2, 2), (shape, grip, u, v) => {
+        const { x, y, angle, box, radius = 0 } = shape;
+        const [along, aside] = box ? [(u * box[0]) / 2, (v * box[1]) / 2] : [u * radius, v * radius];
+        const beyond = box
+          ? Math.max(Math.abs(along) - box[0] / 2, Math.abs(aside) - box[1] / 2)
+          : Math.hypot(along, aside) - radius;
+        fc.pre(Math.abs(beyond - grip) > 1e-6);
+        const solid: Solid = box ? { box: [0, 0, ...box] } : { circle: [0, 0, radius] };
+        const alone = complete({ ...view, solids: [solid], robots: [] });
+        const now = { ...firstPoses(alone), solids: [[x, y, angle] as Pose] };
+        expect(thingAt(alone, now, around(shape, along, aside), grip) !== null).toBe(beyond < grip);
+      }),
+    );
   });
 
   it("finds the start once the robot has left it", () => {
@@ -197,17 +232,22 @@ describe("a drag", () => {
     expect(dragged(box, "move", [1, 1], [1.5, 0.75])).toEqual({ ...box, x: 1.5, y: 0.75 });
   });
 
-  it("at a corner keeps the corner across, in a turned box too", () => {
-    const corner = handlesOf({ kind: "solid", index: 0 }, box, 100).find(({ at: [x, y] }) => x < 1 && y > 1)!;
-    const next = dragged(box, "size", corner.at, [corner.at[0] - 0.1, corner.at[1] + 0.2]);
-    expect(next.box![0]).toBeCloseTo(0.6);
-    expect(next.box![1]).toBeCloseTo(0.3);
-    const across = (shape: Shape) =>
-      handlesOf({ kind: "solid", index: 0 }, shape, 100).find(
-        ({ grip, at: [x, y] }) => grip === "size" && x > 1 && y < 1,
-      )!.at;
-    expect(across(next)[0]).toBeCloseTo(across(box)[0]);
-    expect(across(next)[1]).toBeCloseTo(across(box)[1]);
+  it("at a corner keeps the corner across, and brings this one to the pointer", () => {
+    fc.assert(
+      fc.property(shape, fc.nat(3), real(-0.1, 1), real(-0.1, 1), (shape, corner, wider, higher) => {
+        fc.pre(!!shape.box);
+        const [width, height] = shape.box!;
+        const handles = handlesOf({ kind: "solid", index: 0 }, shape, 100);
+        const from = handles.filter(({ grip }) => grip === "size")[corner]!.at;
+        const [a, b] = [corner < 2 ? 1 : -1, corner % 2 ? -1 : 1];
+        near(from, around(shape, (a * width) / 2, (b * height) / 2));
+        const fixed = around(shape, (-a * width) / 2, (-b * height) / 2);
+        const to = around(shape, a * (width / 2 + wider), b * (height / 2 + higher));
+        const next = dragged(shape, "size", from, to);
+        near(next.box!, [Math.max(0.03, width + wider), Math.max(0.03, height + higher)]);
+        near(around(next, (-a * next.box![0]) / 2, (-b * next.box![1]) / 2), fixed);
+      }),
+    );
   });
 
   it("never makes a thing so small that it cannot be caught", () => {
@@ -221,11 +261,20 @@ describe("a drag", () => {
   });
 
   it("draws walls along it, boxes across it, zones around its start", () => {
-    const wall = drawn("wall", [1, 1], [1, 2]);
-    expect([wall.x, wall.y, wall.angle]).toEqual([1, 1.5, Math.PI / 2]);
-    expect(wall.box![0]).toBeCloseTo(1.04);
-    expect(drawn("box", [1, 1], [1.4, 0.8])).toMatchObject({ x: 1.2, y: 0.9 });
-    expect(drawn("zone", [1, 1], [1.3, 1.4]).radius).toBeCloseTo(0.5);
+    fc.assert(
+      fc.property(place, place, angle, real(0.1, 2), (x, y, angle, length) => {
+        const to = around({ x, y, angle }, length, 0);
+        const wall = drawn("wall", [x, y], to);
+        near([wall.x - x, wall.y - y], around({ x: 0, y: 0, angle: wall.angle }, length / 2, 0));
+        near(wall.box!, [length + 0.04, 0.04]);
+        expect(Math.cos(wall.angle - angle)).toBeGreaterThan(Math.cos(0.06));
+        const box = drawn("box", [x, y], to);
+        near([box.x, box.y, box.angle], [(x + to[0]) / 2, (y + to[1]) / 2, 0]);
+        near(box.box!, [Math.max(0.03, Math.abs(to[0] - x)), Math.max(0.03, Math.abs(to[1] - y))]);
+        const zone = drawn("zone", [x, y], to);
+        near([zone.x, zone.y, zone.radius!], [x, y, length]);
+      }),
+    );
   });
 
   it("that is a click draws something of a usual size", () => {
