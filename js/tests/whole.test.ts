@@ -1,4 +1,3 @@
-import { ensureSyntaxTree } from "@codemirror/language";
 import { EditorState } from "@codemirror/state";
 import { expect, it } from "vitest";
 import { wholeOutline, wholeOutlineOf } from "../src/editor/whole";
@@ -6,19 +5,14 @@ import { lrp } from "../src/language/lrp";
 
 const PROGRAM = "(machine m (state a (running [x])) (state b) (on go a -> b))";
 
-function parsed(state: EditorState): EditorState {
-  ensureSyntaxTree(state, state.doc.length, 5000);
-  return state.update({}).state; // which has the whole tree, however slow the machine is
-}
-
 function open(doc: string): EditorState {
-  return parsed(EditorState.create({ doc, extensions: [lrp(), wholeOutline] }));
+  return EditorState.create({ doc, extensions: [lrp(), wholeOutline] });
 }
 
 function marked(old: string, text: string, path: string): string {
   const from = PROGRAM.indexOf(old);
   const changes = { from, to: from + old.length, insert: text };
-  const state = parsed(open(PROGRAM).update({ changes }).state);
+  const state = open(PROGRAM).update({ changes }).state;
   const found = wholeOutlineOf(state).find("state", path);
   return found ? state.sliceDoc(found.from, found.to) : "";
 }

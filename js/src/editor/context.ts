@@ -1,9 +1,8 @@
 /** The syntactic context of an offset: its form, the word within the form, and the scope. */
 
-import { syntaxTree } from "@codemirror/language";
 import type { EditorState } from "@codemirror/state";
 import type { SyntaxNode } from "@lezer/common";
-import { outlineOf } from "../language/lrp";
+import { outlineOf, treeOf } from "../language/lrp";
 
 /** The kinds of names that may appear at a place. */
 export type Wanted = "keyword" | "event" | "delay" | "state" | "machine" | "python" | "nothing";
@@ -24,7 +23,7 @@ const WORD = /^(Name|Number|Block|Star|Minus|Group|Definition)$/;
 export function contextAt(state: EditorState, offset: number): Context {
   const scope = outlineOf(state).around(offset, "machine")?.path ?? "";
   const context: Context = { wanted: "nothing", scope, machine: scope, form: "Program" };
-  let node: SyntaxNode | null = syntaxTree(state).resolveInner(offset, -1);
+  let node: SyntaxNode | null = treeOf(state).resolveInner(offset, -1);
   if (inside(node, "Block", offset)) return { ...context, wanted: "python", form: "Block" };
   if (/Comment|String/.test(node.name)) return context;
   while (node && !FORM.test(node.name)) node = node.parent;

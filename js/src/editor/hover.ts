@@ -1,9 +1,8 @@
 /** The card under the pointer: what a name or keyword is, its documentation, and the value a name has now. */
 
-import { syntaxTree } from "@codemirror/language";
 import type { Extension } from "@codemirror/state";
 import { hoverTooltip } from "@codemirror/view";
-import { outlineOf } from "../language/lrp";
+import { outlineOf, treeOf } from "../language/lrp";
 import type { HoverView } from "../protocol";
 import type { Lab } from "../session/store";
 import { h, prose } from "../ui/dom";
@@ -14,7 +13,7 @@ export function hover(lab: Lab): Extension {
   return hoverTooltip(
     async (view, offset) => {
       const chain = chainAt(view.state, offset);
-      if (!chain || /Comment|String/.test(syntaxTree(view.state).resolveInner(offset, 1).name)) return null;
+      if (!chain || /Comment|String/.test(treeOf(view.state).resolveInner(offset, 1).name)) return null;
       const place = contextAt(view.state, offset);
       const card =
         place.wanted === "python"
@@ -44,7 +43,7 @@ export function ofProgram(
   state: Parameters<typeof outlineOf>[0],
   chain: { text: string; from: number },
 ): ProgramCard | null {
-  const form = syntaxTree(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
+  const form = treeOf(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
   const found = outlineOf(state);
   const { lit, events, variables, entered, fired } = lab.store.state;

@@ -6,7 +6,7 @@
 import { syntaxTree } from "@codemirror/language";
 import { type ChangeDesc, type EditorState, StateField } from "@codemirror/state";
 import { IterMode, type Tree } from "@lezer/common";
-import { outlineOf } from "../language/lrp";
+import { outlineOf, treeOf } from "../language/lrp";
 import { type Item, Outline } from "../language/outline";
 
 interface Whole {
@@ -32,7 +32,7 @@ export function wholeOutlineOf(state: EditorState): Outline {
 }
 
 function next({ last, since }: Pick<Whole, "last" | "since">, state: EditorState): Whole {
-  if (isWhole(syntaxTree(state))) {
+  if (isWhole(treeOf(state))) {
     const now = outlineOf(state);
     return { last: now, since: null, now };
   }

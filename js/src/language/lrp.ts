@@ -2,6 +2,7 @@
 
 import { pythonLanguage } from "@codemirror/lang-python";
 import {
+  ensureSyntaxTree,
   foldNodeProp,
   LanguageSupport,
   LRLanguage,
@@ -9,7 +10,7 @@ import {
   syntaxTree,
 } from "@codemirror/language";
 import type { EditorState } from "@codemirror/state";
-import { parseMixed, type SyntaxNode } from "@lezer/common";
+import { parseMixed, type SyntaxNode, type Tree } from "@lezer/common";
 import { classHighlighter, styleTags, tags } from "@lezer/highlight";
 import { indentation } from "./indent";
 import { type Outline, outline } from "./outline";
@@ -59,11 +60,17 @@ export function lrp(): LanguageSupport {
   return new LanguageSupport(lrpLanguage, [syntaxHighlighting(classHighlighter), indentation]);
 }
 
+const PATIENCE = 1000; // ms: a program of usual size takes less than one
 const outlines = new WeakMap<object, Outline>();
 
-/** The outline of the text as far as it is parsed; computed once per tree. */
+/** The tree of the whole text: the editor's own ends early where the machine was held up. */
+export function treeOf(state: EditorState): Tree {
+  return ensureSyntaxTree(state, state.doc.length, PATIENCE) ?? syntaxTree(state);
+}
+
+/** The outline of the text; computed once per tree. */
 export function outlineOf(state: EditorState): Outline {
-  const tree = syntaxTree(state);
+  const tree = treeOf(state);
   let found = outlines.get(tree);
   if (!found) {
     found = outline(tree, (from, to) => state.sliceDoc(from, to));
