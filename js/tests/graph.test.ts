@@ -229,30 +229,31 @@ describe("the camera", () => {
 describe("scrolling", () => {
   it("moves a drawing that is larger than its panel, not beyond its ends, and its bars show what is in view", () => {
     const length = fc.integer({ min: 50, max: 1000 });
+    const two = fc.tuple(length, length);
     const by = fc.integer({ min: -300, max: 300 });
     fc.assert(
-      fc.property(length, length, fc.array(by, { maxLength: 5 }), (long, room, ways) => {
-        const content = { x: -20, y: -20, width: long, height: long };
-        const size = { width: room, height: room };
+      fc.property(two, two, fc.array(fc.tuple(by, by), { maxLength: 5 }), (long, room, ways) => {
+        const content = { x: -20, y: -30, width: long[0], height: long[1] };
+        const size = { width: room[0], height: room[1] };
         const [camera, bars] = [new Camera(), new ScrollBars()];
-        camera.set({ x: 20, y: 20, scale: 1 });
-        const most = long > room + 1 ? long - room : 0; // px that can be cut off
-        let gone = 0;
+        camera.set({ x: 20, y: 30, scale: 1 });
+        const cut = long.map((all, axis) => (all > room[axis]! + 1 ? all - room[axis]! : 0)); // px
+        let gone = [0, 0];
         for (const way of ways) {
-          const next = Math.min(most, Math.max(0, gone + way));
-          expect(scroll(camera, content, size, way, way)).toBe(next !== gone);
+          const next = gone.map((px, axis) => Math.min(cut[axis]!, Math.max(0, px + way[axis]!)));
+          expect(scroll(camera, content, size, ...way)).toBe(`${next}` !== `${gone}`);
           gone = next;
-          expect([camera.x, camera.y]).toEqual([20 - gone, 20 - gone]);
+          expect([camera.x, camera.y]).toEqual([20 - gone[0]!, 30 - gone[1]!]);
         }
         bars.update(camera, content, size);
-        const [across, down] = bars.elements.map(({ style }) => style);
-        expect(bars.elements.map(({ hidden }) => hidden)).toEqual([long <= room + 1, long <= room + 1]);
-        if (long <= room + 1) return;
-        const px = (share: number) => (share / long) * (room - 4);
-        for (const begin of [across!.left, down!.top])
-          expect(Number.parseFloat(begin)).toBeCloseTo(2 + px(gone));
-        for (const extent of [across!.width, down!.height])
-          expect(Number.parseFloat(extent)).toBeCloseTo(px(room));
+        expect(bars.elements.map(({ hidden }) => hidden)).toEqual(cut.map((px) => !px));
+        bars.elements.forEach(({ style }, axis) => {
+          if (!cut[axis]) return;
+          const px = (share: number) => (share / long[axis]!) * (room[axis]! - 4);
+          const [begin, extent] = axis ? [style.top, style.height] : [style.left, style.width];
+          expect(Number.parseFloat(begin)).toBeCloseTo(2 + px(gone[axis]!));
+          expect(Number.parseFloat(extent)).toBeCloseTo(px(room[axis]!));
+        });
       }),
     );
   });
