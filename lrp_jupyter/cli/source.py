@@ -84,7 +84,7 @@ class Watch:
 
         for _ in watch(
             self._path.absolute().parent,
-            watch_filter=lambda _, path: Path(path).name == self._path.name,
+            watch_filter=None,  # what is written beside it would keep it from being read after `_POLL`
             debounce=_DEBOUNCE,
             step=_DEBOUNCE // 2,
             rust_timeout=_POLL,

@@ -89,9 +89,8 @@ class Monitor:
     def end(self) -> None:
         """End the thread, and wait for it."""
         self._end.set()
-        for thread in (self._thread, self._notice):
-            if thread is not None and thread is not threading.current_thread() and thread.ident is not None:
-                thread.join(5 if thread is self._thread else PATIENCE)
+        _join(self._thread, 5)
+        _join(self._notice, PATIENCE)  # which the other one may just have started
 
     def leave(self) -> None:
         """End the thread a second from now, unless :meth:`stays` is called: the next run needs one, too."""
@@ -217,6 +216,11 @@ class Monitor:
                 target=context.run, args=(self._loop.changed,), name="lrp notice", daemon=True
             )
             self._notice.start()
+
+
+def _join(thread: threading.Thread | None, seconds: float) -> None:
+    if thread is not None and thread is not threading.current_thread() and thread.ident is not None:
+        thread.join(seconds)
 
 
 def block_of(loop: Loop, thread: int | None, others: bool = True) -> RunningBlock | None:

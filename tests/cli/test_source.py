@@ -50,8 +50,8 @@ def test_a_file_that_is_gone_is_told_at_once_and_once_though_others_beside_it_ar
         said.append(text)
         (back if text == OLD else told).set()
 
+    path.unlink()  # after it was read, and before it is watched
     watch = source.Watch(path, OLD, save)
-    path.unlink()
     beside = tmp_path / "trace.jsonl"
     until(lambda: beside.write_text("") or told.is_set(), "it was not told")
     path.write_text(OLD)

@@ -20,6 +20,7 @@ LONG = 120.0  # seconds; reached only when something is wrong, however busy the 
 RUNNING = "(machine m (state a (running [{}]))) (spawn m a)"
 GOOD = "(var n := [0]) (machine m (state a (running [n += 1]))) (spawn m a)"
 COUNTING = "\n(machine other (var n := [0]) (state x (running [n += 1]))) (spawn other x)"
+ENDLESS = "entered.set(), [0 for _ in iter(int, 1)]"
 
 BLOCKS = {
     "loop": "while True: pass",
@@ -239,21 +240,23 @@ def test_several_blocks_of_one_tick_that_hang_do_not_hold_up_an_edit(hanging):
 
 
 def test_an_edit_whose_variable_hangs_is_interrupted_by_the_next(hanging, session):
-    made = session(GOOD, hung_after=0.05)
+    entered = threading.Event()
+    made = session(GOOD, hung_after=0.05, namespace={"entered": entered})
     made.start()
     made.wait_for("a", LONG)
-    made.submit(ReplaceProgram(parse("(var more := [while True: pass])" + GOOD, "<lrp lrp>")))
-    made.wait_for(lambda frame: frame.status == "hung", LONG)
+    made.submit(ReplaceProgram(parse(f"(var more := [{ENDLESS}])" + GOOD, "<lrp lrp>")))
+    assert entered.wait(LONG)
     made.edit(GOOD)
     assert runs_on(made).issues[0].code == "LRP611"
 
 
 def test_an_expression_that_does_not_return_is_interrupted_and_refused(session):
-    made = session(GOOD, hung_after=0.05)
+    entered = threading.Event()
+    made = session(GOOD, hung_after=0.05, namespace={"entered": entered})
     made.start()
     made.wait_for("a", LONG)
-    answer = made.ask(SetVariable(("n",), "[0 for _ in iter(int, 1)]"))
-    made.wait_for(lambda frame: frame.status == "hung", LONG)
+    answer = made.ask(SetVariable(("n",), ENDLESS))
+    assert entered.wait(LONG)
     made.pause()
     with pytest.raises(LRPError, match=r"^The block did not return"):
         answer.result(LONG)
@@ -424,3 +427,25 @@ def test_a_command_whose_own_block_does_not_return_is_completed(session, text, a
     act(made)
     assert [issue.code for issue in made.issues] == [code]
     assert made.status == ("paused" if "onpause" in text else "running")
+
+
+def test_closing_waits_for_the_thread_that_tells_of_the_end(hanging, monkeypatch):
+    """It ends as soon as it is waited for."""
+    made, waited, join = hanging(RUNNING.format("while True: pass")), threading.Event(), threading.Thread.join
+
+    def tell():
+        if threading.current_thread().name == "lrp notice" and made.frame.status != "hung":
+            waited.wait(LONG)
+
+    def joined(thread, timeout=None):
+        if thread.name == "lrp notice":
+            waited.set()
+        join(thread, timeout)
+
+    monkeypatch.setattr(monitor.Monitor, "_check", lambda self: None)  # it sees no end of it before its own
+    monkeypatch.setattr(threading.Thread, "join", joined)
+    made.listen(tell)
+    made.close()
+    left = [thread.name for thread in threading.enumerate() if thread.is_alive()]
+    waited.set()
+    assert "lrp notice" not in left

@@ -44,9 +44,18 @@ def gates():
 
 
 @pytest.fixture
-def impatient(monkeypatch):
-    for module in (driver, monitor):
-        monkeypatch.setattr(module, "PATIENCE", 0.05)
+def held(session, gates, monkeypatch):
+    """Start programs that a block holds up, and for which nobody waits long then."""
+
+    def start(text):
+        made = session(text, namespace=gates)
+        made.start()
+        assert gates["entered"].wait(LONG)
+        for module in (driver, monitor):
+            monkeypatch.setattr(module, "PATIENCE", 0.05)
+        return made
+
+    return start
 
 
 @pytest.fixture
@@ -125,20 +134,16 @@ def test_a_call_from_another_thread_is_applied_when_it_returns(session):
     assert counting.frame.status == "paused"
 
 
-def test_a_call_that_a_block_holds_up_ends_with_the_blocks_name_and_is_done_later(session, gates, impatient):
-    holding = session(GATED, namespace=gates)
-    holding.start()
-    assert gates["entered"].wait(LONG)
+def test_a_call_that_a_block_holds_up_ends_with_the_blocks_name_and_is_done_later(held, gates):
+    holding = held(GATED)
     with pytest.raises(SessionTimeoutError, match=r"The command `pause` waits: `a.running` has not returned"):
         holding.pause()
     gates["gate"].set()
     assert holding.wait_for(lambda frame: frame.status == "paused", LONG)
 
 
-def test_an_edit_that_a_block_holds_up_raises_nothing_and_is_done_later(session, gates, impatient):
-    holding = session(GATED, namespace=gates)
-    holding.start()
-    assert gates["entered"].wait(LONG)
+def test_an_edit_that_a_block_holds_up_raises_nothing_and_is_done_later(held, gates):
+    holding = held(GATED)
     findings = holding.edit(GATED + "\n(machine other (state x)) (spawn other x)")
     assert "LRP690" in [finding.code for finding in findings]
     gates["gate"].set()
@@ -256,10 +261,8 @@ def test_an_interruption_that_comes_too_late_does_no_harm(session, monkeypatch):
     assert (frame.status, frame.issues, late) == ("running", (), [])
 
 
-def test_stopping_a_program_that_never_returns_ends_its_thread(session, gates, impatient):
-    endless = session(ENDLESS, namespace=gates)
-    endless.start()
-    assert gates["entered"].wait(LONG)
+def test_stopping_a_program_that_never_returns_ends_its_thread(held):
+    endless = held(ENDLESS)
     endless.stop()
     assert endless.status == "stopped"
 

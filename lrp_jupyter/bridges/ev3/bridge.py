@@ -99,12 +99,12 @@ class EV3Bridge(Bridge):
         self.link = self._new_link()
 
     def _new_link(self) -> BrickLink:
-        serial = self.serial
+        host, serial = self.host, self.serial
 
         def find(cancelled: Callable[[], bool]) -> BrickClient:
             nonlocal serial
             client = connect(
-                self.host,
+                host,
                 port=self.port,
                 serial=serial,
                 patience=self._patience,

@@ -9,6 +9,7 @@ import pytest
 from support.waiting import until
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
+from lrp_jupyter.bridges.ev3.link import BrickLink
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 pytestmark = pytest.mark.usefixtures("patient")
@@ -50,6 +51,18 @@ def test_an_answered_address_is_connected_to_without_waiting(searching, make_bri
     bridge.answer("host", "127.0.0.1")
     until(lambda: bridge.status.state == "connected")
     bridge.answer("host", "127.0.0.1")
+    assert brick.connections == 1
+
+
+def test_an_answer_sends_the_search_that_it_ends_nowhere_else(searching, make_brick, monkeypatch):
+    brick = make_brick()
+    bridge = searching(port=brick.port)
+    with monkeypatch.context() as held:
+        held.setattr(BrickLink, "search", lambda link: None)  # its thread has not got to run yet
+        bridge.open()
+    monkeypatch.setattr(bridge, "stop", bridge.link._turn)  # but does now, before it is ended
+    bridge.answer("host", "127.0.0.1")
+    until(lambda: bridge.status.state == "connected")
     assert brick.connections == 1
 
 
