@@ -84,6 +84,17 @@ def _is_ours(frame: FrameType) -> bool:
     return _module(frame).startswith("lrp_jupyter.")
 
 
+_LOCKING = ("threading", "queue", "concurrent.futures._base")
+
+
+def _takes_our_lock(frame: FrameType | None) -> bool:
+    """Whether this package waits for a lock there, which an exception would leave locked for ever."""
+    locking = False
+    while frame is not None and _module(frame) in _LOCKING:
+        locking, frame = True, frame.f_back
+    return locking and frame is not None and _is_ours(frame)
+
+
 _ROOM = 20  # frames that raising the exception may take; Python 3.11 aborts at 50 beyond the limit
 _SOON = 0.02  # wall seconds in which a thread that runs Python reaches its next bytecode
 
@@ -94,9 +105,12 @@ _requested: dict[int, FrameType] = {}
 def interrupt(thread: int, block: RunningBlock) -> bool:
     """Make a block raise :class:`~lrp_jupyter.interpreter.faults.Interrupted` at its next bytecode.
 
-    Whether the thread still runs this block; otherwise nothing is raised.
+    Whether the thread still runs this block, and not while this package waits for a lock in it; otherwise
+    nothing is raised.
     """
     frame = sys._current_frames().get(thread)
+    if _takes_our_lock(frame):
+        return False
     while frame is not None and frame is not block.frame:
         frame = frame.f_back
     if frame is None:

@@ -15,6 +15,7 @@ from lrp_jupyter.live import monitor
 from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
 from lrp_jupyter.live.frame import Hung
 from lrp_jupyter.live.interruption import RunningBlock, interrupt
+from lrp_jupyter.live.session import Session
 
 LONG = 120.0  # seconds; reached only when something is wrong, however busy the machine is
 RUNNING = "(machine m (state a (running [{}]))) (spawn m a)"
@@ -427,6 +428,22 @@ def test_a_command_whose_own_block_does_not_return_is_completed(session, text, a
     act(made)
     assert [issue.code for issue in made.issues] == [code]
     assert made.status == ("paused" if "onpause" in text else "running")
+
+
+def test_a_lock_of_this_package_is_not_left_locked_by_an_interruption(session):
+    made = session(GOOD, rate=100)
+    made.start()
+    thread = made._driver._thread
+
+    def waits():
+        frame = sys._current_frames()[thread]
+        return frame if frame.f_back.f_code is Session._notify.__code__ else None
+
+    with made._changed:
+        where = until(waits)
+        was_interrupted = interrupt(thread, RunningBlock("the robot", 0, where))
+    assert not was_interrupted
+    runs_on(made)
 
 
 def test_closing_waits_for_the_thread_that_tells_of_the_end(hanging, monkeypatch):
