@@ -103,7 +103,7 @@ def test_a_bridge_that_takes_no_options_refuses_them() -> None:
 
 
 def test_threads_that_use_a_part_first_at_the_same_time_get_the_same_one() -> None:
-    both = threading.Barrier(2, timeout=10)
+    both = threading.Barrier(2, timeout=120)
 
     class Owner:
         def make(self) -> object:

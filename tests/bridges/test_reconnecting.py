@@ -207,7 +207,7 @@ def test_a_robot_that_does_not_answer_is_given_up(robot, monkeypatch):
     monkeypatch.setattr(Line, "connect_within", 0.1)
 
     def connect(line: Line) -> None:
-        over.wait(10)
+        over.wait(120)
         line.set_status("connected", "Connected at last.")
 
     monkeypatch.setattr(Line, "connect", connect)
@@ -219,7 +219,7 @@ def test_a_robot_that_does_not_answer_is_given_up(robot, monkeypatch):
         line.open()
     over.set()
     assert line._thread is not None
-    line._thread.join(10)
+    line._thread.join(120)
     assert calls == ["disconnect"], "what came too late is closed"
     assert line.status.state is ConnectionState.DISCONNECTED
 
@@ -230,7 +230,7 @@ def test_closing_ends_a_wait_for_data(line, monkeypatch):
 
     def receive() -> None:
         waiting.set()
-        closed.wait(10)
+        closed.wait(120)
         raise OSError("closed")
 
     def disconnect() -> None:
@@ -238,11 +238,11 @@ def test_closing_ends_a_wait_for_data(line, monkeypatch):
         closed.set()
 
     line.receive, line.disconnect = receive, disconnect  # type: ignore[method-assign]
-    assert waiting.wait(10)
+    assert waiting.wait(120)
     thread = line._thread
     assert thread is not None
     line.close()
-    thread.join(10)
+    thread.join(120)
     assert line.status.sentence == "`test-line` is closed."
     assert [notice.text for notice in line.safety.notices if notice.kind == "fault"] == []
 

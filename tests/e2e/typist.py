@@ -68,7 +68,7 @@ class Typist:
 
     def sees_active(self, state):
         """Wait until a state is active, however briefly."""
-        assert self.kernel(f"bool(session.wait_for({state!r}, 20))")
+        assert self.kernel(f"bool(session.wait_for({state!r}, 120))")
 
     @property
     def restarts(self):

@@ -353,7 +353,7 @@ def test_a_started_session_that_is_dropped_ends_with_a_warning():
     with pytest.warns(ResourceWarning, match="The session `dropped` was dropped while it ran, and ended"):
         sessions.clear()
     for thread in threads():
-        thread.join(10)
+        thread.join(120)
     assert not threads()
     assert not bridge.is_open
 

@@ -587,7 +587,7 @@ def test_a_session_survives_every_speed(session, speed):
     counting.step()
     counting.resume()
     counting.speed = 1
-    assert counting.wait_for("off", 20)
+    assert counting.wait_for("off", 120)
     assert counting.fault == ""
 
 

@@ -146,7 +146,7 @@ def test_a_breakpoint_is_marked():
     with Session(PROGRAM, rate=100, speed=float("inf")) as session:
         session.pause_when("b")
         session.start()
-        assert session.wait_for(lambda frame: frame.status == "paused", 10)
+        assert session.wait_for(lambda frame: frame.status == "paused", 120)
         (pause,) = told(session, "pause")
         assert "`b` was entered" in pause.text
 

@@ -115,7 +115,7 @@ def test_starting_over_is_no_restart_of_the_run_that_begins(unbroken, monkeypatc
         call(job)
         ticked = threading.Event()
         session.on_tick(ticked.set)
-        assert session.status == "paused" or ticked.wait(10)
+        assert session.status == "paused" or ticked.wait(120)
 
     session.start()
     monkeypatch.setattr(session, "call", call_and_let_it_run)

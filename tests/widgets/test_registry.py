@@ -3,6 +3,7 @@
 import threading
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.errors import BridgeError, LRPError
 from lrp_jupyter.live.monitor import Monitor
@@ -295,7 +296,4 @@ def test_a_text_that_hung_is_started_again_once_it_has_run_well(cell, restart_ke
     names["done"].append(True)
     kept = connection.saver.kept
     assert kept.read(".hung") == text
-    ticks = connection.session.frame.tick
-    connection.session.wait_for(lambda frame: frame.tick > ticks + 10, 60)
-    connection.publish()
-    assert kept.read(".hung") is None
+    until(lambda: connection.publish() or kept.read(".hung") is None)

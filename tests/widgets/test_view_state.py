@@ -137,7 +137,7 @@ def test_a_long_layout_delays_no_command(bench, monkeypatch, act):
 
     def slow(*arguments, **options):
         entered.set()
-        assert go.wait(20)
+        assert go.wait(120)
         return layout(*arguments, **options)
 
     monkeypatch.setattr(layouts, "layout", slow)
@@ -146,16 +146,16 @@ def test_a_long_layout_delays_no_command(bench, monkeypatch, act):
     publisher = Thread(target=lab.publish)
     publisher.start()
     try:
-        assert entered.wait(20)
+        assert entered.wait(120)
         sender = Thread(target=page.send, args=["command"], kwargs={"id": 0, "do": act})
         sender.start()
-        assert lab.session.wait_for(lambda frame: frame.status == "paused", 5)
-        sender.join(5)
+        assert lab.session.wait_for(lambda frame: frame.status == "paused", 120)
+        sender.join(120)
         assert not sender.is_alive()
         assert publisher.is_alive()
     finally:
         go.set()
-        publisher.join(20)
+        publisher.join(120)
     assert len(page.merged("layouts")["m"]["states"]) == 2
 
 

@@ -74,7 +74,7 @@ def stranger() -> Iterator[Callable[[bytes | None], int]]:
 
     yield make
     for thread in threads:
-        thread.join(2)
+        thread.join(120)
     for server in servers:
         server.close()
 
