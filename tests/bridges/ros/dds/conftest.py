@@ -49,8 +49,8 @@ def refuse(missing: list[str], what: str) -> None:
 def domain() -> Iterator[int]:
     """A domain that nobody else uses on this machine; nothing leaves the loopback interface."""
     refuse(MISSING, "The extra `ros2` is missing")
-    number = next(n for n in (1 + each % 100 for each in _numbers) if _is_free(n))
-    with pytest.MonkeyPatch.context() as patch:
+    with socket.socket() as held, pytest.MonkeyPatch.context() as patch:
+        number = next(n for n in (1 + each % 100 for each in _numbers) if _is_free(n, held))
         for name in ("CYCLONEDDS_URI", "AMENT_PREFIX_PATH", "ROS_DISTRO", "ROS_STATIC_PEERS"):
             patch.delenv(name, raising=False)
         patch.setenv("ROS_LOCALHOST_ONLY", "1")
@@ -58,10 +58,13 @@ def domain() -> Iterator[int]:
         yield number
 
 
-def _is_free(domain: int) -> bool:
+def _is_free(domain: int, held: socket.socket) -> bool:
+    """Whether no participant is there, and no other test holds the domain, as this one does then: by TCP."""
+    address = "127.0.0.1", 7400 + 250 * domain + 10
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
+            probe.bind(address)
+        held.bind(address)
     except OSError:
         return False
     return True
