@@ -568,6 +568,19 @@ def test_a_broken_bridge_fails_the_check(broken: type[Bridge], check: str, probl
     assert problem in str(error.value)
 
 
+@pytest.mark.parametrize("check", ["test_open_connects_once", "test_it_opens_again_after_close"])
+def test_a_reading_that_nobody_declared_may_arrive_at_any_time(check: str) -> None:
+    numbers = itertools.count()
+
+    class Surprised(Good):
+        def open(self) -> Panel | None:
+            panel = super().open()
+            self.feed(f"heard{next(numbers)}", 1, doc="of something that is new")
+            return panel
+
+    getattr(type("Checks", (AnyConformance,), {"bridge": Surprised})(), check)()
+
+
 def test_every_check_can_fail() -> None:
     assert sorted({check for _, check, _ in BROKEN}) == [check for check in CHECKS if check != AGES]
 
