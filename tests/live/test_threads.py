@@ -334,7 +334,7 @@ def test_calls_from_other_threads_are_executed_within_a_run(session):
     counting = session(COUNT)
 
     def other():
-        counting.set_variable("n", "-1000")
+        counting.set_variable("n", "-1000000000")
         done.set()
 
     def started(_frame):
