@@ -84,7 +84,7 @@ class Watch:
 
         for _ in watch(
             self._path.absolute().parent,
-            watch_filter=None,  # what is written beside it would keep it from being read after `_POLL`
+            watch_filter=None,  # filtered out, changes to other files would postpone the look after `_POLL`
             debounce=_DEBOUNCE,
             step=_DEBOUNCE // 2,
             rust_timeout=_POLL,

@@ -569,7 +569,7 @@ def test_a_broken_bridge_fails_the_check(broken: type[Bridge], check: str, probl
 
 
 @pytest.mark.parametrize("check", ["test_open_connects_once", "test_it_opens_again_after_close"])
-def test_a_reading_that_nobody_declared_may_arrive_at_any_time(check: str) -> None:
+def test_an_undeclared_reading_may_arrive_at_any_time(check: str) -> None:
     numbers = itertools.count()
 
     class Surprised(Good):

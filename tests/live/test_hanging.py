@@ -240,7 +240,7 @@ def test_several_blocks_of_one_tick_that_hang_do_not_hold_up_an_edit(hanging):
     assert runs_on(session).numbers[("n",)] > 0
 
 
-def test_an_edit_whose_variable_hangs_is_interrupted_by_the_next(hanging, session):
+def test_an_edit_whose_variable_hangs_is_interrupted_by_the_next(session):
     entered = threading.Event()
     made = session(GOOD, hung_after=0.05, namespace={"entered": entered})
     made.start()

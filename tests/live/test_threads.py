@@ -45,7 +45,7 @@ def gates():
 
 @pytest.fixture
 def held(session, gates, monkeypatch):
-    """Start programs that a block holds up, and for which nobody waits long then."""
+    """Start a program, wait until a block holds it up, then shorten how long calls wait."""
 
     def start(text):
         made = session(text, namespace=gates)
@@ -67,7 +67,8 @@ def pushcart():
 def test_a_started_program_runs_by_itself(session):
     blinking = session(BLINK, rate=100)
     blinking.start()
-    assert blinking.wait_for("b", LONG).count_of("b")
+    frame = blinking.wait_for("b", LONG)
+    assert frame.count_of("a") - frame.count_of("b") == frame.is_active("a"), "they alternate"
     assert blinking.wait_for("m/a", LONG).status == "running"
 
 

@@ -397,6 +397,7 @@ def test_a_person_chooses_when_a_message_is_too_old(
     assert ros.setup["subscriptions"]["light"]["stale_after"] == 0.3
     assert fields(ros)["stale_after"].value == "", "it is not kept for the next one"
     until(lambda: graph.listeners)
+    assert rows(ros)["light"]["type"] == "std_msgs/UInt8"
     graph.send("/light", data=7)
     until(lambda: rows(ros)["light"]["value"] == "7")
     for age, is_stale in ((0.2, False), (0.2, True)):
