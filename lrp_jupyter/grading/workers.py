@@ -30,6 +30,7 @@ from lrp_jupyter.grading.worker import receive, send
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.checkpoints import names_of
+from lrp_jupyter.process import python_of
 
 
 def processors() -> int:
@@ -184,11 +185,10 @@ class _Worker:
 
     def __init__(self) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "lrp_jupyter.grading.worker"],
+            **python_of("lrp_jupyter.grading.worker"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,  # Ctrl-C in a terminal is for the command that grades
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
         )
         self.serves: threading.Event | None = None
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.process import python_of
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
 STORAGE = "lrp-notebooks"
@@ -57,15 +58,10 @@ def build_notebooks(notebooks: Path, folder: Path, offline: bool) -> None:
     with TemporaryDirectory(prefix="lrp-site-") as work:
         Path(work, "jupyter-lite.json").write_text(json.dumps(config), encoding="utf-8")
         copy_for_students(notebooks, Path(work, "files"))
-        command = [sys.executable, "-m", "jupyterlite_core", "build", "--lite-dir", work]
-        command += [
-            "--output-dir",
-            str(folder.resolve()),
-            "--no-libarchive",
-            "--no-sourcemaps",
-            "--no-unused-shared-packages",
-        ]
-        done = subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
+        folders = ["--lite-dir", work, "--output-dir", str(folder.resolve())]
+        options = ["--no-libarchive", "--no-sourcemaps", "--no-unused-shared-packages"]
+        build = python_of("jupyterlite_core", "build", *folders, *options)
+        done = subprocess.run(**build, cwd=work, capture_output=True, text=True, check=False)
     if done.returncode:
         raise LRPError(f"JupyterLite cannot be built: {(done.stderr or done.stdout).strip()[-800:]}")
 

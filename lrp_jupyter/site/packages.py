@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import json
 import subprocess
-import sys
 import zipfile
 from collections.abc import Iterable, Mapping
 from email.parser import Parser
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.process import python_of
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
 _PURE = "-none-any.whl"
@@ -124,9 +124,9 @@ def _download(requirements: list[str], folder: Path) -> list[Path]:
     if not requirements:
         return []
     before = set(folder.glob("*.whl"))
-    command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary", ":all:"]
-    command += ["--disable-pip-version-check", *_TAGS, "--dest", str(folder), *requirements]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    options = ["--quiet", "--no-deps", "--only-binary", ":all:", "--disable-pip-version-check", *_TAGS]
+    pip = python_of("pip", "download", *options, "--dest", str(folder), *requirements)
+    done = subprocess.run(**pip, capture_output=True, text=True, check=False)
     if done.returncode:
         errors = [line for line in done.stderr.splitlines() if "ERROR" in line or "No module" in line]
         why = (errors or done.stderr.splitlines() or ["pip failed."])[-1]
