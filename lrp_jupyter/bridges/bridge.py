@@ -161,6 +161,8 @@ class Bridge(Interface, ABC):
             Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     _ticks = 0
+    _unstopped = False
+    """Whether the tick watchdog could not stop the robot: it tries until it can, or a tick comes."""
     _late: BridgeStatus | None = None
     """The status while data are too old to drive on."""
     _failed: tuple[str, BridgeStatus, BridgeStatus] | None = None
@@ -347,9 +349,9 @@ class Bridge(Interface, ABC):
         """Stop the robot, then close the connection; idempotent. Never raises."""
         if not self._is_open:
             return
-        self.stop_all()
+        stands = self.stop_all() or not self.in_motion
         self._is_open = False
-        self._guard.end()
+        self._guard.end(stands)
         self.is_closed = True
         try:
             self.close_interface()
@@ -369,7 +371,7 @@ class Bridge(Interface, ABC):
         """Begin the tick of time `now`; ticks come every `period` seconds. Never raises."""
         self._ticks += 1
         self.latch = self._ticks
-        self.readings = {}
+        self.readings, self._unstopped = {}, False
         self.safety.tick(now, period)
         try:
             self.sense(now)
@@ -423,9 +425,11 @@ class Bridge(Interface, ABC):
         """
         sentence = self.safety.tick_overdue(now) if self.time_step is None else None
         if sentence is None:
+            if self._unstopped:
+                self._unstopped = not self._stop_now()
             return None
         notice = self.safety.notice("tick watchdog", sentence)
-        self.stop_all()
+        self._unstopped = not self.stop_all()
         return notice
 
     def lose(self, hook: str, error: BaseException) -> None:

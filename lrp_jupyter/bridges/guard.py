@@ -9,6 +9,9 @@ process was suspended may still arrive; the stop comes right after it.
 
 The process acts only where something may move: it is told so before the first command that moves the robot,
 and that it stands after a stop. So it does not disturb another driver of the same robot.
+
+It answers each beat with whether it reaches the robot, so one that is dead or suspended is noticed here, and
+another one takes its place. A robot that was guarded and is not for some seconds is disarmed.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ from typing import Any, Protocol
 
 from lrp_jupyter.bridges.safety import Notice, NoticeKind
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
+from lrp_jupyter.process import python_of
 
 SILENCE = 1.0
 """Seconds without a beat after which the process stops the robot."""
@@ -37,10 +41,14 @@ UNGUARDED = (
 
 _BEAT = 0.1  # s between two beats
 _LAPSE = 0.8 * SILENCE  # s after which this side takes itself for suspended: sooner than the other side does
-_CONNECT = 5.0  # s that the process may take to reach the robot before it is reported
-_STEADY = 5.0  # s: a process that ended earlier after its start is not started again
+_CONNECT = 10.0  # s that the process may take to reach the robot
+_AGAIN = 1.0  # s between two starts of a process
+_UNANSWERED = 30  # beats after which a process is taken for suspended
 _JOIN = 1.0  # s that ending the thread may take
 _REPORT = 0.3  # s to wait for the report of what happened meanwhile
+_HELP = 2.0  # s that the process may take to stop a robot that this one cannot stop
+# on Windows a process in the console of this one would end with its window
+_DETACHED = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0) | getattr(subprocess, "CREATE_NO_WINDOW", 0)
 
 
 def now() -> float:
@@ -106,6 +114,10 @@ class Guarded(Protocol):
         """Stop the robot and send nothing more: this process was suspended. `what` returns a sentence."""
         ...
 
+    def unguarded(self, why: str) -> None:
+        """React to the loss of the guard, which was promised: `why` is a sentence."""
+        ...
+
     def notice(self, kind: NoticeKind, text: str) -> Notice:
         """Log a notice."""
         ...
@@ -114,7 +126,8 @@ class Guarded(Protocol):
 class Guard:
     """The near end of the guard of one bridge.
 
-    Owner: its thread. `check` and `moves` are called on the thread that commands the robot, before it does.
+    Owner: its thread. `check` and `moves` are called on the thread that commands the robot, before it does;
+    `stop` on any thread.
 
     `trouble`: why the robot is not guarded; empty if it is, or if the bridge has no stopper.
     """
@@ -127,13 +140,18 @@ class Guard:
         self._moved = False  # whether the robot might move then; a watchdog may have stopped it since
         self._stopper: Stopper | None = None
         self._process: _Process | None = None
+        self._next = 0.0  # when a process may be started again
+        self._guarded: float | None = None  # when a process last reached the robot; None before
         self._end = threading.Event()
         self._thread: threading.Thread | None = None
         self._changing = threading.Lock()
         self._lapsing = threading.Lock()
 
     def start(self) -> None:
-        """Guard the robot from now on; idempotent. The process has been started when this returns."""
+        """Guard the robot from now on; idempotent.
+
+        When this returns, the process has reached the robot, or `trouble` is why it has not.
+        """
         with self._changing:
             if self.is_on:
                 return
@@ -141,23 +159,34 @@ class Guard:
                 self.trouble = "A page of a browser has neither processes nor threads."
                 return
             self.is_on, self.trouble, self._stopper = True, "", None
-            self._beat = now()
+            self._next, self._guarded, self._beat = 0.0, None, now()
             self._end = over = threading.Event()
         self._turn(over)
+        if self._process is not None:
+            self._process.known.wait(_CONNECT)
+            self._turn(over)
         self._thread = threading.Thread(target=self._run, args=(over,), name="guard", daemon=True)
         self._thread.start()
 
-    def end(self) -> None:
-        """End the process, which does nothing more to the robot; idempotent."""
+    def end(self, stands: bool = True) -> None:
+        """End the process, which does nothing more to the robot; idempotent.
+
+        `stands`: whether the robot was stopped, if it moved; if not, the process stops it first.
+        """
         with self._changing:
             self.is_on, self.trouble = False, ""
             self._end.set()
             process, self._process = self._process, None
             thread, self._thread = self._thread, None
         if process is not None:
-            process.end()
+            process.end(stands)
         if thread is not None and thread is not threading.current_thread():
             thread.join(_JOIN)
+
+    def stop(self) -> bool:
+        """Have the process stop the robot, because this one could not; return whether it has."""
+        process = self._process
+        return process is not None and process.stop()
 
     def check(self) -> None:
         """Have the bridge stop where this process was suspended; before a command is sent.
@@ -204,11 +233,18 @@ class Guard:
         try:
             self._attend(bridge, over)
         except Exception as error:  # also the bridge's own, in `stopper`
-            self._stopper = None
             self._report(bridge, sentence_of(error))
         process = self._process
         if process is not None:
+            process.unanswered += 1
             process.beat(lambda: bridge.in_motion)
+        if self._stopper is None:
+            self._guarded = None
+        elif process is not None and process.reaches:
+            self._guarded = time.monotonic()
+        elif self._guarded is not None and time.monotonic() - self._guarded > _CONNECT:
+            self._guarded = time.monotonic()
+            bridge.unguarded(self.trouble)
         return True
 
     def _lapsed(self, silence: float) -> str:
@@ -230,33 +266,27 @@ class Guard:
         changed = stopper != self._stopper
         if changed and stopper is not None and process is not None:
             changed = stopper.as_json() != process.order  # a function made for each call equals no other
-        if changed:
-            self.trouble = ""
         self._stopper = stopper
-        if process is not None and (changed or process.is_gone):
+        if process is not None and (changed or process.fate):
             with self._changing:
                 self._process = None
             process.end()
-            if not changed:
-                self._lost(bridge, process)
-        if stopper is not None and self._process is None and not self.trouble:
+            if changed:
+                self._next, self.trouble = 0.0, ""
+            else:
+                self.trouble = process.fate
+                bridge.notice("guard", f"{process.fate} Another one is started.")
+        if stopper is not None and self._process is None and time.monotonic() >= self._next:
+            self._next = time.monotonic() + _AGAIN
             process = _Process(stopper)
             with self._changing:
                 if not over.is_set():
                     self._process = process
             if over.is_set():
                 process.end()
-        if self._process is not None:
-            self._report(bridge, self._process.problem())
-
-    def _lost(self, bridge: Guarded, process: _Process) -> None:
-        """Report a process that has ended by itself; there is to be another one unless it ended at once."""
-        how = f"The guard process ended by itself (exit code {process.exit_code})"
-        if now() - process.began > _STEADY:
-            self.trouble = ""
-            bridge.notice("guard", f"{how}. Another one is started.")
-        else:
-            self._report(bridge, f"{how}. Disarm and arm the robot to start another one.")
+        process = self._process
+        if process is not None and (process.known.is_set() or process.problem()):
+            self._report(bridge, process.problem())
 
     def _report(self, bridge: Guarded, problem: str) -> None:
         before, self.trouble = self.trouble, problem
@@ -270,29 +300,33 @@ class _Process:
     """One guard process, with a thread that listens to it until it has ended.
 
     `order`: the stopper, as it was sent.
+    `known`: set as soon as it is known whether it reaches the robot.
+    `unanswered`: how many beats of the guard's thread were sent since it was heard last.
     Raises BridgeError: it cannot be started.
     """
 
     def __init__(self, stopper: Stopper) -> None:
         self.order = stopper.as_json()
         first = self.order.encode() + b"\n"
-        self.began = now()
+        self._began = time.monotonic()
+        self.known = threading.Event()
         self.stopped = threading.Event()
         self.is_gone = False
-        self.exit_code: int | None = None
-        self._is_ready = False
+        self._halted, self._refusal = threading.Event(), ""
+        self._exit_code: int | None = None
+        self._reaches = False
         self._failure = ""
+        self.unanswered = 0
         self._writing = threading.Lock()
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "lrp_jupyter.bridges.guard_process"],
+                **python_of("lrp_jupyter.bridges.guard_process"),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 bufsize=0,
                 start_new_session=True,  # neither Ctrl-C in the terminal nor the end of a kernel's group
-                creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                creationflags=_DETACHED,
             )
         except OSError as error:
             raise BridgeError(f"The guard process cannot be started: {error.strerror or error}.") from error
@@ -305,22 +339,53 @@ class _Process:
             if os.name == "posix":  # a process that hangs must not hold up a tick
                 os.set_blocking(self._pipe.fileno(), False)
 
+    @property
+    def fate(self) -> str:
+        """Why it is of no use any more: a sentence; empty while it lives and answers."""
+        if self.is_gone:
+            return f"The guard process ended by itself (exit code {self._exit_code})."
+        return "The guard process does not answer." if self._is_silent else ""
+
+    @property
+    def reaches(self) -> bool:
+        """Whether it can stop the robot."""
+        return self._reaches and not (self.is_gone or self._is_silent)
+
+    @property
+    def _is_silent(self) -> bool:
+        return self._reaches and self.unanswered > _UNANSWERED
+
     def problem(self) -> str:
         """Return why it cannot stop the robot; empty if it can, or may still be connecting."""
-        if self._failure or self._is_ready or now() - self.began < _CONNECT:
+        if self._failure or self._reaches or time.monotonic() - self._began < _CONNECT:
             return self._failure
         return f"The guard process has not reached the robot within {_CONNECT:g} s."
 
     def beat(self, moves: Callable[[], bool]) -> None:
         """Send a beat: whether the robot may move, which is asked at the last moment."""
+        self._tell(lambda: b"m" if moves() else b"s")
+
+    def stop(self) -> bool:
+        """Have it stop the robot; return whether it has, in bounded time."""
+        self._halted.clear()
+        self._tell(lambda: b"x")
+        return self._reaches and self._halted.wait(_HELP) and not self._refusal
+
+    def end(self, stands: bool = True) -> None:
+        """Have it end: without touching the robot, or after having stopped it.
+
+        One that does not answer any more could only act at a wrong time: it is killed.
+        """
+        self._tell(lambda: b"e" if stands else b"m")
+        with self._writing, contextlib.suppress(OSError):
+            self._pipe.close()
+        if self._is_silent:
+            self._process.kill()
+
+    def _tell(self, what: Callable[[], bytes]) -> None:
         with self._writing, contextlib.suppress(OSError):
             if not self._pipe.closed:
-                self._pipe.write(b"m" if moves() else b"s")
-
-    def end(self) -> None:
-        """Have it end, without touching the robot."""
-        with self._writing, contextlib.closing(self._pipe), contextlib.suppress(OSError, ValueError):
-            self._pipe.write(b"e")  # a ValueError: it is closed
+                self._pipe.write(what())
 
     def _listen(self) -> None:
         process = self._process
@@ -328,9 +393,15 @@ class _Process:
         with process.stdout as reports:
             for line in iter(reports.readline, b""):
                 what, _, text = line.decode(errors="replace").strip().partition(" ")
+                self.unanswered = 0
                 if what == "stopped":
                     self.stopped.set()
+                elif what == "halted":
+                    self._refusal = text
+                    self._halted.set()
                 else:
-                    self._is_ready, self._failure = what == "ready", text
-        self.exit_code = process.wait()
+                    self._reaches, self._failure = what == "ready", text
+                    self.known.set()
+        self._exit_code = process.wait()
         self.is_gone = True
+        self.known.set()

@@ -1,8 +1,10 @@
 """The guard process: stops a robot whose program is dead or suspended; see `lrp_jupyter.bridges.guard`.
 
 Its standard input has an order in a line: a `Stopper` as JSON, its parent, and how long that may be silent.
-Then a byte for each beat: ``m``, the robot may move; ``s``, it stands; ``e``, the end. On its standard output
-it reports ``ready``, ``failed`` with a sentence, and ``stopped``. It ends with its parent.
+Then a byte for each beat: ``m``, the robot may move; ``s``, it stands; ``x``, stop it, which the parent could
+not; ``e``, the end. On its standard output it answers beats with ``ready``, or ``failed`` and a sentence; an
+``x`` with ``halted``, and a sentence if it could not. When it has stopped the robot because there were no
+beats, it reports ``stopped``. It ends with its parent.
 """
 
 from __future__ import annotations
@@ -73,13 +75,14 @@ class _Watch:
     `silence`: seconds without a beat after which the parent is taken for suspended.
     `moves`: whether the robot may move.
     `last`: when the last beat came.
+    `asked`: whether the parent wants the robot stopped now.
     `ended`, `over`: whether the end was announced; whether there will be no more beats.
     `wake`: set with every beat.
     """
 
     def __init__(self, pipe: BufferedReader, parent: int, silence: float) -> None:
         self.silence = silence
-        self.moves = self.ended = self.over = False
+        self.moves = self.asked = self.ended = self.over = False
         self.last = now()
         self.wake = threading.Event()
         self._pipe, self._parent = pipe, parent
@@ -88,7 +91,8 @@ class _Watch:
     def _read(self) -> None:
         while beats := self._pipe.read1(4096):
             self.ended |= b"e" in beats
-            self.moves = beats[-1:] == b"m"
+            self.asked |= b"x" in beats
+            self.moves = beats[-1:] in (b"m", b"x")
             self.last = now()
             self.wake.set()
         self.finish()
@@ -132,7 +136,7 @@ def main() -> None:
 def _guard(stopper: dict[str, Any], watch: _Watch, report: Callable[..., None]) -> None:
     """Stop the robot when there are no beats, until the end."""
     robot: _Robot | None = None
-    reported, tried = "not yet", -_AGAIN
+    reported, tried, heard = "", -_AGAIN, True
     while not (watch.ended or (watch.over and not watch.moves)):
         trouble = reported if robot is None else robot.trouble()
         if robot is None and now() - tried >= _AGAIN:
@@ -141,13 +145,16 @@ def _guard(stopper: dict[str, Any], watch: _Watch, report: Callable[..., None]) 
                 robot, trouble = _Robot(_target(stopper), stopper["arguments"]), ""
             except Exception as error:  # of the stopper's class
                 trouble = sentence_of(error)
+        asked, watch.asked = watch.asked, False
+        if robot is not None and asked:
+            report("halted", _halt(robot))
         if robot is not None and watch.moves and watch.silent:
             trouble = _stop(robot, watch, report)
-        if trouble != reported:
+        if heard or trouble != reported:
             reported = trouble
             report("failed" if trouble else "ready", trouble)
         overdue = watch.last + watch.silence - now()
-        watch.wake.wait(min(_LOOK, overdue) if overdue > 0 else _LOOK)
+        heard = watch.wake.wait(min(_LOOK, overdue) if overdue > 0 else _LOOK)
         watch.wake.clear()
     if robot is not None:
         robot.close()
@@ -161,6 +168,15 @@ def _target(stopper: dict[str, Any]) -> Any:
     for part in name.split("."):
         target = getattr(target, part)
     return target
+
+
+def _halt(robot: _Robot) -> str:
+    """Stop the robot once, for a parent that lives; return what went wrong."""
+    try:
+        robot.stop()
+    except Exception as error:
+        return sentence_of(error)
+    return ""
 
 
 def _stop(robot: _Robot, watch: _Watch, report: Callable[..., None]) -> str:

@@ -308,8 +308,7 @@ class Interface:
         """Stop the robot and disarm the bridge: commands are recorded and shown, not sent."""
         if self.safety.armed:
             self.safety.armed = False  # first: a tick that begins while the robot is stopped sends nothing
-            self.stop_all()
-            self._guard.end()
+            self._guard.end(self.stop_all() or not self.in_motion)
             self.outside(RobotArmed(False), False)
             self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent.")
 
@@ -366,6 +365,19 @@ class Interface:
         self.safety.suspend(what())
         self.safety.notice("guard", self.safety.suspended)
 
+    def unguarded(self, why: str) -> None:
+        """Disarm the robot: a guard was promised, and is not there. While the robot is lost nothing is sent.
+
+        Parameters
+        ----------
+        why : str
+            A sentence.
+        """
+        if not self.safety.lost:
+            self.disarm()
+            told = f"The robot was disarmed, because it is not guarded any more. {why}"
+            self.safety.notice("guard", f"{told} Arm it to go on.")
+
     def _begin_guarding(self) -> None:
         if self.hardware and self.safety.armed:
             self._guard.start()
@@ -420,7 +432,7 @@ class Interface:
         self._stop_now()
 
     def _stop_now(self) -> bool:
-        return self.safety.run_stop(self.stop, self.stop_timeout)
+        return self.safety.run_stop(self.stop, self.stop_timeout, self._guard.stop)
 
     def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
         """Clamp a command to its limits, record it and, if allowed, perform it.
@@ -452,15 +464,23 @@ class Interface:
             safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")
         if hindrance is not None:  # a notice about stale data was logged when they became stale
             return None
-        if guard.is_on:
+        drives = guard.is_on and self.drives(method, arguments)
+        speeds = method.velocity and moves(arguments)
+        if speeds:
+            safety.may_move(method.path, method.mover)
+        if drives:
             stood = not safety.driven
-            safety.drive(method.path, self.drives(method, arguments))
-            if stood and safety.driven:
+            safety.drive(method.path, True)
+            if stood:
                 guard.moves()  # first: this process may die right after the command
-        if method.velocity:
-            safety.moving(method.path, moves(arguments), method.mover)
         try:
-            return method.perform(command)
+            result = method.perform(command)
+            # what did not return was no command: nothing is known of the robot that was not known before
+            if guard.is_on:
+                safety.drive(method.path, drives)
+            if method.velocity:
+                safety.moving(method.path, speeds, method.mover)
+            return result
         finally:
             if safety.held:  # stopped on another thread while this was being performed: the stop comes last
                 self._stop_now()

@@ -295,13 +295,18 @@ class Safety:
     def motion(self, motion: Motion) -> None:
         self._moving = motion
 
+    def may_move(self, name: str, mover: str = "") -> None:
+        """Register a velocity command that is to be sent: one of the robots may move from now on."""
+        if mover not in self._moving:
+            self.moving(name, True, mover)
+
     def moving(self, name: str, is_moving: bool, mover: str = "") -> None:
         """Register a velocity command that was sent to one of the robots."""
         others = {other: motion for other, motion in self._moving.items() if other != mover}
         self._moving = {**others, mover: (name, self.now)} if is_moving else others
 
     def drive(self, name: str, moves: bool) -> None:
-        """Register a command that is to be sent: whether the robot may move by it."""
+        """Register whether the robot may move by a command: before it is sent, if it may, and after that."""
         self._drives += moves
         if moves is not (name in self.driven):
             self.driven = self.driven | {name} if moves else self.driven - {name}
@@ -317,18 +322,27 @@ class Safety:
 
     def stopped(self) -> None:
         """Register a stop: nothing more is sent in this tick."""
-        self._moving = {}
         self.held = self.ticking or self.blocked
 
-    def run_stop(self, stop: Callable[[], None], timeout: float | None) -> bool:
+    def run_stop(
+        self, stop: Callable[[], None], timeout: float | None, instead: Callable[[], bool] = bool
+    ) -> bool:
         """Call a bridge's `stop`: on a thread of its own if it may block. Never raises.
+
+        Parameters
+        ----------
+        stop : callable
+        timeout : float or None
+            Seconds; None: it does not block.
+        instead : callable
+            Called if `stop` has failed and the robot may move; returns whether it has stopped it.
 
         Returns
         -------
         bool
             Whether it ended in time and without a fault; if not, a notice is logged.
         """
-        self._moving = {}
+        moving, self._moving = self._moving, Motion()
         drives, failures = self._drives, list[str]()
 
         def call() -> None:
@@ -351,7 +365,14 @@ class Safety:
                 thread.join(timeout)
                 if thread.is_alive():
                     failures.append(f"no answer for {timeout:g} s.")
+        if failures and self.driven and instead():
+            self.notice(
+                "guard", f"The guard process has stopped the robot. This one could not: {failures[0]}"
+            )
+            failures.clear()
         if failures:
+            again = {mover: (name, self.now) for mover, (name, _) in moving.items()}
+            self._moving = {**again, **self._moving}  # the watchdog stops it once more
             self.notice("fault", f"The robot may not have stopped: {failures[0]}")
         elif self._drives == drives:  # else another command came meanwhile, in the next tick
             self.driven = frozenset()

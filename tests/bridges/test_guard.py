@@ -118,7 +118,7 @@ os.kill(os.getpid(), signal.SIGKILL)
     "meanwhile",
     [
         pytest.param("", id="while the guard is starting"),
-        pytest.param("while not bridge._guard._process._is_ready: pass", id="right after the first command"),
+        pytest.param("while not bridge._guard._process.reaches: pass", id="right after the first command"),
     ],
 )
 def test_a_program_that_is_killed_at_once_leaves_neither_a_moving_robot_nor_a_guard(robot, meanwhile):
@@ -166,8 +166,8 @@ def drive(robot: Robot) -> Iterator[Callable[..., Driven]]:
     """Open and arm a bridge to the robot, with a stopper."""
     bridges: list[Driven] = []
 
-    def build(kind: Stopper | Exception | None) -> Driven:
-        bridge = Driven(port_of(robot))
+    def build(kind: Stopper | Exception | None, of: type[Driven] = Driven) -> Driven:
+        bridge = of(port_of(robot))
         bridge.kind = kind
         bridges.append(bridge)
         bridge.open()
@@ -186,7 +186,7 @@ def texts(bridge: Bridge, kind: str = "guard") -> list[str]:
 
 def ready(bridge: Bridge) -> bool:
     process = bridge._guard._process
-    return process is not None and process._is_ready
+    return process is not None and process.reaches
 
 
 def die(bridge: Bridge) -> None:
@@ -287,33 +287,107 @@ def test_a_stopper_that_is_made_again_each_time_is_the_same_one(robot, drive, mo
     robot.is_stopped()
 
 
-def test_a_guard_that_crashes_is_told_and_another_one_is_started(robot, drive, monkeypatch):
-    monkeypatch.setattr(guard, "_STEADY", -1.0)
+@pytest.mark.parametrize(
+    ("blow", "fate"),
+    [
+        (signal.SIGKILL, "The guard process ended by itself (exit code -9)."),
+        (signal.SIGSTOP, "The guard process does not answer."),
+    ],
+    ids=["killed", "suspended"],
+)
+def test_a_guard_that_fails_is_told_and_another_one_takes_its_place(robot, drive, blow, fate):
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
-    (process,) = guards(os.getpid())
-    os.kill(process, signal.SIGKILL)
-    told = "The guard process ended by itself (exit code -9). Another one is started."
-    until(lambda: texts(bridge) == [told])
-    until(lambda: ready(bridge))
-    assert guards(os.getpid()) != [process]
+    (first,) = guards(os.getpid())
+    os.kill(first, blow)
+    until(lambda: texts(bridge) == [f"{fate} Another one is started.", "The robot is guarded again."])
+    assert ready(bridge)
+    until(lambda: not lives(first), "it could stop the robot at any time")
+    assert bridge.failsafe == bridge.guarded_by
     bridge.robot.move(linear=0.3)
     until(lambda: 0.3 in robot.told)
     die(bridge)
     robot.is_stopped()
 
 
-def test_a_guard_that_crashes_at_once_is_told_and_arming_starts_another_one(robot, drive, monkeypatch):
-    monkeypatch.setattr(guard, "_STEADY", 60.0)
+def test_a_robot_whose_guard_cannot_be_replaced_is_stopped_and_disarmed(robot, drive, monkeypatch):
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
-    (process,) = guards(os.getpid())
-    os.kill(process, signal.SIGKILL)
-    until(lambda: "ended by itself" in bridge.failsafe)
-    assert bridge.failsafe.startswith(UNGUARDED[:-1])
-    assert "Disarm and arm the robot" in texts(bridge)[0]
-    bridge.disarm()
+    bridge.robot.move(linear=0.3)
+    until(lambda: robot.drives)
+    monkeypatch.setattr(guard, "_CONNECT", 1.0)
+    monkeypatch.setattr(sys, "executable", "no/python")
+    os.kill(*guards(os.getpid()), signal.SIGKILL)
+    robot.is_stopped()
+    until(lambda: "Arm it to go on." in texts(bridge)[-1])
+    assert texts(bridge)[-1].startswith(
+        "The robot was disarmed, because it is not guarded any more. The guard"
+    )
+    assert "cannot be started" in texts(bridge)[-1]
+    bridge.robot.move(linear=0.4)
+    assert 0.4 not in robot.told
     bridge.arm()
+    assert texts(bridge, "armed")[-1].startswith("`driven` is armed: commands move the robot. Nothing stops")
+    bridge.robot.move(linear=0.5)
+    until(lambda: 0.5 in robot.told)
+
+
+def test_a_lost_robot_is_not_disarmed_because_its_guard_has_lost_it_too(robot, drive, monkeypatch):
+    bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
+    monkeypatch.setattr(guard, "_CONNECT", 0.2)
+    bridge.set_status("lost", "The radio is silent.")
+    looked = []
+    monkeypatch.setattr(bridge, "unguarded", lambda why: (looked.append(why), Driven.unguarded(bridge, why)))
+    with monkeypatch.context() as patched:
+        patched.setattr(sys, "executable", "no/python")
+        os.kill(*guards(os.getpid()), signal.SIGKILL)
+        until(lambda: len(looked) > 2)
+    assert bridge.safety.armed
     until(lambda: ready(bridge))
-    assert bridge.failsafe == bridge.guarded_by
+
+
+def test_a_module_of_the_current_folder_is_not_in_the_way_of_the_guard(robot, drive, tmp_path, monkeypatch):
+    (tmp_path / "struct.py").write_text("raise SystemExit(7)")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend("")
+    bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
+    assert (ready(bridge), texts(bridge)) == (True, [])
+
+
+class Unstoppable(Driven, offered=False):
+    """A robot that this process cannot stop; its guard can, over a connection of its own."""
+
+    stop_timeout = 0.1
+    go = threading.Event()
+
+    def stop(self) -> None:
+        if self.kind is not None and self.kind.target is wheels.halt:
+            self.go.wait(60)
+        raise OSError("The cable is loose.")
+
+
+@pytest.mark.parametrize("target", [wheels.halt, wheels.Wheels], ids=["hangs", "raises"])
+@pytest.mark.parametrize("end", ["stop_all", "disarm", "close"])
+def test_what_this_process_cannot_stop_the_guard_does(robot, drive, monkeypatch, target, end):
+    bridge = drive(Stopper(target, {"port": port_of(robot)}), Unstoppable)
+    bridge.robot.move(linear=0.3)
+    until(lambda: robot.drives)
+    getattr(bridge, end)()
+    robot.is_stopped()
+    assert not bridge.in_motion
+    assert texts(bridge, "fault") == []
+    (told,) = texts(bridge)
+    assert told.startswith("The guard process has stopped the robot. This one could not: ")
+
+
+@pytest.mark.parametrize("end", ["disarm", "close"])
+def test_a_guard_that_is_dismissed_before_the_robot_stands_stops_it_first(robot, drive, monkeypatch, end):
+    bridge = drive(Stopper(wheels.Wheels, {"port": port_of(robot)}), Unstoppable)
+    bridge.robot.move(linear=0.3)
+    until(lambda: robot.drives)
+    (process,) = guards(os.getpid())
+    monkeypatch.setattr(guard._Process, "stop", lambda _: False)  # it is too slow to tell
+    getattr(bridge, end)()
+    robot.is_stopped()
+    until(lambda: not lives(process), "the guard lingers")
 
 
 @pytest.mark.parametrize(

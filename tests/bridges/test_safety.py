@@ -238,6 +238,70 @@ def test_a_motor_started_in_an_onentry_runs_on() -> None:
     assert bridge.calls == []
 
 
+class Slipping(Bare, offered=False):
+    """A robot whose `move` can fail after its wheels were set in motion; `error` is how."""
+
+    error: BaseException | None = None
+
+    def __init__(self) -> None:
+        super().__init__(lambda it: it.add_method("move", it.move), notes="stop", hardware=True)
+        self.open()
+        self.arm()
+
+    def move(self, linear: float = 0.0) -> None:
+        """Drive."""
+        if self.error is not None:
+            raise self.error
+        super().move(linear)
+
+    @property
+    def may_move(self) -> set[bool]:
+        """What the guard is told, and the watchdog."""
+        return {self.in_motion, bool(self.safety.motion)}
+
+
+def test_a_command_that_fails_is_none_and_the_watchdog_runs_out_again_and_again() -> None:
+    robot, stops = Slipping(), []
+    robot.error = OSError("The wheels slip.")
+    for number in range(15):
+        robot.begin_tick(number / 10, 0.1)
+        with pytest.raises(BridgeError, match="slip"):
+            robot.robot.move(linear=0.2)
+        robot.end_tick(number / 10)
+        stops.append(len(robot.calls))
+    assert stops == [0] * 5 + [1] * 6 + [2] * 4, "half a second after the first one, and so on"
+
+
+@pytest.mark.parametrize("error", [OSError("unplugged"), KeyboardInterrupt()], ids=["raises", "interrupted"])
+def test_a_robot_stands_only_after_the_command_to_stand_has_returned(error: BaseException) -> None:
+    robot = Slipping()
+    robot.robot.move(linear=0.2)
+    robot.error = error
+    with pytest.raises((BridgeError, KeyboardInterrupt)):
+        robot.robot.move(linear=0.0)
+    assert robot.may_move == {True}
+    robot.error = None
+    robot.robot.move(linear=0.0)
+    assert robot.may_move == {False}
+
+
+@pytest.mark.parametrize("watchdog", ["command", "tick"])
+def test_a_stop_that_fails_is_tried_again_until_it_succeeds(watchdog: str) -> None:
+    bridge = Bare(lambda it: it.add_method("move", it.move, "drive"), notes="stop")
+    bridge.failing["stop"] = OSError("unplugged")
+    bridge.open()
+    bridge.begin_tick(0.0, 0.1)
+    bridge.robot.move(0.2)
+    for number in range(1, 40):
+        if number == 20:
+            bridge.failing.clear()
+        tick(bridge, number / 10) if watchdog == "command" else bridge.check_watchdog(number / 10)
+    assert bridge.calls.count("stop") >= 4
+    assert not bridge.safety.motion
+    watchdogs = [text for text in texts(bridge) if "stopped: OSError" not in text]
+    assert (len(watchdogs) == 1) or watchdog == "command", "a silence is told once"
+
+
 # -- the tick watchdog ----------------------------------------------------------------------------
 
 

@@ -112,8 +112,8 @@ def test_a_suspension_is_told_once_although_two_threads_notice_it(cart, sleep, m
         assert stopped.wait(60)
         stop()
 
-    process = SimpleNamespace(stopped=threading.Event(), is_gone=False, problem=str, end=str)
-    process.beat = lambda _moves: None
+    process = SimpleNamespace(stopped=threading.Event(), known=threading.Event(), fate="", reaches=True)
+    process.unanswered, process.beat, process.problem, process.end = 0, lambda _moves: None, str, str
     monkeypatch.setattr(cart, "stop", slow_stop)
     monkeypatch.setattr(ours, "_process", process)
     monkeypatch.setattr(ours, "_lapsing", lock := NotedLock())
