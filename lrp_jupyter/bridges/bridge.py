@@ -56,6 +56,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, ClassVar
 
+from lrp_jupyter.bridges.bounded import failure_of
 from lrp_jupyter.bridges.interface import Interface, part
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
@@ -109,6 +110,7 @@ class BridgeStatus:
     sentence: str
 
 
+_CLOSING = 5.0  # s that closing a connection may take
 _UP = (ConnectionState.CONNECTED, ConnectionState.WAITING, ConnectionState.STALE)
 """The states in which the robot answers."""
 
@@ -346,19 +348,16 @@ class Bridge(Interface, ABC):
         return self._opened_panel
 
     def close(self) -> None:
-        """Stop the robot, then close the connection; idempotent. Never raises."""
+        """Stop the robot, then close the connection, in bounded time; idempotent. Never raises."""
         if not self._is_open:
             return
         stands = self.stop_all() or not self.in_motion
         self._is_open = False
         self._guard.end(stands)
         self.is_closed = True
-        try:
-            self.close_interface()
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:  # closing continues: no caller could do anything about it
-            self.safety.notice("fault", f"Closing `{self.name}` failed: {sentence_of(error)}")
+        limit = None if self.stop_timeout is None else _CLOSING
+        if failure := failure_of(self.close_interface, limit, "close the robot"):
+            self.safety.notice("fault", f"Closing `{self.name}` failed: {failure}")
         self.nodes.clear()
         self.fed.clear()
         self._late, self._failed = None, None
@@ -428,9 +427,10 @@ class Bridge(Interface, ABC):
             if self._unstopped:
                 self._unstopped = not self._stop_now()
             return None
-        notice = self.safety.notice("tick watchdog", sentence)
         self._unstopped = not self.stop_all()
-        return notice
+        return self.safety.notice(
+            "tick watchdog", f"{sentence}{'.' if self._unstopped else ': the robot was stopped.'}"
+        )
 
     def lose(self, hook: str, error: BaseException) -> None:
         """Mark the robot as lost until a hook that failed works again; the loop keeps its rate."""

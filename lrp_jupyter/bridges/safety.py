@@ -15,8 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
+from lrp_jupyter.bridges.bounded import failure_of
 from lrp_jupyter.bridges.outside import CommandsHeld
-from lrp_jupyter.errors import sentence_of
 
 NoticeKind = Literal[
     "armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "stale", "guard", "fault"
@@ -343,40 +343,18 @@ class Safety:
             Whether it ended in time and without a fault; if not, a notice is logged.
         """
         moving, self._moving = self._moving, Motion()
-        drives, failures = self._drives, list[str]()
-
-        def call() -> None:
-            try:
-                stop()
-            except BaseException as error:
-                if issubclass(type(error), KeyboardInterrupt) and timeout is None:
-                    raise  # on the caller's thread it may be Ctrl-C
-                failures.append(sentence_of(error))
-
-        if timeout is None:
-            call()
-        else:
-            thread = threading.Thread(target=call, name="stop the robot", daemon=True)
-            try:
-                thread.start()
-            except RuntimeError:  # Python 3.12 starts no thread any more while it ends
-                call()
-            else:
-                thread.join(timeout)
-                if thread.is_alive():
-                    failures.append(f"no answer for {timeout:g} s.")
-        if failures and self.driven and instead():
-            self.notice(
-                "guard", f"The guard process has stopped the robot. This one could not: {failures[0]}"
-            )
-            failures.clear()
-        if failures:
+        drives = self._drives
+        failure = failure_of(stop, timeout, "stop the robot")
+        if failure and self.driven and instead():
+            self.notice("guard", f"The guard process has stopped the robot. This one could not: {failure}")
+            failure = ""
+        if failure:
             again = {mover: (name, self.now) for mover, (name, _) in moving.items()}
             self._moving = {**again, **self._moving}  # the watchdog stops it once more
-            self.notice("fault", f"The robot may not have stopped: {failures[0]}")
+            self.notice("fault", f"The robot may not have stopped: {failure}")
         elif self._drives == drives:  # else another command came meanwhile, in the next tick
             self.driven = frozenset()
-        return not failures
+        return not failure
 
     def rest(self) -> None:
         """Expect no ticks for now: the program is paused or has ended."""
@@ -395,9 +373,9 @@ class Safety:
         }
 
     def tick_overdue(self, now: float) -> str | None:
-        """Return the notice for a loop that hangs, once for each silence, or None."""
+        """Return the beginning of the notice for a loop that hangs, once for each silence, or None."""
         last, limit = self._last_tick, patience(self.period)
         if last is None or self._overdue_reported or now - last < limit - _ROUNDING:
             return None
         self._overdue_reported = True
-        return f"No tick for {now - last:.1f} s: the robot was stopped."
+        return f"No tick for {now - last:.1f} s"

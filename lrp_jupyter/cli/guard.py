@@ -7,6 +7,7 @@ reaches nothing when the network is cut. This one runs on the robot, or beside i
 from __future__ import annotations
 
 import json
+import os
 import signal
 import threading
 import time
@@ -22,6 +23,7 @@ from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros import RosBridge, backends
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.bridges.ros.setup import parse_address
+from lrp_jupyter.cli.terminal import Output
 from lrp_jupyter.errors import BridgeError
 
 MQTT = "mqtt"
@@ -44,12 +46,15 @@ def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, a
         robot = MqttSide(topic or "robot/cmd_vel", host)
     else:
         robot = RosSide(topic or "/cmd_vel", type_, backend=backend, host=host)
+    output = Output()
     try:
-        watch(robot, after, _say, threading.Event())
+        watch(robot, after, lambda sentence: output(_say, sentence), threading.Event())
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
     finally:
         robot.close()
+        if not output.end(lambda: True):
+            os._exit(128 + signal.SIGINT)  # Python would wait for the output that nobody takes
     return 0
 
 
@@ -85,7 +90,7 @@ def watch(robot: Side, after: float, say: Callable[[str], object], over: threadi
     `say`: called with a sentence whenever the robot is stopped, or the connection has changed.
     `over`: ends it.
     """
-    state, stopped, stops = "", 0.0, 0
+    state, stopped, stops, told = "", 0.0, 0, True
     while not over.wait(_LOOK):
         if robot.state() != state:
             state = robot.state()
@@ -94,12 +99,14 @@ def watch(robot: Side, after: float, say: Callable[[str], object], over: threadi
         if is_moving and time.monotonic() - moment < after:
             stops = 0
         elif is_moving and moment != stopped:
-            stopped, stops = moment, _STOPS
-            say(f"No command for {after:g} s, and the last one moves the robot. It is stopped.")
+            stopped, stops, told = moment, _STOPS, False
         if stops:
             with suppress(BridgeError):  # it is tried until the robot is found again
                 robot.stop()
                 stops -= 1
+                if not told:
+                    told = True
+                    say(f"No command for {after:g} s, and the last one moved the robot. It was stopped.")
 
 
 class RosSide:
@@ -160,11 +167,12 @@ class MqttSide:
         self._topic, self._place = topic, str(address)
         self._command: Any = {}
         self._unread = ""  # what came last, if it is no JSON
+        self._refused = ""  # why the broker has not accepted the subscription
         self._hears = False  # a command before the broker has accepted the subscription is missed
         self.heard = (0.0, False)
         self._client = client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
         client.on_connect = lambda *_: client.subscribe(topic)
-        client.on_subscribe = lambda *_: setattr(self, "_hears", True)
+        client.on_subscribe = self._accept
         client.on_disconnect = lambda *_: setattr(self, "_hears", False)
         client.on_message = self._hear
         client.reconnect_delay_set(1, 1)
@@ -173,6 +181,10 @@ class MqttSide:
         except OSError as error:
             raise BridgeError(f"No MQTT broker answers at {self._place} ({error}).") from error
         client.loop_start()
+
+    def _accept(self, _client: object, _data: object, _id: int, codes: list[Any], _: object) -> None:
+        self._hears = not codes[0].is_failure
+        self._refused = str(codes[0]) if codes[0].is_failure else ""
 
     def _hear(self, _client: object, _data: object, message: Any) -> None:
         try:
@@ -183,6 +195,9 @@ class MqttSide:
 
     def state(self) -> str:
         """Return a sentence about the connection."""
+        if self._refused:
+            why = f"does not let this guard read `{self._topic}` ({self._refused})."
+            return f"The MQTT broker at {self._place} {why}"
         if not self._hears:
             return f"The MQTT broker at {self._place} does not answer."
         if self._unread:

@@ -1,13 +1,14 @@
 """``lrp run``: run a program, display and trace it, and patch it while it runs.
 
-The interpreter and its robot run on a thread of their own. The main thread refreshes the display twelve
-times a second, prints events, reads keys and waits for signals, so Ctrl-C is handled at once, whatever a
-block does.
+The interpreter and its robot run on a thread of their own. The main thread composes the display twelve
+times a second, reads keys and waits for signals; a third one writes. So Ctrl-C is handled at once, whatever a
+block does, and whether or not the terminal takes any output.
 """
 
 from __future__ import annotations
 
 import math
+import os
 import random
 import select
 import signal
@@ -35,7 +36,7 @@ from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, with_initials
 from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
-from lrp_jupyter.cli.terminal import Keys, recorded_signals
+from lrp_jupyter.cli.terminal import Keys, Output, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.issues import Issue
@@ -74,8 +75,19 @@ def run_file(file: str, wanted: RunOptions) -> int:
         _check_state(program, wanted.until)
     if source.path is not None:
         sys.path.insert(0, str(source.path.parent.absolute()))  # for imports of modules beside the file
+    with ExitStack() as outputs:
+        trace = _opened(wanted.trace, outputs)
+        code, is_written = _run(running, source, wanted, trace, program)
+        if not is_written:
+            os._exit(code)  # Python would wait for the output that nobody takes
+    return code
+
+
+def _run(
+    running: Program, source: Source, wanted: RunOptions, trace: IO[str] | None, program: Program | None
+) -> tuple[int, bool]:
+    """Run a program and close its robot; return the exit code, and whether all output was written."""
     with ExitStack() as stack:
-        trace = _opened(wanted.trace, stack)
         bridge = open_robot(source, wanted)
         stack.callback(bridge.close)
         session = Session(
@@ -209,11 +221,13 @@ class _Run:
         self._caught: list[int] = []  # signals that end the run, including that of a closed pipe
         self._quit = False  # by the key q
         self._trace = trace
+        self._cut = False  # the trace is not read any more
         self._events = EventCollector(wanted.seconds, wanted.until, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(Console(highlight=False, markup=False, emoji=False)) if drawn else None
         self._printer = EventPrinter(console, quiet=wanted.trace == "-")
+        self._output = Output()
         self._keys: Keys | None = None  # only where there is a keyboard
         self._saved: SimpleQueue[str | FileError] = SimpleQueue()
         self._differs = ""  # why the file on disk is not what runs
@@ -261,15 +275,28 @@ class _Run:
 
     def print(self, what: RenderableType) -> None:
         """Print a line that stays."""
-        (self._board or self._printer).print(what)
+        self._output((self._board or self._printer).print, what)
 
-    def go(self, program: Program | None) -> int:
-        """Run to the end and return the exit code."""
-        session, wanted = self.session, self.wanted
-        session.observe(self._events)
-        pace = self.pace
+    def _complain(self, what: RenderableType) -> None:
+        self._output(plain_console(stderr=True).print, what)
+
+    def go(self, program: Program | None) -> tuple[int, bool]:
+        """Run to the end; return the exit code, and whether all output was written."""
+        self.session.observe(self._events)
+        with recorded_signals(self._wake) as self._caught:
+            try:
+                code = self._end(*self._go(program))
+            finally:
+                is_written = self._output.end(lambda: bool(self._caught))
+        failure = self._output.failure
+        if failure is not None and not self._caught:
+            raise failure
+        return (code if is_written else 128 + self._caught[0]), is_written
+
+    def _go(self, program: Program | None) -> tuple[Frame, float, bool]:
+        """Run; return the last frame, the wall seconds, and whether it is paused and nobody can resume it."""
+        session, wanted, pace = self.session, self.wanted, self.pace
         with ExitStack() as stack:
-            self._caught = stack.enter_context(recorded_signals(self._wake))
             if self._board is not None:
                 keys = stack.enter_context(Keys())
                 self._keys = keys if keys.usable else None
@@ -280,14 +307,15 @@ class _Run:
             else:
                 _report(self.print, self.source.name, program.text, session.check(program))
             if self._board is not None:
-                stack.enter_context(self._board)
+                self._output(self._board.__enter__)
+                stack.callback(self._output, self._board.__exit__)
             began = perf_counter()
             alone = False
             if wanted.seconds < math.inf:
                 stack.enter_context(watched_lock(LIMIT))
             try:
                 pace.start()
-                while not (self._caught or self._quit or self._overdue() or alone or pace.is_over()):
+                while not (self._must_end() or self._overdue() or alone or pace.is_over()):
                     with suppress(Empty):
                         self._wake.get(timeout=self._pause_between_refreshes())
                     self._refresh()
@@ -301,8 +329,12 @@ class _Run:
             frame = session.frame
             self._draw_last()
             self._keys = None
-            self._refresh()
-        return self._end(frame, wall, alone)
+            self._refresh(is_last=True)
+        return frame, wall, alone
+
+    def _must_end(self) -> bool:
+        """Return whether a person wants the end, or cannot see anything any more."""
+        return bool(self._caught) or self._quit or self._output.failure is not None
 
     def _overdue(self) -> bool:
         """Return whether a run of limited length cannot end, because a block does not return."""
@@ -316,7 +348,7 @@ class _Run:
 
     # -- one refresh --------------------------------------------------------------------------------
 
-    def _refresh(self) -> None:
+    def _refresh(self, is_last: bool = False) -> None:
         self._write_trace()
         self._apply_saves()
         self._print_edits()
@@ -324,25 +356,27 @@ class _Run:
         frame = self.pace.displayed(self.session.frame)
         self._print_events(frame)
         self._print_hang(frame)
-        if self._board is not None:
-            self._board.show(self._board_state(frame))
+        if self._board is not None and (is_last or not self._output.is_behind):
+            self._output(self._board.show, self._board_state(frame))
 
     def _write_trace(self) -> None:
         lines, trace = self._events.lines, self._trace
         if trace is None:
             lines.clear()
             return
-        try:
-            while lines:
-                trace.write(lines.popleft())
-            trace.flush()
-            gone = _has_no_reader(trace)  # an idle program writes nothing, so no error would show it
-        except BrokenPipeError:
-            gone = True
-        if gone:
+        if lines:
+            self._output(self._append, trace, [lines.popleft() for _ in range(len(lines))])
+        if self._cut or _has_no_reader(trace):  # an idle program writes nothing, so no error would show it
             self._caught.append(getattr(signal, "SIGPIPE", 13))
             self._trace = None
             sys.stdout = open("/dev/null", "w")  # noqa: SIM115  (closing the real one would fail again)
+
+    def _append(self, trace: IO[str], lines: list[str]) -> None:
+        try:
+            trace.writelines(lines)
+            trace.flush()
+        except BrokenPipeError:
+            self._cut = True
 
     def _print_events(self, frame: Frame) -> None:
         pending = self._events.pending
@@ -353,7 +387,7 @@ class _Run:
             if event.kind == "restarted":
                 self._events.since.clear()
             if self._board is None:
-                self._printer.write(event, frame.program.text)
+                self._output(self._printer.write, event, frame.program.text)
         self._printed, printed = self.session.output.since(self._printed)
         for line in printed:
             self.print(line)
@@ -387,7 +421,7 @@ class _Run:
         words = f"{frame.time:8.1f} s  hung: {hung}"
         if self.wanted.watch:
             words += " Save the corrected file: that interrupts the block."
-        show = self.print if self._board is not None else plain_console(stderr=True).print
+        show = self.print if self._board is not None else self._complain
         show(Text(words, "bold red"))
 
     def _board_state(self, frame: Frame) -> BoardState:
@@ -518,12 +552,12 @@ class _Run:
 
     def _end(self, frame: Frame, wall: float, alone: bool) -> int:
         if self.session.fault:
-            plain_console(stderr=True).print(
+            self._complain(
                 f"lrp: The interpreter itself failed, not your program. Report this:\n{self.session.fault}"
             )
             return 3
         if self._stuck:
-            plain_console(stderr=True).print(f"lrp: {self._stuck}")
+            self._complain(f"lrp: {self._stuck}")
         elif alone:
             by = frame.paused_by
             why = f" at an issue:\n{by.traceback or by}" if isinstance(by, Issue) else f": {frame.reason}"
@@ -549,11 +583,9 @@ class _Run:
         with suppress(LRPError):
             for each in self.session.breakpoints:
                 if each.problem:
-                    plain_console(stderr=True).print(
-                        Text(
-                            f"lrp: The condition `{each.name}` of --break could not be evaluated: "
-                            f"{each.problem} It can read global variables and `robot`."
-                        )
+                    self._complain(
+                        f"lrp: The condition `{each.name}` of --break could not be evaluated: "
+                        f"{each.problem} It can read global variables and `robot`."
                     )
 
 

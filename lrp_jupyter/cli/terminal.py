@@ -1,4 +1,8 @@
-"""The terminal of a run: single keys, read without waiting, and the signals that end the run."""
+"""The terminal of a run: single keys, read without waiting; the signals that end the run; and its output.
+
+What commands a robot never waits for an output: a terminal after Ctrl-S, or a pipe that is not read, may
+accept nothing for as long as it likes.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,10 @@ import os
 import select
 import signal
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from queue import SimpleQueue
 from types import TracebackType
 from typing import Any, Self
@@ -17,6 +23,9 @@ try:
     import tty
 except ImportError:  # pragma: no cover  (Windows: the run is ended by Ctrl-C)
     termios = None  # type: ignore[assignment]
+
+_PATIENCE = 2.0  # s that a person who wants the end waits for the output
+_LOOK = 0.1  # s between two looks
 
 
 class Keys:
@@ -36,7 +45,7 @@ class Keys:
             descriptor = sys.stdin.fileno()
             if os.tcgetpgrp(descriptor) == os.getpgrp():  # in the background it would be stopped
                 self._before = termios.tcgetattr(descriptor)
-                tty.setcbreak(descriptor)
+                tty.setcbreak(descriptor, termios.TCSANOW)  # else it waits until all output was taken
                 self._descriptor = descriptor
         return self
 
@@ -44,7 +53,7 @@ class Keys:
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._descriptor is not None:
-            termios.tcsetattr(self._descriptor, termios.TCSADRAIN, self._before)
+            termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
             self._descriptor = None
 
     def pressed(self) -> str:
@@ -56,6 +65,49 @@ class Keys:
                 break
             keys += data.decode(errors="ignore")
         return keys
+
+
+class Output:
+    """Makes calls that write, one after the other, on a thread of its own.
+
+    `failure`: what one of them raised; no later one is made.
+    """
+
+    def __init__(self) -> None:
+        self.failure: BaseException | None = None
+        self._calls: SimpleQueue[Callable[[], object] | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="lrp output", daemon=True)
+
+    def __call__(self, call: Callable[..., object], *arguments: object) -> None:
+        """Have a call made, after the earlier ones; on one thread."""
+        self._calls.put(partial(call, *arguments))
+        if self._thread.ident is None:
+            self._thread.start()
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether earlier calls wait."""
+        return not self._calls.empty()
+
+    def end(self, hurried: Callable[[], bool]) -> bool:
+        """Wait until all calls were made; return whether they were.
+
+        `hurried`: returns whether a person wants the end: then it waits a little only.
+        """
+        self._calls.put(None)
+        left = _PATIENCE
+        while self._thread.is_alive() and left > 0:
+            self._thread.join(_LOOK)
+            left -= _LOOK if hurried() else 0.0
+        return not self._thread.is_alive()
+
+    def _run(self) -> None:
+        while (call := self._calls.get()) is not None:
+            if self.failure is None:
+                try:
+                    call()
+                except BaseException as error:
+                    self.failure = error
 
 
 @contextmanager

@@ -84,20 +84,28 @@ class Robot:
 
 
 class CommandLine:
-    """``lrp run``, without a keyboard; `before` is code that runs before it."""
+    """``lrp run``, without a keyboard; `before` is code that runs before it, `stdout` a descriptor."""
 
-    def __init__(self, robot: Robot, folder: Path, text: str = PROGRAM, before: str = "") -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        folder: Path,
+        text: str = PROGRAM,
+        before: str = "",
+        options: Sequence[str] = (),
+        stdout: int | None = None,
+    ) -> None:
         program = folder / "drive.lrp"
         program.write_text(text, encoding="utf-8")
         code = _LRP.format(imports=robot.imports, before=before)
         self._log = folder / "log"
         with self._log.open("w") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", code, "run", str(program), *robot.arguments],
+                [sys.executable, "-c", code, "run", str(program), *robot.arguments, *options],
                 env={**robot.environment, "PYTHONWARNINGS": ""},
                 stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=subprocess.STDOUT,
+                stdout=log if stdout is None else stdout,
+                stderr=log,
                 start_new_session=True,
             )
         self.pid = self.process.pid

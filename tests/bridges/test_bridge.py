@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from support.robots import Bare
 
+from lrp_jupyter.bridges import bridge as bridge_module
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, MemberError, NullBridge, Robot, Twist, attach
 from lrp_jupyter.bridges.panel import Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
@@ -475,6 +476,17 @@ def test_closing_continues_when_the_bridge_fails(noted: Bare) -> None:
     noted.close()
     assert not noted.is_open
     assert noted.safety.notices[-1].text == "Closing `test-bare` failed: OSError: gone."
+
+
+def test_closing_does_not_wait_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bridge_module, "_CLOSING", 0.05)
+    go = threading.Event()
+    stuck = Bare(close_interface=go.wait, stop_timeout=60.0)
+    stuck.open()
+    stuck.close()
+    assert stuck.safety.notices[-1].text == "Closing `test-bare` failed: no answer for 0.05 s."
+    assert stuck.status.sentence == "`test-bare` is closed."
+    go.set()
 
 
 def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_continues(noted: Bare) -> None:

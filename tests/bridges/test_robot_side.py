@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -128,6 +129,38 @@ def test_a_robot_whose_commands_cease_is_stopped_until_ctrl_c(robot, port, runni
             assert "No command for 0.5 s" in process.stdout.readline()
         process.send_signal(signal.SIGINT)
         assert process.wait(60) == 130
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows has other pipes")
+def test_a_guard_whose_terminal_is_stuck_stops_the_robot_all_the_same(robot, port, running):
+    robot.connect()
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    with suppress(BlockingIOError):
+        while True:
+            os.write(writer, b" " * 65536)
+    os.set_blocking(writer, True)
+    options = ("--backend", "mqtt", "--host", f"127.0.0.1:{port}", "--topic", TOPIC)
+    command = [sys.executable, "-m", "lrp_jupyter", "guard", *options]
+    with subprocess.Popen(command, stdout=writer, stderr=subprocess.DEVNULL) as process:
+        robot.client.publish(TOPIC, json.dumps({"linear": 0.2}), retain=True)  # it may connect later
+        until(lambda: {"linear": 0.0} in robot.told())
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 130
+    os.close(reader)
+    os.close(writer)
+
+
+def test_a_broker_that_refuses_to_be_read_is_told(side):
+    from paho.mqtt.packettypes import PacketTypes
+    from paho.mqtt.reasoncodes import ReasonCode
+
+    refusal = ReasonCode(PacketTypes.SUBACK, identifier=0x87)
+    side._client.on_subscribe(side._client, None, 1, [refusal], None)
+    refused = "does not let this guard read `robot/cmd_vel` (Not authorized)."
+    assert side.state().endswith(refused)
+    with pytest.raises(BridgeError, match="does not let this guard read"):
+        side.stop()
 
 
 def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot, side):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 
 import pytest
@@ -40,10 +41,10 @@ class Commanded:
             self.heard = (self.commands.pop(0), True)
         return self.now > 110
 
-    def is_guarded(self, *commands: float) -> None:
+    def is_guarded(self, *commands: float, say: Callable[[str], object] | None = None) -> None:
         """Be commanded to drive at these seconds, and guarded for ten."""
         self.commands = [self.now + at for at in commands]
-        guard.watch(self, 0.5, self.said.append, self)  # type: ignore[arg-type]
+        guard.watch(self, 0.5, say or self.said.append, self)  # type: ignore[arg-type]
 
 
 @pytest.fixture
@@ -59,7 +60,7 @@ def test_a_robot_is_stopped_half_a_second_after_the_last_command_and_may_join_la
     assert len(robot.stops) == 100, "hearing the first one says nothing about the robot"
     assert robot.said == [
         "Connected.",
-        "No command for 0.5 s, and the last one moves the robot. It is stopped.",
+        "No command for 0.5 s, and the last one moved the robot. It was stopped.",
     ]
 
 
@@ -70,8 +71,10 @@ def test_a_robot_that_is_commanded_in_time_is_left_alone(robot: Commanded) -> No
 
 def test_a_stop_that_cannot_be_sent_is_tried_again(robot: Commanded) -> None:
     robot.is_away = True
-    robot.is_guarded(0.1)
+    told = lambda sentence: robot.said.append(f"{len(robot.stops)} stops: {sentence}")  # noqa: E731
+    robot.is_guarded(0.1, say=told)
     assert len(robot.stops) == 100
+    assert robot.said[-1].startswith("1 stops: No command"), "nothing is said before it is true"
 
 
 def test_a_driver_that_is_back_ends_the_stops(robot: Commanded) -> None:
