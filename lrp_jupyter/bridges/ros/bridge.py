@@ -264,6 +264,17 @@ class RosBridge(Bridge):
         " off, nothing does, unless `lrp guard` runs on the robot or its driver stops it when commands stop."
     )
 
+    @property
+    def failsafe(self) -> str:
+        """Who stops the robot when this program or this computer dies, and what no stop reaches."""
+        sent = [channel for channel in self.wiring.channels if channel.wire.direction == "publisher"]
+        reached = [f"`{channel.wire.topic}`" for channel in sent if channel.is_velocity]
+        others = [f"`{channel.wire.topic}`" for channel in sent if not channel.is_velocity]
+        if not others:
+            return super().failsafe
+        how = f"Every stop is a velocity of zero on {' and '.join(reached)}" if reached else "No stop is sent"
+        return f"{super().failsafe} {how}: what a message on {' or '.join(others)} has begun goes on."
+
     def stopper(self) -> Stopper | None:
         """Return a bridge with the same velocity topics and a connection of its own."""
         topics = {

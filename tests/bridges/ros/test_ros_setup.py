@@ -475,3 +475,23 @@ def test_an_address_that_is_none_is_refused(ros: RosBridge) -> None:
 )
 def test_a_sentence_ends_once(reason: str, sentence: str) -> None:
     assert ended(reason) == sentence
+
+
+def test_arming_names_what_every_stop_reaches_and_what_goes_on(make: Make) -> None:
+    wires = {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}}
+    ros = make(setup={"publishers": wires})
+    ros.open()
+    plain = ros.failsafe
+    ros.connect(Wire("goal", "publisher", "/move_base_simple/goal", "geometry_msgs/PoseStamped"), wait=False)
+    ros.connect(Wire("lamp", "publisher", "/lamp", "std_msgs/Bool"), wait=False)
+    said = (
+        " Every stop is a velocity of zero on `/cmd_vel`:"
+        " what a message on `/move_base_simple/goal` or `/lamp` has begun goes on."
+    )
+    assert ros.failsafe == plain + said
+    ros.arm()
+    assert ros.safety.notices[-1].text.endswith(said)
+    ros.remove("move")
+    assert ros.failsafe.endswith(
+        " No stop is sent: what a message on `/move_base_simple/goal` or `/lamp` has begun goes on."
+    )
