@@ -32,6 +32,7 @@ __all__ = [
     "ended",
     "listed",
     "name_of",
+    "printable",
     "sentence_of",
 ]
 
@@ -245,6 +246,14 @@ def most_similar(name: str, names: Iterable[str], likeness: float = 0.55) -> tup
     known = list(names)
     same = [each for each in known if each.casefold() == name.casefold()]
     return tuple(same[:1] or get_close_matches(name, known, n=1, cutoff=likeness))
+
+
+def printable(text: str, kept: str = "") -> str:
+    """Return a stranger's text as it may be shown: what a terminal obeys, or no file holds, by its number.
+
+    `kept`: characters that stay as they are.
+    """
+    return "".join(each if each.isprintable() or each in kept else f"<U+{ord(each):04X}>" for each in text)
 
 
 def sentence_of(error: BaseException) -> str:

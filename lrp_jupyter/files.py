@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from lrp_jupyter.errors import FileError, LRPError, ended, sentence_of
+from lrp_jupyter.errors import FileError, LRPError, ended, printable, sentence_of
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
@@ -153,5 +153,5 @@ def decoded(data: bytes, name: str) -> str:
 
 def shown(path: str | os.PathLike[str]) -> str:
     """Return a path as a message shows it: without control characters, and not endless."""
-    text = "".join(each if each.isprintable() else f"<U+{ord(each):04X}>" for each in os.fspath(path))
+    text = printable(os.fspath(path))
     return text if len(text) <= 120 else f"{text[:60]}…{text[-58:]}"

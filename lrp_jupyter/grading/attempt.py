@@ -6,12 +6,12 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
+from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError, printable
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import Verdict
+from lrp_jupyter.grading.criteria.criterion import State, Verdict
 from lrp_jupyter.grading.hints import hints_of
 from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.grading.referee import Referee
@@ -97,16 +97,70 @@ class Attempt(NamedTuple):
         return {**self._asdict(), "verdicts": [verdict._asdict() for verdict in self.verdicts]}
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Attempt:
-        """Return the attempt that plain data describes."""
-        return cls(
-            **{
-                **data,
-                "verdicts": tuple(Verdict(**verdict) for verdict in data["verdicts"]),
-                "hints": tuple(data["hints"]),
-                "path": tuple((x, y) for x, y in data["path"]),
-            }
-        )
+    def from_dict(cls, data: Any) -> Attempt:
+        """Return the attempt that plain data describes.
+
+        Raises ValueError: it describes none.
+        """
+        try:
+            return cls(
+                world=_text(data["world"]),
+                seed=_number(data["seed"], int),
+                seconds=_number(data["seconds"]),
+                verdicts=tuple(map(_verdict, data["verdicts"])),
+                hints=tuple(map(_text, data["hints"])),
+                share=_share(data["share"]),
+                ended=_one_of(data["ended"], get_args(Ended)),
+                path=tuple((_number(x), _number(y)) for x, y in data["path"]),
+            )
+        except (TypeError, LookupError) as error:
+            raise ValueError("This is no attempt.") from error
+
+    def of(self, job: Job) -> Attempt:
+        """Return this attempt as that of a job.
+
+        Raises ValueError: it is not judged by the criteria of the challenge.
+        """
+        expected = [_text(each.sentence) for each in job.task.criteria]
+        judged = [verdict.sentence for verdict in self.verdicts]
+        if not self.ended and judged[: len(expected)] != expected:
+            raise ValueError("This is an attempt at another challenge.")
+        return self._replace(world=job.world_name, seed=job.seed)
+
+
+_LONGEST = 10_000  # characters of a text of an attempt
+
+
+def _text(value: object) -> str:
+    """Return a text without what a terminal obeys and no file can hold; a program may have written it."""
+    if not isinstance(value, str):
+        raise TypeError("An attempt has something else than a text.")
+    return printable(value[:_LONGEST], "\n\t")
+
+
+def _number(value: Any, *kinds: type) -> Any:
+    if type(value) not in (kinds or (int, float)) or not -1e15 < value < 1e15:
+        raise TypeError("An attempt has something else than a number that can be shown.")
+    return value
+
+
+def _share(value: Any) -> Any:
+    return min(1, max(0, _number(value)))
+
+
+def _one_of(value: Any, values: Sequence[Any]) -> Any:
+    return values[values.index(value)]  # a ValueError: it is none of them
+
+
+def _verdict(data: Any) -> Verdict:
+    return Verdict(
+        _text(data["sentence"]),
+        _one_of(data["passed"], (True, False)),
+        _text(data["reason"]),
+        _share(data["share"]),
+        _one_of(data["state"], get_args(State)),
+        None if data["decided"] is None else _number(data["decided"]),
+    )
 
 
 def failed(job: Job, ended: Ended, sentence: str, reason: str, hint: str = "") -> Attempt:

@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from typing import Any
 
 from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.grading.worker import Request
 
 _LOCAL = "127.0.0.1:0"  # any port, for this machine only
 _CONNECTING = 20.0  # s until a scheduler must have answered
@@ -32,7 +33,7 @@ class Cluster:
 
     patience = 5.0
 
-    def __init__(self, address: str, make: Callable[[bytes], bytes], processes: int) -> None:
+    def __init__(self, address: str, make: Callable[[Request], bytes], processes: int) -> None:
         try:
             import distributed
         except ImportError as error:
@@ -73,7 +74,7 @@ class Cluster:
             raise self._gone(error) from error
         return max(1, threads)
 
-    def submit(self, request: bytes) -> Future[bytes]:
+    def submit(self, request: Request) -> Future[bytes]:
         """Have a run made."""
         future: Future[bytes] = self._executor.submit(self._make, request)
         return future

@@ -14,19 +14,20 @@ from __future__ import annotations
 import atexit
 import json
 import os
+import secrets
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
-from typing import Protocol
+from typing import IO, Protocol
 
-from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
 from lrp_jupyter.grading.cluster import Cluster
-from lrp_jupyter.grading.worker import receive, send
+from lrp_jupyter.grading.worker import ENDS, FORKS, LATE, LOST, MARK, Request, end_started, receive, send
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.checkpoints import names_of
@@ -90,7 +91,15 @@ def run_jobs(
             for future in sorted(done, key=running.__getitem__):
                 index = running.pop(future)
                 try:
-                    made = _made(jobs[index], crew.result(future))
+                    answered = crew.result(future)
+                except LRPError:
+                    if not (queue.has_ended and queue.again(index)):
+                        raise
+                    continue
+                if answered == LOST and queue.again(index):
+                    continue
+                try:
+                    made = _made(jobs[index], answered)
                 except LRPError as error:
                     if not keep_going:
                         raise
@@ -108,18 +117,41 @@ class _Queue:
         self._alone = len({job.texts for job in jobs}) == 1
         self._busy: list[tuple[str, ...]] = []  # the programs that run
         self._proven: set[tuple[str, ...]] = set()  # those of which a run came to its end
+        self._lost: dict[int, bool] = {}  # those that are made again, and whether they still wait
 
     def next(self) -> int | None:
         """Return the index of the run that is to begin now; None if there is none."""
         found = next(filter(self._may_begin, self._waiting), None)
+        if found is None and not self._busy:
+            found = next((index for index, waits in self._lost.items() if waits), None)
         if found is not None:
-            del self._waiting[found]
+            self._waiting.pop(found, None)
+            if found in self._lost:
+                self._lost[found] = False
             self._busy.append(self._jobs[found].texts)
         return found
 
     def _may_begin(self, index: int) -> bool:
         texts = self._jobs[index].texts
+        if any(waits and self._jobs[lost].texts == texts for lost, waits in self._lost.items()):
+            return False
         return not self._stop_at_end or self._alone or texts in self._proven or texts not in self._busy
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether any run has come to its end."""
+        return bool(self._proven)
+
+    def again(self, index: int) -> bool:
+        """Note that a run was lost, and that it is to be made again, alone; return False if that was done.
+
+        Another program may have ended its process.
+        """
+        if index in self._lost:
+            return False
+        self._lost[index] = True
+        self._busy.remove(self._jobs[index].texts)
+        return True
 
     def end(self, index: int, made: Attempt) -> None:
         """Note that a run has ended."""
@@ -144,7 +176,7 @@ class _Crew(Protocol):
     @property
     def patience(self) -> float: ...
 
-    def submit(self, request: bytes) -> Future[bytes]:
+    def submit(self, request: Request) -> Future[bytes]:
         """Have a run made."""
 
     def result(self, future: Future[bytes]) -> bytes:
@@ -163,7 +195,7 @@ class _Processors:
         self.size, self._halt = size, halt
         self._pool = ThreadPoolExecutor(size, "lrp grading")
 
-    def submit(self, request: bytes) -> Future[bytes]:
+    def submit(self, request: Request) -> Future[bytes]:
         return self._pool.submit(answer, request, self._halt)
 
     def result(self, future: Future[bytes]) -> bytes:
@@ -174,63 +206,132 @@ class _Processors:
         self._pool.shutdown()
 
 
-_ENDING = 5.0  # s that a worker has to end by itself
+_STARTING = 120.0  # s that a worker may take until it is ready
+_ENDING = 5.0  # s that it has to end by itself
 
 
 class _Worker:
     """The near end of a worker.
 
     `serves`: the event that stops the run that it makes; None while it is idle.
+    `lasts`: whether it makes more than one run.
+    Raises LRPError: it cannot be started.
     """
 
     def __init__(self) -> None:
-        self.process = subprocess.Popen(
-            **python_of("lrp_jupyter.grading.worker"),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C in a terminal is for the command that grades
-        )
-        self.serves: threading.Event | None = None
-
-    def ask(self, request: bytes) -> bytes:
-        """Send a request and return the answer; empty if the worker has ended."""
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
+        self._mark = f"{MARK}={secrets.token_hex(8)}"
+        started = python_of("lrp_jupyter.grading.worker")
+        name, _, value = self._mark.partition("=")
+        started["env"] |= {
+            name: value,
+            "PYTHONHASHSEED": "0",
+        }  # the order of a set of texts is that of any run
         try:
-            send(self.process.stdin, request)
-            return receive(self.process.stdout)
-        except (OSError, ValueError):  # a ValueError: the pipe was closed by `stop`
-            return b""
+            self.process = subprocess.Popen(
+                **started,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                start_new_session=True,  # Ctrl-C in a terminal is for the command that grades
+            )
+        except OSError as error:
+            raise _unstarted(error.strerror or str(error)) from error
+        self.serves: threading.Event | None = None
+        self._is_ready = self.lasts = False
 
-    def stop(self) -> None:
-        """Let the process end soon, and the run that it makes.
+    def ask(self, request: Request) -> bytes:
+        """Send a request and return the answer; empty if the worker has ended.
 
-        A worker that is killed could not end the process that it has forked for a run.
+        Raises LRPError: the worker could not begin.
         """
         assert self.process.stdin is not None
-        if hasattr(os, "fork"):
+        assert self.process.stdout is not None
+        if not self._is_ready:
+            self._begin(self.process.stdout)
+        with self._at_most(request.patience) as is_late, suppress(OSError, ValueError):
+            send(self.process.stdin, request.job)
+            if answer := receive(self.process.stdout):
+                return answer
+        if self.lasts:
+            return LOST
+        return LATE if is_late.is_set() else b""
+
+    def _begin(self, answers: IO[bytes]) -> None:
+        assert self.process.stderr is not None
+        with self._at_most(_STARTING), self.process.stderr as complaints:
+            ready = receive(answers)
+            if ready not in (FORKS, ENDS):
+                words = complaints.read().decode(errors="replace").split("\n")
+                raise _unstarted(next(filter(None, map(str.strip, reversed(words))), "it has ended"))
+        self._is_ready, self.lasts = True, ready == FORKS
+
+    @contextmanager
+    def _at_most(self, seconds: float) -> Iterator[threading.Event]:
+        """End the process, so that no pipe of it blocks, after some time; yield whether this has happened."""
+        is_late = threading.Event()
+
+        def give_up() -> None:
+            is_late.set()
+            self.kill()
+
+        timer = threading.Timer(seconds, give_up)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield is_late
+        finally:
+            timer.cancel()
+
+    def kill(self) -> None:
+        """End the process, and what it and its runs have started."""
+        self.process.kill()
+        end_started(self._mark)
+
+    def stop(self) -> None:
+        """Let the process end soon, and the run that it makes."""
+        threading.Thread(target=self._end_at_last, daemon=True).start()
+        self._let_end()
+
+    def end(self) -> None:
+        """Wait for the end of the process and of the run that it makes."""
+        self._let_end()
+        self._end_at_last()
+        for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
+            assert pipe is not None
+            with suppress(OSError):
+                pipe.close()
+
+    def _let_end(self) -> None:
+        """Ask the process to end; one that is killed could not end the process that it has forked."""
+        assert self.process.stdin is not None
+        if self.lasts:
             with suppress(OSError):
                 self.process.stdin.close()
         else:
             self.process.kill()
 
-    def end(self) -> None:
-        """Wait for the end of the process and of the run that it makes."""
-        assert self.process.stdout is not None
-        self.stop()
+    def _end_at_last(self) -> None:
         with suppress(subprocess.TimeoutExpired):
             self.process.wait(_ENDING)
-        self.process.kill()
+        self.kill()
         self.process.wait()
-        self.process.stdout.close()
+
+
+def _unstarted(reason: str) -> LRPError:
+    return LRPError(
+        f"No program can be run, because the process for it does not start: {ended(printable(reason))}"
+    )
 
 
 _lock = threading.Lock()
 _workers: list[_Worker] = []
 
 
-def answer(request: bytes, halt: threading.Event | None = None) -> bytes:
-    """Have a worker of this machine make a run, and return its answer; empty if its process ended."""
+def answer(request: Request, halt: threading.Event | None = None) -> bytes:
+    """Have a worker of this machine make a run, and return its answer; empty if its process ended.
+
+    Raises LRPError: a worker cannot be started.
+    """
     halt = threading.Event() if halt is None else halt
     with _lock:
         worker = next((each for each in _workers if each.serves is None), None)
@@ -238,35 +339,39 @@ def answer(request: bytes, halt: threading.Event | None = None) -> bytes:
             worker = _Worker()
             _workers.append(worker)
         worker.serves = halt
-    answer = b"" if halt.is_set() else worker.ask(request)
-    is_lost = not answer or halt.is_set()
-    with _lock:
-        worker.serves = None
-        if is_lost and worker in _workers:
-            _workers.remove(worker)
-    if is_lost:
-        worker.end()
-        return b""
+    answer = LOST
+    try:
+        if not halt.is_set():
+            answer = worker.ask(request)
+    finally:
+        with _lock:
+            worker.serves = None
+            is_spent = answer == LOST or not worker.lasts or halt.is_set()
+            if is_spent and worker in _workers:
+                _workers.remove(worker)
+        if is_spent:
+            worker.end()
     return answer
 
 
-def isolated(job: Job, memory: float) -> Attempt:
-    """Make one run in a process of its own.
-
-    Raises LRPError: the interpreter itself failed, or a name of the notebook cannot be sent to another
-        process.
-    """
-    return _made(job, answer(_packed(job, memory)))
-
-
 def _made(job: Job, answer: bytes) -> Attempt:
-    """Return the attempt that a worker's answer describes."""
-    if not answer:
-        return failed(job, "crash", "runs to its end", "Its process ended.")
-    made = json.loads(answer)
-    if "fault" in made:
-        raise LRPError(made["fault"])
-    return Attempt.from_dict(made)
+    """Return the attempt that a worker's answer describes.
+
+    The program could write it: what is not the answer for this run is none.
+    Raises LRPError: the interpreter itself failed.
+    """
+    if answer == LATE:
+        reason = "A call into compiled code did not return. Let the blocks wait for nothing."
+        return failed(job, "time", f"is computed within {job.limit:g} s", reason)
+    fault = None
+    with suppress(ValueError, RecursionError):
+        made = json.loads(answer)
+        if not (isinstance(made, dict) and isinstance(fault := made.get("fault"), str)):
+            return Attempt.from_dict(made).of(job)
+    if isinstance(fault, str):
+        raise LRPError(printable(fault, "\n"))
+    reason = "The run ended without an answer. Let the program end or stop no process, and close no files."
+    return failed(job, "crash", "runs to its end", reason)
 
 
 def halt_runs(halt: threading.Event) -> None:
@@ -290,7 +395,7 @@ def close_workers() -> None:
 atexit.register(close_workers)
 
 
-def _packed(job: Job, memory: float) -> bytes:
+def _packed(job: Job, memory: float) -> Request:
     """Pickle a job with those names of its namespace that its blocks use, and what they need in turn.
 
     Raises LRPError: a name cannot be sent.
@@ -312,5 +417,4 @@ def _packed(job: Job, memory: float) -> bytes:
                 f"The program uses `{name}`, which cannot be sent to the process that grades it "
                 f"({sentence_of(error)}). Let it use functions and plain values only."
             ) from error
-    packed: bytes = cloudpickle.dumps((replace(job, namespace=names), memory))
-    return packed
+    return Request(cloudpickle.dumps((replace(job, namespace=names), memory)), job.limit)

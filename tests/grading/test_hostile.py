@@ -1,0 +1,145 @@
+"""A program that attacks what grades it costs itself its marks, and nobody else theirs."""
+
+import json
+import os
+import struct
+import sys
+from pathlib import Path
+
+import pytest
+from support.waiting import until
+
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading import workers
+from lrp_jupyter.grading.attempt import Attempt, Job
+from lrp_jupyter.grading.batch import HowRun, grade_all
+from lrp_jupyter.grading.challenges import challenge
+from lrp_jupyter.grading.criteria.criterion import Verdict
+
+DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+FIRST = challenge("first move")
+FORGED = {"world": "empty", "seed": 0, "seconds": 1.0, "verdicts": [], "hints": [], "share": 1.0, "ended": ""}
+ENDED = ("The run ended without an answer.", "The program ended its own process")
+needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="the run is the worker")
+
+
+def doing(code):
+    """Return a program that runs some lines of Python."""
+    return DRIVE.replace("robot.move(linear=0.2)", f"exec(bytes.fromhex('{code.encode().hex()}').decode())")
+
+
+def writing(data):
+    """Return a program that writes into everything that its process has inherited, and ends it."""
+    return doing(
+        "import os\n"
+        "for number in range(3, 64):\n"
+        f"    try: os.write(number, {data!r})\n"
+        "    except OSError: pass\n"
+        "os._exit(0)"
+    )
+
+
+def framed(text):
+    return struct.pack(">Q", len(text)) + text.encode()
+
+
+ANSWERS = ["[]", "{}", "5", "null", '{"fault": 3}', "[" * 100_000, '"\\ud800"', json.dumps(FORGED)]
+
+
+def test_what_is_no_answer_of_a_run_is_an_error_of_that_run_alone():
+    data = [*(text.encode() for text in ANSWERS), *map(framed, ANSWERS), b"\xff" * 40, framed("[]")[:9]]
+    good, *others = grade_all([DRIVE, *map(writing, data)], FIRST, 1)
+    assert good.points == 10
+    for grade in others:
+        (attempt,) = grade.attempts
+        assert (grade.points, attempt.ended) == (0, "crash")
+        assert attempt.verdicts[0].reason.startswith(ENDED)
+
+
+def changed(**values):
+    return {**FORGED, "path": [], **values}
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        *([], {}, 5, None, FORGED),
+        *(changed(share=value) for value in ("1", None, float("nan"), True, 10**400)),
+        *(changed(seconds=value) for value in (float("inf"), [], "1")),
+        *(changed(path=value) for value in ([1], [[1]], [[1, "2"]], 5, [[1, 2, 3]])),
+        *(changed(verdicts=value) for value in ([1], [{}], ["passed"], {"a": 1})),
+        *(changed(ended="no"), changed(ended=[]), changed(hints=[1]), changed(world=1)),
+    ],
+    ids=repr,
+)
+def test_what_does_not_describe_an_attempt_is_refused(data):
+    with pytest.raises(ValueError, match=r"."):
+        Attempt.from_dict(data)
+
+
+def test_an_attempt_that_is_not_judged_by_the_criteria_is_none_for_its_job():
+    job = Job((DRIVE,), FIRST, "empty", 0, 60)
+    with pytest.raises(ValueError, match="another challenge"):
+        Attempt.from_dict(changed()).of(job)
+
+
+def test_no_text_of_a_program_commands_a_terminal_or_cannot_be_written():
+    verdict = Verdict("a\x1b[2J", False, "half \ud800, \x9b1A" + "x" * 10**6, state="failed")._asdict()
+    found = Attempt.from_dict(changed(verdicts=[verdict], hints=["\u202eab\ncd"])).verdicts[0]
+    assert found.sentence == "a<U+001B>[2J"
+    assert found.reason.startswith("half <U+D800>, <U+009B>1A")
+    assert len(found.reason) < 20_000
+
+
+def ours():
+    """Return the processes that workers of this process have started, and the workers."""
+    marks = [worker._mark.encode() for worker in workers._workers]
+    found = set()
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            environment = (process / "environ").read_bytes()
+        except OSError:
+            continue
+        if any(mark in environment for mark in marks):
+            found.add(int(process.name))
+    return found
+
+
+LEAVING = [
+    "import subprocess; subprocess.Popen(['sleep', '1000'], start_new_session=True); os._exit(0)",
+    "os.fork(); os.fork(); os.getsid(0) == os.getpid() or os.setsid(); time.sleep(1000)",
+    "os.fork() or (os.setsid(), time.sleep(1000)); os.closerange(3, 99); os._exit(0)",
+]
+
+
+@needs_fork
+@pytest.mark.slow
+@pytest.mark.parametrize("code", LEAVING, ids=["started", "forked", "closed"])
+def test_no_process_that_a_program_has_started_stays(code):
+    bad, good = grade_all([doing(f"import os, time; {code}"), DRIVE], FIRST, 1, HowRun(limit=1))
+    assert (bad.points, good.points) == (0, 10)
+    idle = {worker.process.pid for worker in workers._workers}
+    until(lambda: ours() <= idle, lambda: f"{ours()} beside {idle}")
+
+
+@needs_fork
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ["KILL", "STOP", "TERM"])
+def test_a_program_that_ends_or_stops_all_workers_takes_no_mark_from_another(number):
+    """All workers, that of the other program's run too; both are made again, alone."""
+    workers.close_workers()
+    grade_all([DRIVE, DRIVE.replace("0.2", "0.21")], FIRST, 1, HowRun(processes=2))
+    siblings = {worker.process.pid for worker in workers._workers}
+    attack = doing(
+        f"import os, signal\nfor number in {siblings}: os.kill(number, signal.SIG{number})\nwhile True: pass"
+    )
+    long = DRIVE.replace("[", "[sum(range(1_000_000)); ", 1)
+    bad, good = grade_all([attack, long], FIRST, 1, HowRun(limit=3, processes=2))
+    assert (bad.points, good.points) == (0, 10)
+
+
+def test_a_worker_that_cannot_start_is_an_error_and_no_mark(monkeypatch):
+    workers.close_workers()
+    monkeypatch.setattr(workers, "python_of", lambda _: {"args": [sys.executable, "-c", "1/0"], "env": {}})
+    with pytest.raises(LRPError, match=r"does not start: ZeroDivisionError: division by zero\."):
+        grade_all([DRIVE], FIRST, 1)
