@@ -90,28 +90,37 @@ def _mode_of(file: Path) -> int | None:
 
 def read_file(path: str | os.PathLike[str]) -> str | None:
     """Return the text of a regular file; None if it is missing, a link, not a text or too large."""
-    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
     try:
-        handle = os.open(path, flags | getattr(os, "O_BINARY", 0))
-        with os.fdopen(handle, "rb") as stream:
-            status = os.fstat(handle)
-            if not stat.S_ISREG(status.st_mode) or status.st_size > _LARGEST:
-                return None
-            return stream.read(_LARGEST).decode()
-    except (OSError, ValueError):
+        return _content(path, getattr(os, "O_NOFOLLOW", 0)).decode()
+    except (FileError, OSError, ValueError):
         return None
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
     """Return the text of a file that a person named, its line ends unchanged.
 
-    Raises FileError: the file cannot be read, or is not UTF-8.
+    Raises FileError: the file cannot be read, is no regular file, is too large or is not UTF-8.
     """
     try:
-        data = Path(path).read_bytes()
+        data = _content(path)
     except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
         raise unreadable(path, error) from error
     return decoded(data, f"`{shown(path)}`")
+
+
+def _content(path: str | os.PathLike[str], flags: int = 0) -> bytes:
+    """Return what is in a regular file: a pipe could be waited for and a device read for ever.
+
+    Raises FileError, OSError, ValueError: it cannot be read.
+    """
+    handle = os.open(path, os.O_RDONLY | flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    with os.fdopen(handle, "rb") as stream:
+        status = os.fstat(handle)
+        if not stat.S_ISREG(status.st_mode):
+            raise FileError(f"`{shown(path)}` is not a regular file. Name a file with a text.")
+        if status.st_size > _LARGEST:
+            raise FileError(f"`{shown(path)}` cannot be read: it is larger than {_LARGEST / 1e6:g} MB.")
+        return stream.read(_LARGEST)
 
 
 def run_python(path: str | os.PathLike[str], names: dict[str, Any]) -> None:

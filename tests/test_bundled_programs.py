@@ -1,4 +1,5 @@
 import math
+from pathlib import Path
 
 import pytest
 from support.tables import every
@@ -212,6 +213,22 @@ def test_a_heading_ends_where_the_program_begins():
     assert programs.heading("; world: mine.json") == ("", "mine.json", None)
     assert programs.heading("(machine m (state a))") == ("", None, None)
     assert programs.heading("\ufeff; Waits.") == ("Waits.", None, None)
+
+
+@pytest.mark.parametrize("world", ["a.json", "b/a.json", "oval"])
+def test_a_heading_names_a_world_or_a_file_of_the_folder(world):
+    read = programs.world_of(f"; world: {world}", Path("at"))
+    assert read == (f"at/{world}" if world.endswith("json") else world)
+
+
+OTHERS = ("//host/x.json", "/etc/x.json", "C:x.json", "c:/x.json", "../x.json", "a/../../x.json", "a/b")
+
+
+@pytest.mark.parametrize("world", [*OTHERS, r"\\host\x.json"])
+def test_a_heading_opens_no_other_file(world):
+    for folder in (Path("at"), None):
+        with pytest.raises(LRPError, match="Line 2 names the world"):
+            programs.world_of(f"; Waits.\n; world: {world}", folder)
 
 
 def test_an_unknown_program_is_answered_with_the_nearest():

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from lrp_jupyter.errors import FileError
-from lrp_jupyter.files import append_line, read_file, write_file
+from lrp_jupyter.files import append_line, read_file, read_text, write_file
 
 
 def test_a_file_is_written_with_its_line_ends_and_nothing_stays_beside_it(tmp_path):
@@ -96,3 +96,20 @@ def test_lines_are_appended_for_this_user_alone_and_not_through_a_link(tmp_path)
     (tmp_path / "link").symlink_to(tmp_path / "notes")
     with pytest.raises(OSError, match="link"):
         append_line(tmp_path / "link", "c")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder", "large"])
+def test_only_a_regular_file_that_is_not_too_large_is_read(tmp_path, kind):
+    path = tmp_path / "a.lrp"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "large":
+        path.touch()
+        os.truncate(path, 10**9)
+    words = {"folder": "a directory", "large": "it is larger than 32 MB."}
+    file = "/dev/zero" if kind == "device" else path
+    with pytest.raises(FileError, match=words.get(kind, "is not a regular file")):
+        read_text(file)
+    assert read_file(file) is None

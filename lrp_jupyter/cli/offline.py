@@ -51,11 +51,11 @@ def check_files(files: Sequence[str], as_json: bool, fix: bool = False, bridge: 
             if fix:
                 source, done = _fixed(source, robot)
                 (complaints if as_json else console).print(done, end="")
-        except FileError as error:
+            findings = _check(source, robot)
+        except LRPError as error:  # it cannot be read, or its heading names what it may not
             complaints.print(f"lrp: {error}")
             unreadable = True
             continue
-        findings = _check(source, robot)
         found += findings
         for finding in findings:
             lines.append(_as_dict(source.name, finding))

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lrp_jupyter import programs
-from lrp_jupyter.errors import FileError, did_you_mean
-from lrp_jupyter.files import decoded, read_text
+from lrp_jupyter.errors import FileError, LRPError, did_you_mean
+from lrp_jupyter.files import decoded, read_text, shown
 
 
 class Source(NamedTuple):
@@ -29,8 +29,20 @@ class Source(NamedTuple):
 
     @property
     def challenge(self) -> str | None:
-        """The challenge named in the text's heading."""
-        return programs.heading(self.text).challenge
+        """The challenge that the text's heading names: one that is registered, for a file would be run.
+
+        Raises LRPError: there is none of that name.
+        """
+        from lrp_jupyter.grading.challenges import challenge
+
+        name = programs.heading(self.text).challenge
+        if name is None:
+            return None
+        try:
+            return challenge(name, "; only `--challenge` chooses a file").name
+        except LRPError as error:
+            line = programs.line_of(self.text, name)
+            raise LRPError(f"`{shown(self.name)}`, line {line}: {error}") from None
 
     @property
     def world(self) -> str | None:

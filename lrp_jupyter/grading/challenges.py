@@ -34,8 +34,14 @@ def challenges() -> tuple[Challenge, ...]:
     return tuple(_challenges.values())
 
 
-def challenge(name: str) -> Challenge:
+def challenge(name: str, otherwise: str = "; or a file whose name ends with `.py`") -> Challenge:
     """Return the challenge of a name, in any case, with spaces, hyphens or underscores.
+
+    Parameters
+    ----------
+    name : str
+    otherwise : str
+        What else the message offers.
 
     Raises
     ------
@@ -48,9 +54,7 @@ def challenge(name: str) -> Challenge:
         return known[wanted]
     hint = did_you_mean(wanted, known)
     names = ", ".join(each.name for each in challenges())
-    raise LRPError(
-        f"There is no challenge `{name}`.{hint} Choose one of: {names}; or a file whose name ends with `.py`."
-    )
+    raise LRPError(f"There is no challenge `{name}`.{hint} Choose one of: {names}{otherwise}.")
 
 
 def load(what: str | os.PathLike[str]) -> Challenge:

@@ -13,20 +13,22 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lrp_jupyter.errors import FileError, LRPError
-from lrp_jupyter.files import read_text, shown
+from lrp_jupyter.errors import FileError, LRPError, printable
+from lrp_jupyter.files import read_text, shown, unreadable
 from lrp_jupyter.grading.challenges import Challenge
 
 _SUFFIXES = (".lrp", ".ipynb")
 _MOODLE = re.compile(r"_\d+_assignsubmission_.*")
 _CELL = re.compile(r"\s*%%lrp\b(.*)")
+_LONGEST = 1_000_000  # characters of a program
 
 
 class Submission(NamedTuple):
     """A program that was handed in.
 
     `student`: the name of the student's folder or, where there is none, that of the file.
-    `file`: its path; of several files among which none can be chosen, that of their folder.
+    `file`: its path; of several files among which none can be chosen, that of their folder. Of both, what a
+        terminal obeys or no file can hold is shown by its number.
     `text`: None if it cannot be read.
     `problem`: why it cannot be read, a sentence.
     """
@@ -63,7 +65,11 @@ def _in_folder(folder: Path, task: Challenge) -> Iterator[Submission]:
     """Yield the submissions of a class: files of the folder, and a folder for each student."""
     for path in sorted(_visible(folder)):
         if path.is_dir():
-            files = sorted(_programs(path))
+            try:
+                files = sorted(_programs(path))
+            except OSError as error:
+                yield Submission(_student(path.name), _shown(path), problem=str(unreadable(path, error)))
+                continue
             if files:
                 yield _read(_student(path.name), files, path, task)
         elif path.suffix in _SUFFIXES:
@@ -72,11 +78,13 @@ def _in_folder(folder: Path, task: Challenge) -> Iterator[Submission]:
 
 def _programs(folder: Path) -> Iterator[Path]:
     """Yield the programs of one student, those in inner folders included; links are not followed."""
-    for path in _visible(folder):
-        if path.is_dir():
-            yield from _programs(path)
-        elif path.suffix in _SUFFIXES:
-            yield path
+    waiting = [folder]
+    while waiting:
+        for path in _visible(waiting.pop()):
+            if path.is_dir():
+                waiting.append(path)
+            elif path.suffix in _SUFFIXES:
+                yield path
 
 
 def _visible(folder: Path) -> Iterator[Path]:
@@ -86,30 +94,34 @@ def _visible(folder: Path) -> Iterator[Path]:
 
 
 def _student(name: str) -> str:
-    return _MOODLE.sub("", name)
+    return printable(_MOODLE.sub("", name))
+
+
+def _shown(path: Path) -> str:
+    return printable(str(path))
 
 
 def _read(student: str, files: Sequence[Path], place: Path, task: Challenge) -> Submission:
     """Return the submission that is in one of a student's files."""
-    readings = [_reading(student, file, task) for file in files]
-    fitting = [each for each in readings if each.text is not None and _fits(Path(each.file), each.text, task)]
+    readings = {file: _reading(student, file, task) for file in files}
     if len(files) == 1:
-        return readings[0]
-    readable = fitting or [each for each in readings if each.text is not None]
-    if len(readable) == 1:
-        return readable[0]
-    names = ", ".join(f"`{file.relative_to(place)}`" for file in files)
-    if not readable:
-        problem = f"None of {names} can be read as a program for `{task.name}`. {readings[0].problem}"
+        return readings[files[0]]
+    readable = {file: each for file, each in readings.items() if each.text is not None}
+    fitting = [each for file, each in readable.items() if _fits(file, task)] or list(readable.values())
+    if len(fitting) == 1:
+        return fitting[0]
+    names = ", ".join(f"`{_shown(file.relative_to(place))}`" for file in files)
+    if not fitting:
+        problem = f"None of {names} can be read as a program for `{task.name}`. {readings[files[0]].problem}"
     else:
         problem = (
             f"There are several programs: {names}. Name the one to be graded `{_slug(task.name)}.lrp`, or "
             "remove the others."
         )
-    return Submission(student, str(place), problem=problem)
+    return Submission(student, _shown(place), problem=problem)
 
 
-def _fits(file: Path, text: str, task: Challenge) -> bool:
+def _fits(file: Path, task: Challenge) -> bool:
     """Return whether a file says by its name or its cells that it is for a challenge."""
     return _slug(_student(file.stem)) == _slug(task.name) or (
         file.suffix == ".ipynb" and any(_is_for(options, task) for options, _ in _cells(file))
@@ -118,9 +130,12 @@ def _fits(file: Path, text: str, task: Challenge) -> bool:
 
 def _reading(student: str, file: Path, task: Challenge) -> Submission:
     try:
-        return Submission(student, str(file), read_submission(file, task))
+        text = read_submission(file, task)
+        if len(text) > _LONGEST:
+            raise FileError(f"`{shown(file)}` has more than {_LONGEST:,} characters. Let it be shorter.")
+        return Submission(student, _shown(file), text)
     except LRPError as error:
-        return Submission(student, str(file), problem=str(error))
+        return Submission(student, _shown(file), problem=str(error))
 
 
 def read_submission(file: Path, task: Challenge) -> str:

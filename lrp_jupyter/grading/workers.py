@@ -403,7 +403,7 @@ def _packed(job: Job, memory: float) -> Request:
     import cloudpickle
 
     used: set[str] = set()
-    for text in job.texts:
+    for text in job.texts if job.namespace else ():  # a text may take long to be read
         program, _ = scan(text)
         if program is not None:
             used |= names_of(link(program))

@@ -54,7 +54,7 @@ def check(
         robot = members_of(make_bridge(bridge))
     else:
         text = text_or_program.text if isinstance(text_or_program, Program) else text_or_program
-        world = programs.heading(text).world if isinstance(text, str) else None
+        world = programs.world_of(text, None) if isinstance(text, str) else None
         robot = members_of_world(world) if world is not None else None
     return checks.check(text_or_program, names, robot)
 

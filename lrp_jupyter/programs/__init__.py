@@ -2,19 +2,20 @@
 
 Each is a file ``NAME.lrp`` in this directory. The first line of its header says what the program does; then
 follow the world it is made for (``; world: line``, or ``none`` if it needs no robot), the challenge that it
-masters, if there is one (``; challenge: there and back``), and what to watch.
+masters, if there is one (``; challenge: there and back``), and what to watch. A heading names nothing that is
+run.
 """
 
 from __future__ import annotations
 
 import re
 from importlib.resources import files
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import NamedTuple
 
 from lrp_jupyter.errors import LRPError, did_you_mean
 
-__all__ = ["Heading", "heading", "load", "names", "world_of"]
+__all__ = ["Heading", "heading", "line_of", "load", "names", "world_of"]
 
 _COMMENT = re.compile(r"\s*[;#]+ ?(.*)")
 _WORLD = re.compile(r"world: *(\S+)\s*$", re.IGNORECASE)
@@ -76,8 +77,29 @@ def heading(text: str) -> Heading:
 
 
 def world_of(text: str, folder: Path | None) -> str | None:
-    """Return the world that a text names; that of a file's text may be a file relative to its folder."""
+    """Return the world that a text names: by its name, or as a file of the folder of the text's file.
+
+    Whoever wrote the text decides only what the program needs: no other file of the reader is opened, and
+    none of another computer.
+
+    Raises
+    ------
+    LRPError
+        It names another file.
+    """
     world = heading(text).world
-    if world is not None and folder is not None and world.endswith(".json"):
-        return str(folder / world)
-    return world
+    if world is None:
+        return None
+    path = PureWindowsPath(world)  # which knows every way to write one
+    is_file = path.suffix == ".json"
+    if path.anchor or ".." in path.parts or (len(path.parts) > 1 and not is_file):
+        raise LRPError(
+            f"Line {line_of(text, world)} names the world `{world}`. A heading names a bundled world, or a "
+            "file of the program's folder that ends with `.json`; only `--world` chooses another file."
+        )
+    return str(folder / world) if folder is not None and is_file else world
+
+
+def line_of(text: str, word: str) -> int:
+    """Return the number of the first line that has a word."""
+    return text.count("\n", 0, text.find(word)) + 1

@@ -48,6 +48,8 @@ def read_file(path: Path) -> World:
 
     Raises WorldError: the file cannot be read, is not JSON, or is not a world.
     """
+    if path.exists() and not path.is_file():
+        raise WorldError(f"{path} cannot be read: it is not a regular file.")
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

@@ -76,7 +76,7 @@ def open_program(wanted: str, send: SendText) -> Opened:
         start = task.beginning
     else:
         start = programs.load(name)
-    world = address.get("world") or programs.heading(start).world
+    world = address.get("world") or programs.world_of(start, None)
     robot = registry.robot_for(world) if task is None else {"task": task}
     given = None if address.get("again") or not text else text
     reason = _HUNG if address.get("hung") else ""

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 
@@ -138,3 +139,15 @@ def test_fewer_seeds_than_the_challenge_has_are_remarked(lrp, group):
     arguments = ("grade", group / "ada.lrp", "--challenge", "first move", "--seeds")
     assert "with 1 a program may pass by luck" in lrp(*arguments, "1").stdout
     assert "luck" not in lrp(*arguments, "3").stdout
+
+
+@pytest.mark.parametrize("command", [["grade"], ["sweep", "--set", "v=1,2"]], ids=["grade", "sweep"])
+def test_a_file_of_python_code_is_a_challenge_only_if_the_command_names_it(lrp, program, here, command):
+    Path("evil.py").write_text("open('ran', 'w').close()")
+    name = program("; Waits.\n; challenge: evil.py\n(var v := [0]) (machine m (state a)) (spawn m a)").name
+    refused = lrp(*command, name)
+    assert (refused.exit_code, Path("ran").exists()) == (2, False)
+    assert refused.stderr.startswith(f"lrp: `{name}`, line 2: There is no challenge `evil.py`.")
+    assert refused.stderr.endswith("; only `--challenge` chooses a file.\n")
+    lrp(*command, name, "--challenge", "evil.py")
+    assert Path("ran").exists()

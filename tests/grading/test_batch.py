@@ -3,6 +3,8 @@
 import csv
 import io
 import json
+import os
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -161,6 +163,27 @@ def test_a_link_out_of_the_folder_is_not_followed(hand_in, tmp_path):
     folder = hand_in({"class/ada.lrp": "1", "secret.lrp": "no"}) / "class"
     (folder / "bob.lrp").symlink_to(tmp_path / "secret.lrp")
     assert found(folder) == {"ada": "1"}
+
+
+def test_whatever_a_student_hands_in_the_others_are_read(tmp_path, hand_in):
+    deep = hand_in({"ada.lrp": "1", "bob/a.lrp": "2"}) / "deep"
+    here = os.open(tmp_path, os.O_RDONLY)
+    for _ in range(250):  # longer than a path may be
+        os.mkdir("d" * 20, dir_fd=here)
+        here, above = os.open("d" * 20, os.O_RDONLY, dir_fd=here), here
+        os.close(above)
+    os.close(here)
+    (tmp_path / ("d" * 20)).rename(deep)
+    os.mkfifo(tmp_path / "pipe.lrp")
+    (tmp_path / "long.lrp").write_text("(" * 1_000_001)
+    Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff\x1b[2J\n.lrp")).write_text("3")
+    read = found(tmp_path)
+    assert (read.pop("ada"), read.pop("bob"), read.pop("<U+DCFF><U+001B>[2J<U+000A>")) == ("1", "2", "3")
+    assert {name: problem.rpartition("`")[2] for name, problem in read.items()} == {
+        "deep": " cannot be read: File name too long.",
+        "pipe": " is not a regular file. Name a file with a text.",
+        "long": " has more than 1,000,000 characters. Let it be shorter.",
+    }
 
 
 def test_a_folder_without_submissions_is_an_error(tmp_path):
