@@ -11,13 +11,17 @@ import io
 import sys
 
 from lrp_jupyter.cli.commands import app
+from lrp_jupyter.cli.console import Colours
 
 __all__ = ["app", "main"]
 
 
 def main() -> None:
     """Run the command given by the arguments of the process."""
-    for stream in (sys.stdout, sys.stderr):
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without `→` shows `?`
+            if stream.isatty():
+                setattr(sys, name, Colours(stream))
     app(prog_name="lrp")

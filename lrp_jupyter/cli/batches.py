@@ -10,7 +10,8 @@ from pathlib import Path
 import typer
 from rich.text import Text
 
-from lrp_jupyter.cli.excerpt import finding_text, plain_console
+from lrp_jupyter.cli.console import plain_console
+from lrp_jupyter.cli.excerpt import finding_text
 from lrp_jupyter.cli.lists import show_table, table_of
 from lrp_jupyter.cli.options import pairs_of
 from lrp_jupyter.cli.source import read_source

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rich.cells import cell_len
-from rich.console import Console
 from rich.text import Text
 
 from lrp_jupyter.codes import style_of
@@ -14,11 +13,6 @@ from lrp_jupyter.language.program import Finding, line_starts
 COLOURS = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
 _TAB = 4
 _WIDEST = 120  # characters of a line that are shown
-
-
-def plain_console(stderr: bool = False) -> Console:
-    """Return a console that prints text as it is: no markup, no wrapping."""
-    return Console(stderr=stderr, markup=False, emoji=False, highlight=False, soft_wrap=True)
 
 
 def excerpt(text: str, line: int, column: int, end_line: int = 0, end_column: int = 0) -> list[str]:

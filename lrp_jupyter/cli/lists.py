@@ -5,12 +5,11 @@ from __future__ import annotations
 import inspect
 import sys
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from lrp_jupyter import programs
-from lrp_jupyter.cli.excerpt import plain_console
+from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.codes import CODES, explain
 from lrp_jupyter.errors import BridgeError, LRPError
 
@@ -25,7 +24,7 @@ def table_of(*columns: str) -> Table:
 
 def show_table(table: Table) -> None:
     """Print a table."""
-    console = Console(highlight=False, markup=False, emoji=False)
+    console = plain_console(soft_wrap=False)
     if not console.is_terminal:
         console.width = 200  # one line each, for other programs to read
     console.print(table)

@@ -12,7 +12,8 @@ from rich.text import Text
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
-from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
+from lrp_jupyter.cli.console import plain_console
+from lrp_jupyter.cli.excerpt import finding_text, summary
 from lrp_jupyter.cli.source import Source, read_source
 from lrp_jupyter.codes import address_of
 from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError

@@ -8,8 +8,9 @@ from typing import NoReturn
 import typer
 from rich.text import Text
 
+from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.events import EventPrinter
-from lrp_jupyter.cli.excerpt import excerpt, finding_text, plain_console
+from lrp_jupyter.cli.excerpt import excerpt, finding_text
 from lrp_jupyter.cli.options import Assignment, with_initials
 from lrp_jupyter.cli.source import read_source
 from lrp_jupyter.errors import UnknownElementError

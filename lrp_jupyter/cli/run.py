@@ -22,15 +22,16 @@ from time import perf_counter
 from typing import IO, Any
 
 import typer
-from rich.console import Console, RenderableType
+from rich.console import RenderableType
 from rich.text import Text
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge
 from lrp_jupyter.bridges.options import options_of, refuse_options
 from lrp_jupyter.cli.board import Board, BoardState
+from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.events import EventCollector, EventPrinter
-from lrp_jupyter.cli.excerpt import finding_text, plain_console
+from lrp_jupyter.cli.excerpt import finding_text
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, with_initials
@@ -225,7 +226,7 @@ class _Run:
         self._events = EventCollector(wanted.seconds, wanted.until, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
-        self._board = Board(Console(highlight=False, markup=False, emoji=False)) if drawn else None
+        self._board = Board(plain_console(soft_wrap=False)) if drawn else None
         self._printer = EventPrinter(console, quiet=wanted.trace == "-")
         self._output = Output()
         self._keys: Keys | None = None  # only where there is a keyboard
@@ -369,7 +370,7 @@ class _Run:
         if self._cut or _has_no_reader(trace):  # an idle program writes nothing, so no error would show it
             self._caught.append(getattr(signal, "SIGPIPE", 13))
             self._trace = None
-            sys.stdout = open("/dev/null", "w")  # noqa: SIM115  (closing the real one would fail again)
+            sys.stdout = open(os.devnull, "w")  # noqa: SIM115  (closing the real one would fail again)
 
     def _append(self, trace: IO[str], lines: list[str]) -> None:
         try:

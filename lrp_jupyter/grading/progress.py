@@ -24,7 +24,8 @@ def shown_progress(what: str, lines: bool = False) -> Iterator[Callable[[int, in
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    console = Console(stderr=True, markup=False, emoji=False, highlight=False, soft_wrap=True)
+    terminal = getattr(sys.stderr, "terminal", None)  # where this is a stream that only prints
+    console = Console(file=terminal, stderr=True, markup=False, emoji=False, highlight=False, soft_wrap=True)
     if not (console.is_terminal or console.is_jupyter):
         yield _Lines(console, what) if lines else lambda done, of: None
         return
