@@ -119,10 +119,12 @@ and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired
 `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`, `value`); `issue`
 (`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`); `restarted` (`reason`);
 `forced` (`state`, `how`); `commanded` (`command`, `arguments`, `sent`, and `block` and `line` of its origin);
-`printed` (`text`). The same program, world and seed produce the same trace.
+`printed` (`text`). The same program, world and seed produce the same trace, unless the program walks over a
+set of texts, which Python orders otherwise in every process: `PYTHONHASHSEED=0 lrp run …` fixes that.
 
 **Recordings**: `--record run.lrplog` writes the trace and the inputs of the run: program and world, every
-save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit, and `lrp why
+save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit (of a program that
+walks over a set of texts, if `PYTHONHASHSEED` is the same number for both), and `lrp why
 run.lrplog NAME --at 12.3` says why a transition did not fire there. A name that ends with `.gz` compresses
 the file.
 
@@ -287,8 +289,9 @@ def replay(
 ) -> None:
     """Run a recording again, as fast as possible, and report the first difference.
 
-    A simulated run is reproduced bit for bit. The readings of a real robot are fed to the program again, and
-    nothing is sent to it.
+    A simulated run is reproduced bit for bit; that of a program that walks over a set of texts, if
+    `PYTHONHASHSEED` is the same number as in the run. The readings of a real robot are fed to the program
+    again, and nothing is sent to it.
 
     **Exit code**: 0 when the run matches the recording (or with `--program`, when it ran), 1 when it differs,
     2 when the file cannot be read.
@@ -438,6 +441,7 @@ GRADE_EPILOG = """
 folder: each `*.lrp` and `*.ipynb` file and, for each student with a folder, the program in it (as Moodle and
 nbgrader lay them out). Of a notebook, the last `%%lrp` cell with `--challenge square` counts, or the only
 `%%lrp` cell. A program that hangs, crashes or cannot be read costs only its own mark, and is not run again.
+The marks are the same in every grading: a set of texts has the order of `PYTHONHASHSEED=0`.
 
 **Files**: `--out marks.csv` is for a spreadsheet and has a row for each submission; `.json` has every run
 with its criteria, hints and path; `.xml` is JUnit's format, with a test for each run. `--out` can be

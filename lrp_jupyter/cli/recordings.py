@@ -23,6 +23,10 @@ from lrp_jupyter.live.reproduction import Reproduction, reproduce
 
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s
+_SETS = (
+    "If it walks over a set of texts: Python puts these into another order in every process. Set the "
+    "variable `PYTHONHASHSEED` to one number for the run and for its replay."
+)
 
 
 def prepared(program: Program, initials: Mapping[str, str]) -> Program:
@@ -57,7 +61,10 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None)
             console.print("The run matches the recording.")
             return 0
         console.print(Text(str(again.difference), "bold yellow"))
-        return 0 if text is not None else 1
+        if text is not None:
+            return 0
+        console.print(_SETS)
+        return 1
 
 
 def why_file(file: str, name: str, at: float | None, program: str | None) -> int:
@@ -70,7 +77,7 @@ def why_file(file: str, name: str, at: float | None, program: str | None) -> int
     with again.session as session:
         if again.difference is not None and text is None:
             plain_console(stderr=True).print(
-                Text(f"The run differs from the recording. {again.difference}", "yellow")
+                Text(f"The run differs from the recording. {again.difference} {_SETS}", "yellow")
             )
         try:
             reason = session.explain(name)

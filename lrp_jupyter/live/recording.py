@@ -18,7 +18,8 @@ Every tick has its readings, and what followed are the lines of a trace (``trace
      "block":"looking.running","line":12}
     {"tick":13,"time":1.2,"readings":{"light.data":255}}
 
-With a simulated robot, or none, the inputs reproduce the run bit for bit; what followed is compared, and the
+With a simulated robot, or none, the inputs reproduce the run bit for bit (in another process the order of a
+set of texts is another one, unless ``PYTHONHASHSEED`` is the same number); what followed is compared, and the
 first difference is told. The readings of a real robot are fed to the program again. What follows from a tick
 or an input stands before it, so of a file that was cut off, what comes after its last whole tick or input is
 left out.

@@ -290,3 +290,30 @@ def test_initial_values_stay_after_a_recorded_edit_and_a_reset(lrp, program, tmp
         recorder.end()
     done = lrp("replay", path)
     assert (done.exit_code, "matches the recording" in done.stdout) == (0, True)
+
+
+SETS = """(var order := [list({"a", "b", "c", "d", "e", "f"})])
+(machine m
+  (state one (running [robot.move(linear=0.01 * order.index("a"))]) (onexit [print(order)]))
+  (state two)
+  (ontime 200 one -> two))
+(spawn m one)
+"""
+
+
+@pytest.mark.slow
+def test_a_set_of_texts_has_its_order_in_a_replay_with_the_same_hashes(
+    process, program, tmp_path, monkeypatch
+):
+    """With others the replay differs, and says why that may be."""
+    file, log = program(SETS), tmp_path / "a.lrplog"
+    monkeypatch.setenv("PYTHONHASHSEED", "1")
+    process("run", file, "--for", "1", "--speed", "max", "--record", log).communicate()
+    said = {}
+    for seed in (1, 2):
+        monkeypatch.setenv("PYTHONHASHSEED", str(seed))
+        replay = process("replay", log)
+        said[seed] = replay.communicate()[0].splitlines()[-1]
+        assert replay.returncode == seed - 1
+    assert said[1] == "The run matches the recording."
+    assert "`PYTHONHASHSEED` to one number" in said[2]

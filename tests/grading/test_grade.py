@@ -17,6 +17,7 @@ from lrp_jupyter.grading.criteria import (
 )
 from lrp_jupyter.grading.grade import grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.grading.workers import close_workers
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
@@ -212,3 +213,15 @@ def test_a_number_of_seeds_means_the_first_ones_of_the_challenge():
     assert [attempt.seed for attempt in grade(DRIVE, task, 1).attempts] == [7]
     assert [attempt.seed for attempt in grade(DRIVE, task, 4).attempts] == [7, 8, 9, 10]
     assert [attempt.seed for attempt in grade(DRIVE, task, [3]).attempts] == [3]
+
+
+@pytest.mark.slow
+def test_marks_are_the_same_whatever_the_hashes_of_the_process_that_grades(monkeypatch):
+    text = DRIVE.replace("linear=0.2", "linear=0.02 * list({'a', 'b', 'c', 'd', 'e', 'f', 'g'}).index('a')")
+    results = []
+    for seed in ("1", "2", "3"):
+        close_workers()
+        monkeypatch.setenv("PYTHONHASHSEED", seed)
+        results.append(grade(text, "first move", 1))
+    assert results[0] == results[1] == results[2]
+    close_workers()
