@@ -13,12 +13,14 @@ import stat
 import traceback
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from lrp_jupyter.errors import FileError, LRPError, ended, printable, sentence_of
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
-_LARGEST = 32_000_000  # bytes that are read
+_READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+LARGEST = 32_000_000
+"""Bytes of a text that are read."""
 
 
 def write_file(path: str | os.PathLike[str], text: str) -> None:
@@ -88,39 +90,53 @@ def _mode_of(file: Path) -> int | None:
     return stat.S_IMODE(mode)
 
 
+def open_regular(path: str | os.PathLike[str], flags: int = 0) -> IO[bytes]:
+    """Open a file for reading that is one: no device or pipe, which may have no end, or never a beginning.
+
+    Raises OSError, ValueError: it cannot be read, or is something else; `unreadable` makes a sentence of it.
+    """
+    handle = os.open(path, _READING | flags)
+    try:
+        mode = os.fstat(handle).st_mode
+        if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+            raise OSError("it is a device or a pipe, not a file")
+        return os.fdopen(handle, "rb")  # which says that a folder is one
+    except BaseException:
+        os.close(handle)
+        raise
+
+
+def whole(stream: IO[bytes]) -> bytes:
+    """Return what a stream contains.
+
+    Raises OSError: it contains more than 32 MB.
+    """
+    data = stream.read(LARGEST + 1)
+    if len(data) > LARGEST:
+        raise OSError(f"it contains more than {LARGEST / 1e6:,.0f} MB")
+    return data
+
+
 def read_file(path: str | os.PathLike[str]) -> str | None:
     """Return the text of a regular file; None if it is missing, a link, not a text or too large."""
     try:
-        return _content(path, getattr(os, "O_NOFOLLOW", 0)).decode()
-    except (FileError, OSError, ValueError):
+        with open_regular(path, getattr(os, "O_NOFOLLOW", 0)) as stream:
+            return whole(stream).decode()
+    except (OSError, ValueError):
         return None
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file that a person named, its line ends unchanged.
+    """Return the text of a regular file that a person named, its line ends unchanged.
 
-    Raises FileError: the file cannot be read, is no regular file, is too large or is not UTF-8.
+    Raises FileError: the file cannot be read, is a device or a pipe, is too large, or is not UTF-8.
     """
     try:
-        data = _content(path)
+        with open_regular(path) as stream:
+            data = whole(stream)
     except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
         raise unreadable(path, error) from error
     return decoded(data, f"`{shown(path)}`")
-
-
-def _content(path: str | os.PathLike[str], flags: int = 0) -> bytes:
-    """Return what is in a regular file: a pipe could be waited for and a device read for ever.
-
-    Raises FileError, OSError, ValueError: it cannot be read.
-    """
-    handle = os.open(path, os.O_RDONLY | flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-    with os.fdopen(handle, "rb") as stream:
-        status = os.fstat(handle)
-        if not stat.S_ISREG(status.st_mode):
-            raise FileError(f"`{shown(path)}` is not a regular file. Name a file with a text.")
-        if status.st_size > _LARGEST:
-            raise FileError(f"`{shown(path)}` cannot be read: it is larger than {_LARGEST / 1e6:g} MB.")
-        return stream.read(_LARGEST)
 
 
 def run_python(path: str | os.PathLike[str], names: dict[str, Any]) -> None:

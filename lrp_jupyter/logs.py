@@ -17,7 +17,7 @@ from time import monotonic
 from typing import IO, cast
 
 from lrp_jupyter.errors import FileError
-from lrp_jupyter.files import shown, unreadable, unwritable
+from lrp_jupyter.files import open_regular, shown, unreadable, unwritable
 
 _LARGEST = 500_000_000  # bytes of the content that is read
 _PART = 1_000_000  # bytes that are decompressed at a time
@@ -91,7 +91,7 @@ def read_log(path: str | os.PathLike[str]) -> tuple[bytes, bool]:
         compressed or damaged.
     """
     try:
-        with open(path, "rb") as stream:
+        with open_regular(path) as stream:
             if Path(path).suffix == ".gz":
                 content, is_whole = _gunzipped(stream)
             else:

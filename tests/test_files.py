@@ -4,6 +4,7 @@ import os
 
 import pytest
 
+from lrp_jupyter import files
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import append_line, read_file, read_text, write_file
 
@@ -98,18 +99,15 @@ def test_lines_are_appended_for_this_user_alone_and_not_through_a_link(tmp_path)
         append_line(tmp_path / "link", "c")
 
 
-@pytest.mark.parametrize("kind", ["pipe", "device", "folder", "large"])
-def test_only_a_regular_file_that_is_not_too_large_is_read(tmp_path, kind):
-    path = tmp_path / "a.lrp"
-    if kind == "pipe":
-        os.mkfifo(path)
-    elif kind == "folder":
-        path.mkdir()
-    elif kind == "large":
-        path.touch()
-        os.truncate(path, 10**9)
-    words = {"folder": "a directory", "large": "it is larger than 32 MB."}
-    file = "/dev/zero" if kind == "device" else path
-    with pytest.raises(FileError, match=words.get(kind, "is not a regular file")):
-        read_text(file)
-    assert read_file(file) is None
+def test_what_has_no_end_is_no_file_to_read(tmp_path, monkeypatch):
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("/dev/null", "/dev/zero", "/dev/full", tmp_path / "pipe"):
+        with pytest.raises(FileError, match="cannot be read: it is a device or a pipe, not a file"):
+            read_text(name)
+    monkeypatch.setattr(files, "LARGEST", 10)
+    (tmp_path / "long").write_text("." * 11)
+    assert read_file(tmp_path / "long") is None
+    with pytest.raises(FileError, match="it contains more than"):
+        read_text(tmp_path / "long")
+    (tmp_path / "long").write_text("." * 10)
+    assert read_text(tmp_path / "long") == read_file(tmp_path / "long") == "." * 10

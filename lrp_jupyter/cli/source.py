@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lrp_jupyter import programs
-from lrp_jupyter.errors import FileError, LRPError, did_you_mean
-from lrp_jupyter.files import decoded, read_text, shown
+from lrp_jupyter.errors import FileError, LRPError, did_you_mean, ended
+from lrp_jupyter.files import decoded, read_text, shown, whole
 
 
 class Source(NamedTuple):
@@ -56,7 +56,7 @@ def read_source(what: str) -> Source:
     Raises FileError: the file cannot be read; the message lists the alternatives.
     """
     if what == "-":
-        return Source("<stdin>", decoded(sys.stdin.buffer.read(), "Standard input"))
+        return Source("<stdin>", _typed())
     path = Path(what)
     if path.exists():
         return Source(what, read_text(path), path)
@@ -66,6 +66,18 @@ def read_source(what: str) -> Source:
     hint = did_you_mean(what, known) or did_you_mean(path.stem, known)
     hint = hint or f" Bundled programs: {', '.join(programs.names())}."
     raise FileError(f"`{what}` is neither a file nor a bundled program.{hint}")
+
+
+def _typed() -> str:
+    """Return the text of standard input.
+
+    Raises FileError: it is too long, or is not UTF-8.
+    """
+    try:
+        data = whole(sys.stdin.buffer)
+    except OSError as error:
+        raise FileError(f"Standard input cannot be read: {ended(str(error))}") from None
+    return decoded(data, "Standard input")
 
 
 _DEBOUNCE = 50  # ms without a change: editors write in several steps

@@ -35,6 +35,7 @@ from lrp_jupyter.sim.world import (
 T = TypeVar("T")
 _FAR = 1000.0  # metres: larger worlds are surely a mistake of units
 _SMALL = 1e-4
+_LARGEST = 32_000_000  # bytes of a file
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -48,11 +49,12 @@ def read_file(path: Path) -> World:
 
     Raises WorldError: the file cannot be read, is not JSON, or is not a world.
     """
-    if path.exists() and not path.is_file():
-        raise WorldError(f"{path} cannot be read: it is not a regular file.")
     try:
+        size = path.stat().st_size if path.is_file() or path.is_dir() or not path.exists() else math.inf
+        if size > _LARGEST:
+            raise OSError("it is too large, or a device or a pipe")
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:  # a ValueError: no text, or there is a null character in its name
         reason = getattr(error, "strerror", None) or error
         raise WorldError(f"{path} cannot be read: {reason}.") from error
     return read_text(text, str(path))

@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from support.tables import every
 from support.waiting import until
 
 from lrp_jupyter.cli import source
@@ -58,3 +59,31 @@ def test_a_file_that_is_gone_is_told_at_once_and_once_though_others_beside_it_ar
     assert back.wait(60)
     watch.close()
     assert [type(each) for each in said] == [FileError, str]
+
+
+@every(
+    "arguments",
+    [
+        ["check", "null.lrp"],
+        ["format", "null.lrp"],
+        ["graph", "null.lrp"],
+        ["run", "null.lrp", "--for", "0"],
+        ["run", "follower", "--for", "0", "--world", "null.json"],
+        ["run", "follower", "--for", "0", "--bridge", "null.py"],
+        ["replay", "null.lrplog"],
+        ["why", "null.lrplog.gz", "a"],
+        ["worlds", "--show", "null.json"],
+        ["bridges", "null.py"],
+        ["grade", "null.lrp", "--challenge", "square"],
+        ["grade", "follower", "--challenge", "null.py"],
+        ["sweep", "null.lrp", "--challenge", "square", "--set", "a=1"],
+    ],
+)
+def test_no_command_reads_a_device_which_may_have_no_end(lrp, here, arguments) -> None:
+    file = here / next(each for each in arguments if each.startswith("null."))
+    file.unlink(missing_ok=True)
+    file.symlink_to("/dev/null")  # which has an end, so that the test has one, too
+    done = lrp(*arguments)
+    told = " ".join((done.stderr + done.stdout).split())
+    assert "a device or a pipe" in told
+    assert done.exit_code == (2 if arguments[0] not in ("check", "format") else done.exit_code) != 0
