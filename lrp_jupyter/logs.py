@@ -20,7 +20,7 @@ from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import open_regular, shown, unreadable, unwritable
 
 _LARGEST = 500_000_000  # bytes of the content that is read
-_PART = 1_000_000  # bytes that are decompressed at a time
+_LONGEST = 32_000_000  # bytes of a line
 _GZIP = b"\x1f\x8b"
 _KEPT = 1.0  # s of writing that a process which is killed may lose
 
@@ -84,43 +84,42 @@ def open_log(path: str | os.PathLike[str]) -> IO[str]:
     return _Log(path, cast("IO[bytes]", data))
 
 
-def read_log(path: str | os.PathLike[str]) -> tuple[bytes, bool]:
-    """Read a file of lines; return what is there of it, and whether its compressed data is complete.
+def read_log(path: str | os.PathLike[str]) -> Iterator[bytes]:
+    """Yield the lines of a file, with their newlines; of one that was cut off, the last one has none.
 
-    Raises FileError: it cannot be read, is too large, or its name ends with ``.gz`` and its data is not
-        compressed or damaged.
+    Raises FileError: it cannot be read, is too large, has a line that is too long, or its name ends with
+        ``.gz`` and its data is not compressed or damaged.
     """
+    number = size = 0
     try:
-        with open_regular(path) as stream:
-            if Path(path).suffix == ".gz":
-                content, is_whole = _gunzipped(stream)
-            else:
-                content, is_whole = stream.read(_LARGEST + 1), True
+        with open_regular(path) as stream, _decompressed(stream, path) as lines:
+            while line := lines.readline(min(_LONGEST, _LARGEST) + 1):
+                number, size = number + 1, size + len(line)
+                if size > _LARGEST:
+                    raise OSError(f"it contains more than {_LARGEST / 1e6:,.0f} MB")
+                if len(line) > _LONGEST:
+                    raise at_line(shown(path), number, f"It is longer than {_LONGEST / 1e6:,.0f} MB.")
+                yield line
+    except EOFError:  # of the compressed data
+        yield b""
+    except FileError:
+        raise
+    except (gzip.BadGzipFile, zlib.error):
+        raise unreadable(path, OSError(_damage(path))) from None
     except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
         raise unreadable(path, error) from None
-    if len(content) > _LARGEST:
-        raise FileError(f"`{shown(path)}` cannot be read: it contains more than {_LARGEST / 1e6:,.0f} MB.")
-    return content, is_whole
 
 
-def _gunzipped(stream: IO[bytes]) -> tuple[bytes, bool]:
-    """Return decompressed data, or as much as is there or allowed, and whether that is all."""
-    content = bytearray()
-    try:
-        with gzip.open(stream) as lines:
-            while len(content) <= _LARGEST and (part := lines.read1(_PART)):
-                content += part
-    except EOFError:
-        return bytes(content), False
-    except (gzip.BadGzipFile, zlib.error):
-        stream.seek(0)
-        reason = (
-            "its compressed data is damaged"
-            if stream.read(len(_GZIP)) == _GZIP
-            else "its name ends with `.gz`, but it is not a gzip file"
-        )
-        raise OSError(reason) from None
-    return bytes(content), True
+def _decompressed(stream: IO[bytes], path: str | os.PathLike[str]) -> IO[bytes]:
+    return cast("IO[bytes]", gzip.open(stream)) if Path(path).suffix == ".gz" else stream
+
+
+def _damage(path: str | os.PathLike[str]) -> str:
+    with open_regular(path) as stream:
+        is_compressed = stream.read(len(_GZIP)) == _GZIP
+    if is_compressed:
+        return "its compressed data is damaged"
+    return "its name ends with `.gz`, but it is not a gzip file"
 
 
 def at_line(name: str, number: int, what: str) -> FileError:

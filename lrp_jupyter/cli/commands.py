@@ -276,7 +276,21 @@ Another = Annotated[
 ]
 
 
-@app.command()
+Trusted = Annotated[
+    bool,
+    typer.Option(
+        "--trust", help="Run the program of a recording that you have not made, without a question."
+    ),
+]
+RECORDING_EPILOG = """
+**What runs**: the recorded program. Its blocks are Python, which can do whatever you can do: of a recording
+that another person made, or changed, it is asked first. Without a keyboard `--trust` is the answer. Commands
+of `robot` reach no robot, but what a block does by itself happens again: one that uses `rospy`, a socket or a
+serial port acts on the real robot.
+"""
+
+
+@app.command(epilog=RECORDING_EPILOG)
 def replay(
     file: Log,
     program: Another = None,
@@ -286,22 +300,23 @@ def replay(
     end: Annotated[
         float | None, typer.Option("--until", metavar="SECONDS", min=0, help="End at this time of the run.")
     ] = None,
+    trust: Trusted = False,
 ) -> None:
     """Run a recording again, as fast as possible, and report the first difference.
 
     A simulated run is reproduced bit for bit; that of a program that walks over a set of texts, if
     `PYTHONHASHSEED` is the same number as in the run. The readings of a real robot are fed to the program
-    again, and nothing is sent to it.
+    again, and no command of `robot` is sent to it.
 
     **Exit code**: 0 when the run matches the recording (or with `--program`, when it ran), 1 when it differs,
-    2 when the file cannot be read.
+    2 when the file cannot be read or its program may not run.
     """
     from lrp_jupyter.cli.recordings import replay_file
 
-    raise typer.Exit(replay_file(file, program, begin, end))
+    raise typer.Exit(replay_file(file, program, begin, end, trust))
 
 
-@app.command()
+@app.command(epilog=RECORDING_EPILOG)
 def why(
     file: Log,
     name: Annotated[
@@ -314,14 +329,17 @@ def why(
         float | None, typer.Option(metavar="SECONDS", min=0, help="The time of the run. Default: its end.")
     ] = None,
     program: Another = None,
+    trust: Trusted = False,
 ) -> None:
     """Say why a transition did not fire in a recorded run, why a state was entered, or why the robot moves.
 
-    **Exit code**: 0, or 2 when the file cannot be read or the program has no such name.
+    The recording is run again up to that time, as `lrp replay` does.
+
+    **Exit code**: 0, or 2 when the file cannot be read, its program may not run, or it has no such name.
     """
     from lrp_jupyter.cli.recordings import why_file
 
-    raise typer.Exit(why_file(file, name, at, program))
+    raise typer.Exit(why_file(file, name, at, program, trust))
 
 
 @app.command()

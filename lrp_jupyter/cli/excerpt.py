@@ -49,6 +49,7 @@ def excerpt(text: str, line: int, column: int, end_line: int = 0, end_column: in
 
 
 def _shown(text: str) -> str:
+    """Return a line as a terminal shows it, without what would change the terminal."""
     return "".join(" " * _TAB if c == "\t" else c if c.isprintable() else "�" for c in text)
 
 

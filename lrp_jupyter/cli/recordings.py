@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import pydoc
+import sys
+from collections.abc import Iterator, Mapping
 from typing import NoReturn
 
 import typer
@@ -13,11 +15,13 @@ from lrp_jupyter.cli.events import EventPrinter
 from lrp_jupyter.cli.excerpt import excerpt, finding_text
 from lrp_jupyter.cli.options import Assignment, with_initials
 from lrp_jupyter.cli.source import read_source
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.errors import LRPError, UnknownElementError, printable
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Program
+from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.inputs import Input
 from lrp_jupyter.live.recording import Recording, read_recording
 from lrp_jupyter.live.reproduction import Reproduction, reproduce
 
@@ -34,13 +38,13 @@ def prepared(program: Program, initials: Mapping[str, str]) -> Program:
     return with_initials(program, [Assignment(as_path(name), text) for name, text in initials.items()])
 
 
-def replay_file(file: str, program: str | None, begin: float, end: float | None) -> int:
+def replay_file(file: str, program: str | None, begin: float, end: float | None, trusted: bool) -> int:
     """Run a recording again, print its events and the first difference; return the exit code."""
     if end is not None and begin > end:
         _refuse(
             f"--from {begin:g} is after --until {end:g}, so nothing would be printed. Choose an earlier one."
         )
-    recording = read_recording(file, prepared)
+    recording = _read(file, trusted)
     console, complaints = plain_console(), plain_console(stderr=True)
     text = _other_program(program)
     printer = EventPrinter(console, quiet=False)
@@ -67,9 +71,9 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None)
         return 1
 
 
-def why_file(file: str, name: str, at: float | None, program: str | None) -> int:
+def why_file(file: str, name: str, at: float | None, program: str | None, trusted: bool) -> int:
     """Run a recording again up to a time, and print why something happened there or did not."""
-    recording = read_recording(file, prepared)
+    recording = _read(file, trusted)
     if at is not None and at > recording.seconds + _ROUNDING:
         _refuse(f"`{recording.name}` ends at {recording.seconds:.1f} s. Ask about an earlier time.")
     text = _other_program(program)
@@ -90,6 +94,39 @@ def why_file(file: str, name: str, at: float | None, program: str | None) -> int
             for row in excerpt(source, line, 1)[:1]:
                 console.print(Text(row))
         return 0
+
+
+def _read(file: str, trusted: bool) -> Recording:
+    """Read a recording; ask before the program of another person runs."""
+    recording = read_recording(file, prepared)
+    if trusted or recording.is_own:
+        return recording
+    question = (
+        f"`{recording.name}` contains a program that you have not recorded here, and its blocks can do "
+        "whatever you can do. Read it before you run it."
+    )
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        raise LRPError(f"{question} It runs with `--trust`.")
+    typer.echo(question, err=True)
+    while (answer := typer.prompt("Run it? [y/N, r to read it]", "n", show_default=False, err=True)) == "r":
+        pydoc.pager("".join(printable(f"{text}\n", "\n\t") for text in _code(recording)))
+    if answer.lower() not in ("y", "yes"):
+        raise typer.Exit(2)
+    return recording
+
+
+def _code(recording: Recording) -> Iterator[str]:
+    """Yield the texts that are run with a recording."""
+    yield recording.start.text
+    yield from recording.start.initials.values()
+    for entry in recording.entries:
+        match entry:
+            case Input(what=do.ReplaceProgram(program, unmeant)):
+                yield from [program.text, *([] if unmeant is None else [unmeant.instead.text])]
+            case Input(what=do.Renew(program)):
+                yield program.text
+            case Input(what=do.SetVariable(_, expression)):
+                yield expression
 
 
 def _other_program(program: str | None) -> str | None:

@@ -17,6 +17,7 @@ from lrp_jupyter.live.inputs import Input, RunEnded
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.plain import plain
 from lrp_jupyter.live.randomness import random_module
+from lrp_jupyter.live.recorded_code import RecordedCode
 from lrp_jupyter.live.recording import VERSION, RunStart
 from lrp_jupyter.live.trace import Trace, as_dict
 
@@ -36,12 +37,19 @@ class Recorder(Trace):
         super().__init__(write)
         self._loop = loop
         self._failure: Exception | None = None
+        self._code = None if start is None else RecordedCode()
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
             self.line({"lrplog": VERSION, **parts})
         loop.record.written = self._input
         loop.after_tick.append(self._tick)
         self._unobserve = loop.interpreter.observe(self)
+
+    def line(self, entry: Mapping[str, Any]) -> None:
+        """Write a line; note its code as this user's own."""
+        super().line(entry)
+        if self._code is not None:
+            self._code.note(entry)
 
     def end(self) -> None:
         """Write the time of the end, and nothing more.

@@ -50,6 +50,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.input_lines import input_of
 from lrp_jupyter.live.inputs import Input
 from lrp_jupyter.live.plain import unplain
+from lrp_jupyter.live.recorded_code import RecordedCode
 from lrp_jupyter.live.replay import Entry, Ticked
 from lrp_jupyter.live.timing import FASTEST, SLOWEST
 from lrp_jupyter.logs import at_line, read_log
@@ -60,7 +61,11 @@ __all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording"]
 VERSION = 2
 _LATEST = 1e7  # s of a run
 _MAKE = "`lrp run FILE --record run.lrplog` makes one."
-_LONGEST = 1.5 / SLOWEST  # s between two lines of a simulated run
+_LONGEST_WAIT = 1.5 / SLOWEST  # s between two lines of a simulated run
+
+_MOST = 2_000_000_000  # bytes of memory of a recording: a day of a simulated robot
+_PARSED = 60  # bytes of memory for a character of a program
+_LONGEST_PROGRAM = 1_000_000  # characters
 
 Line = dict[str, Any]
 
@@ -157,6 +162,9 @@ class Recording:
         What followed from them.
     cut : bool
         Whether the file ended in the middle of a line, or of its compressed data.
+    is_own : bool
+        Whether this user recorded its programs and expressions, which :func:`reproduce
+        <lrp_jupyter.live.reproduction.reproduce>` runs.
     """
 
     name: str
@@ -164,6 +172,7 @@ class Recording:
     entries: tuple[Entry, ...]
     followed: tuple[Line, ...]
     cut: bool = False
+    is_own: bool = False
 
     @property
     def ticks(self) -> int:
@@ -189,7 +198,7 @@ class Recording:
 def read_recording(
     path: str | os.PathLike[str], prepared: Callable[[Program, Mapping[str, str]], Program] | None = None
 ) -> Recording:
-    """Read a recording.
+    """Read a recording. Nothing of it runs.
 
     Parameters
     ----------
@@ -203,22 +212,25 @@ def read_recording(
         It cannot be read, is no recording, or has a mistake; the message names the line.
     """
     name = shown(path)
-    data, is_whole = read_log(path)
-    *whole, rest = data.split(b"\n")
-    if not whole:
-        raise FileError(f"`{name}` is not a recording: it contains no complete line.")
     start: RunStart | None = None
     entries: list[Entry] = []
     followed: list[Line] = []
-    complete, latest = 0, 0.0
-    for number, raw in enumerate(whole, 1):
+    complete, latest, memory, cut, code = 0, 0.0, 0, False, RecordedCode()
+    for number, raw in enumerate(read_log(path), 1):
+        if not raw.endswith(b"\n"):
+            cut = True
+            break
         try:
+            memory += _memory_of(raw)
+            if memory > _MOST:
+                raise FileError(f"Up to here, this recording takes more than {_MOST / 1e9:g} GB of memory.")
             line = _line(raw)
+            memory += _PARSED * code.add(line)
             if start is None:
                 start = _start(line, prepared)
                 continue
             tick, time = _moment(line)
-            if start.world is not None and time > latest + _LONGEST:
+            if start.world is not None and time > latest + _LONGEST_WAIT:
                 raise FileError(f"`time` is {time:g}, and it is {latest:g} in the line before.")
             latest = time
             if "input" in line:
@@ -234,9 +246,14 @@ def read_recording(
                 complete = len(followed)
         except Exception as error:  # whatever the parser, or an input that is made of it, says of a value
             raise at_line(name, number, _mistake(error)) from None
-    assert start is not None
-    cut = bool(rest) or not is_whole
-    return Recording(name, start, tuple(entries), tuple(followed[:complete]), cut)
+    if start is None:
+        raise FileError(f"`{name}` is not a recording: it contains no complete line.")
+    return Recording(name, start, tuple(entries), tuple(followed[:complete]), cut, code.is_own())
+
+
+def _memory_of(raw: bytes) -> int:
+    """Return about how many bytes a line takes when it is read, from what it is made of."""
+    return 500 + len(raw) + 100 * raw.count(b":") + 50 * sum(map(raw.count, (b",", b"[", b"{")))
 
 
 def _mistake(error: Exception) -> str:
@@ -312,6 +329,8 @@ def _program(
     text: str, start: RunStart, prepared: Callable[[Program, Mapping[str, str]], Program] | None
 ) -> Program:
     """Return a recorded program with the initial values of the run."""
+    if len(text) > _LONGEST_PROGRAM:
+        raise FileError(f"Its program has more than {_LONGEST_PROGRAM:,} characters.")
     parsed = parse(text, start.filename)
     return prepared(parsed, start.initials) if prepared is not None and start.initials else parsed
 

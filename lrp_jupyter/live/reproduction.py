@@ -51,7 +51,10 @@ def reproduce(
     namespace: dict[str, Any] | None = None,
     prepared: Callable[[Program, Mapping[str, str]], Program] | None = None,
 ) -> Reproduction:
-    """Run a recorded session again.
+    """Run a recorded session again: its blocks, which are Python and can do whatever you can do.
+
+    No command of `robot` reaches a robot, but what a block does by itself, over a socket or with `rospy`,
+    happens again. Of a recording that another person may have made, look at its ``is_own`` first.
 
     Parameters
     ----------

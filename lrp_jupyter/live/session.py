@@ -1174,7 +1174,7 @@ class Session:
         noticed here, except what its blocks do to objects of the namespace other than numbers, texts and
         collections. With a simulated robot, or none, it goes on exactly as this session did or will, as far
         as that follows from the program and what came from outside; with any other robot it is fed the
-        recorded readings.
+        recorded readings. What its blocks do by themselves, past `robot`, they do once more.
 
         Parameters
         ----------
@@ -1224,7 +1224,7 @@ class Session:
         """Return how another program would go on from a moment, beside how it went; nothing changes here.
 
         What came from outside later is repeated in both, as far as that is possible there; edits only in the
-        recorded course.
+        recorded course. What blocks do by themselves, past `robot`, they do again in each.
 
         Parameters
         ----------
@@ -1280,6 +1280,8 @@ class Session:
         at: int | float | None = None,
     ) -> Trials:
         """Run on from one moment with different values of a variable, each in a fork; nothing changes here.
+
+        What blocks do by themselves, past `robot`, they do again in each fork.
 
         Parameters
         ----------

@@ -24,8 +24,9 @@ from pathlib import Path
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import shown
+from lrp_jupyter.own import state_folder
 from lrp_jupyter.widgets.hosts import is_hub, is_voila
-from lrp_jupyter.widgets.kept import FOLDER, Kept, state_folder
+from lrp_jupyter.widgets.kept import FOLDER, Kept
 
 WAYS = ("notebook", "user", "nothing")
 """The values of ``LRP_KEEP``."""

@@ -16,10 +16,8 @@ texts are shown, and never run unasked. In a browser the files are in its own st
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-import sys
 import time
 import unicodedata
 from collections.abc import Iterable
@@ -27,14 +25,15 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from lrp_jupyter import own
 from lrp_jupyter.errors import FileError, LRPError
-from lrp_jupyter.files import append_line, read_file, shown, write_file
+from lrp_jupyter.files import read_file, shown, write_file
+from lrp_jupyter.own import digest
 
 FOLDER = ".lrp"
 """The folder of kept texts, beside the notebook."""
 _MOST_VERSIONS = 10
 _MOST_CHARACTERS = 2_500_000  # of all versions together
-_NOTED = 65 * 500  # characters: hashes of the last texts, one in a line
 _LATEST = 1e11  # s since 1970
 _LONGEST_NAME = 100
 _NOT_IN_NAMES = set('/\\:*?"<>|')
@@ -56,7 +55,7 @@ class Version:
     @property
     def key(self) -> str:
         """A short name that depends on the text alone."""
-        return _digest(self.text)[:16]
+        return digest(self.text)[:16]
 
     def __str__(self) -> str:
         lines = self.text.strip().splitlines()
@@ -129,7 +128,7 @@ class Kept:
         signature = self._signature(ending)
         text = read_file(self.file(ending))
         if text is not None:
-            self._known[ending] = signature, _digest(text)
+            self._known[ending] = signature, digest(text)
         return text
 
     def write(self, ending: str, text: str) -> None:
@@ -137,8 +136,8 @@ class Kept:
 
         Raises FileError: it cannot be written.
         """
-        digest = _digest(text)
-        if self._known.get(ending) == (self._signature(ending), digest) and self.is_own(ending, text):
+        written = digest(text)
+        if self._known.get(ending) == (self._signature(ending), written) and self.is_own(ending, text):
             return
         if self.folder.is_symlink():
             raise FileError(f"`{shown(self.folder)}` is a link, so nothing is kept in it. Use a folder.")
@@ -151,8 +150,8 @@ class Kept:
         except OSError as error:
             raise FileError(f"`{shown(self.folder)}` cannot be created: {error.strerror}.") from error
         write_file(self.file(ending), text)
-        self._known[ending] = self._signature(ending), digest
-        _note(self._mark(ending), digest)
+        self._known[ending] = self._signature(ending), written
+        own.note_own(self.home + ending, written)
 
     def remove(self, ending: str) -> None:
         """Remove a file, if it exists."""
@@ -163,10 +162,7 @@ class Kept:
 
     def is_own(self, ending: str, text: str) -> bool:
         """Return whether this user wrote this text to the file, with this package."""
-        if sys.platform == "emscripten":  # the files are this browser's own; Python's home is always new
-            return True
-        mark = self._mark(ending)
-        return mark is not None and _digest(text) in (read_file(mark) or "").split()
+        return own.is_own(self.home + ending, digest(text))
 
     def changed(self, ending: str) -> str | None:
         """Return the text of a file if it was changed since it was read or written here.
@@ -183,7 +179,7 @@ class Kept:
                 f"`{shown(self.file(ending))}` was changed outside this lab and cannot be read: "
                 "It is not valid UTF-8, or too large. Rename it."
             )
-        return None if text is None or (known is not None and known[1] == _digest(text)) else text
+        return None if text is None or (known is not None and known[1] == digest(text)) else text
 
     def versions(self) -> list[Version]:
         """Return the earlier texts, the newest first."""
@@ -209,39 +205,3 @@ class Kept:
         except (OSError, ValueError):
             return None
         return status.st_mtime_ns, status.st_size, status.st_ino
-
-    def _mark(self, ending: str) -> Path | None:
-        state = state_folder()
-        return None if state is None else state / "kept" / _digest(self.home + ending)[:32]
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
-
-
-def state_folder() -> Path | None:
-    """Return the folder for this user's state, which no notebook's folder contains."""
-    try:
-        if sys.platform == "win32":
-            base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
-        elif sys.platform == "darwin":
-            base = Path.home() / "Library" / "Application Support"
-        else:
-            base = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    except RuntimeError:  # a user without a home
-        return None
-    return Path(base) / "lrp-jupyter"
-
-
-def _note(mark: Path | None, digest: str) -> None:
-    """Note a hash; where that is impossible, the user is asked about the text next time.
-
-    It is appended, because replacing another file with every key would take as long as keeping the text.
-    """
-    if mark is None:
-        return
-    with suppress(OSError):
-        mark.parent.mkdir(parents=True, exist_ok=True)
-        if mark.exists() and mark.stat().st_size > 2 * _NOTED:
-            write_file(mark, (read_file(mark) or "")[-_NOTED:])
-        append_line(mark, digest)

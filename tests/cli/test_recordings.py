@@ -162,7 +162,9 @@ def test_what_cannot_be_run_again_is_refused(lrp, recorded, tmp_path):
     start, *rest = path.read_text(encoding="utf-8").splitlines()
     foreign = json.loads(start) | {"names": ["draw"]}
     path.write_text("\n".join([json.dumps(foreign), *rest]), encoding="utf-8")
-    assert "recorded in a notebook" in " ".join(lrp("replay", path).stderr.replace("│", " ").split())
+    assert "recorded in a notebook" in " ".join(
+        lrp("replay", path, "--trust").stderr.replace("│", " ").split()
+    )
 
 
 def test_a_trace_is_the_part_of_a_recording_that_followed(lrp, program, tmp_path):
@@ -317,3 +319,51 @@ def test_a_set_of_texts_has_its_order_in_a_replay_with_the_same_hashes(
         assert replay.returncode == seed - 1
     assert said[1] == "The run matches the recording."
     assert "`PYTHONHASHSEED` to one number" in said[2]
+
+
+ACTING = TEXT.replace("(running", "(onentry [from pathlib import Path; Path('acted').touch()]) (running")
+
+
+def test_the_program_of_another_person_runs_only_when_it_is_trusted(
+    lrp, recorded, here, monkeypatch, tmp_path_factory
+):
+    path = recorded(text=ACTING)
+    acted = here / "acted"
+    acted.unlink()
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("another")))
+    for arguments in (["replay", path], ["why", path, "bright"], ["replay", path, "--program", "follower"]):
+        done = lrp(*arguments)
+        assert done.exit_code == 2
+        assert "contains a program that you have not recorded here" in done.stderr
+        assert "It runs with `--trust`." in done.stderr
+        assert not acted.exists()
+    assert lrp("replay", path, "--trust").exit_code == 0
+    acted.unlink()
+    assert lrp("why", path, "bright", "--trust").exit_code == 0
+    assert acted.exists()
+
+
+@pytest.mark.slow
+def test_at_a_terminal_it_is_asked_and_can_be_read_before_it_runs(
+    recorded, terminal, here, monkeypatch, tmp_path_factory
+):
+    path = recorded(text=ACTING)
+    acted = here / "acted"
+    acted.unlink()
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("another")))
+    monkeypatch.setenv("PAGER", "cat")
+    for answer in ("\r", "n\r", "what\r", "r\r\r"):
+        asked = terminal("replay", path)
+        asked.wait_for("Run it? [y/N, r to read it]")
+        asked.press(answer)
+        if answer[0] == "r":
+            asked.wait_for("Path('acted').touch()")
+        assert asked.end() == 2
+        assert "matches" not in asked.text
+    assert not acted.exists()
+    asked = terminal("replay", path)
+    asked.wait_for("Run it? [y/N, r to read it]")
+    asked.press("y\r")
+    asked.wait_for("The run matches the recording.")
+    assert asked.end() == 0
+    assert acted.exists()

@@ -20,7 +20,7 @@ from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import FileError, LRPError, NoDataYet, UnknownElementError
 from lrp_jupyter.interpreter import journal
-from lrp_jupyter.live import reproduction
+from lrp_jupyter.live import recording, reproduction
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.plain import plain, unplain
 from lrp_jupyter.live.recording import read_recording
@@ -720,7 +720,8 @@ def test_a_tick_without_readings_is_told(record):
     assert "Recorded: the tick was at 0 s, with no other reading. Replay: `robot." in told
 
 
-def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
+def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path, record):
+    whole = record(COUNTER).read_bytes()
     path, packed = tmp_path / "run.lrplog", tmp_path / "run.lrplog.gz"
     path.write_text("[" * 100_000 + "\n")
     with pytest.raises(FileError, match="line 1: This line is not JSON"):
@@ -728,7 +729,7 @@ def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
     packed.write_text("{}\n")
     with pytest.raises(FileError, match="it is not a gzip file"):
         read_recording(packed)
-    packed.write_bytes(gzip.compress(b"{}\n") + b"more")
+    packed.write_bytes(gzip.compress(whole) + b"more")
     with pytest.raises(FileError, match="its compressed data is damaged"):
         read_recording(packed)
     packed.write_bytes(gzip.compress(b"{}\n")[:10] + b"\xff" * 40)
@@ -792,3 +793,73 @@ def test_a_command_by_hand_has_the_time_at_which_it_was_given(tmp_path):
     ]
     assert command["time"] == 0.1
     assert reproduce(read_recording(path)).difference is None
+
+
+def test_a_recording_is_its_users_own_as_long_as_none_of_its_code_was_changed(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        session.edit(COUNTER.replace("+= 1", "+= 2"))
+        session.run(1)
+        session.set_variable("n", "3 + 4")
+        session.run(1)
+        session.reset()
+        session.run(1)
+    data = path.read_bytes()
+    lines = data.splitlines(keepends=True)
+    kinds = [json.loads(line).get("input") for line in lines]
+    assert {"edit", "set", "reset"} < set(kinds)
+
+    def is_own(content, name="other.lrplog"):
+        (tmp_path / name).write_bytes(content)
+        return read_recording(tmp_path / name).is_own
+
+    assert is_own(data)
+    assert is_own(gzip.compress(data), "run.lrplog.gz")
+    edited = kinds.index("edit")
+    assert is_own(b"".join(lines[: edited + 1]))
+    assert is_own(b"".join(lines[:edited]) + lines[edited][:-20])
+    assert is_own(data.replace(b'"value":4', b'"value":5')), "what followed is not run"
+    for old, new in (
+        (b"+= 1", b"+= 3"),
+        (b"+= 2", b"+= 3"),
+        (b"3 + 4", b"3 + 5"),
+        (b'"rate":10', b'"rate":5'),
+    ):
+        assert data.count(old) == 1
+        assert not is_own(data.replace(old, new))
+    without = [line for number, line in enumerate(lines) if number != edited]
+    assert not is_own(b"".join(without)), "an edit is missing"
+    with Session(f"{COUNTER}\n", clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+    assert is_own(path.read_bytes())
+    assert not is_own(b"".join([path.read_bytes(), *lines[edited : edited + 1]])), "an edit of another one"
+
+
+def test_a_recording_is_read_within_bounds_and_the_error_names_the_line(tmp_path, record, monkeypatch):
+    first = record(COUNTER).read_bytes().splitlines(keepends=True)[0]
+    path = tmp_path / "other.lrplog.gz"
+
+    def told(*lines):
+        path.write_bytes(gzip.compress(b"".join(lines)))
+        with pytest.raises(FileError) as error:
+            read_recording(path)
+        return str(error.value).partition("lrplog.gz`, ")[2]
+
+    long = json.loads(first) | {"text": ";" * 1_000_001}
+    assert (
+        told(json.dumps(long).encode() + b"\n") == "line 1: Its program has more than 1,000,000 characters."
+    )
+    edit = {"tick": 0, "time": 0, "input": "edit", "text": ";" * 1_000_001}
+    assert told(first, json.dumps(edit).encode() + b"\n").startswith("line 2: Its program has more")
+    assert told(first, b" " * 32_000_001) == "line 2: It is longer than 32 MB."
+    monkeypatch.setattr(recording, "_MOST", 20_000_000)
+    many = b'{"tick":0,"time":0,"readings":{"a":{"list":[' + b"[]," * 50_000 + b"[]]}}}\n"
+    tracemalloc.start()
+    try:
+        assert (
+            told(first, many * 9) == "line 5: Up to here, this recording takes more than 0.02 GB of memory."
+        )
+        assert tracemalloc.get_traced_memory()[1] < 25_000_000
+    finally:
+        tracemalloc.stop()

@@ -109,7 +109,7 @@ def test_in_a_browser_whose_python_has_a_new_home_kept_texts_are_still_this_user
     cell, tmp_path, monkeypatch
 ):
     given(tmp_path, B)  # and no note of it, which was in the old home
-    monkeypatch.setattr("lrp_jupyter.widgets.kept.sys", SimpleNamespace(platform="emscripten"))
+    monkeypatch.setattr("lrp_jupyter.own.sys", SimpleNamespace(platform="emscripten"))
     assert cell(None).session.program.text == B
 
 

@@ -11,6 +11,7 @@ from lrp_jupyter.arguments import check_type
 from lrp_jupyter.codes import FINDINGS as CODES
 from lrp_jupyter.codes import Code
 from lrp_jupyter.errors import MOST_FINDINGS, listed
+from lrp_jupyter.language.checks.acting import check_acting
 from lrp_jupyter.language.checks.names import check_names
 from lrp_jupyter.language.checks.python import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
@@ -50,6 +51,7 @@ def check(
     check_reachability(report, resolution, check_references(report, resolution))
     check_python(report, resolution, robot)
     check_waiting(report, resolution)
+    check_acting(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]
     return listed(sorted(first, key=_place), len(report.findings))
 

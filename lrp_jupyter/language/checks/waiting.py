@@ -12,6 +12,7 @@ from itertools import chain
 from typing import NamedTuple
 
 from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.checks.imports import called, imported
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.program import Span
@@ -81,12 +82,7 @@ class _Block:
         nodes = list(ast.walk(tree))
         self._called = {n.func.id for n in nodes if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
         self._stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-        self._imported: dict[str, str] = {}
-        for node in nodes:
-            if isinstance(node, ast.Import | ast.ImportFrom):
-                module = f"{node.module}." if isinstance(node, ast.ImportFrom) else ""
-                for alias in node.names:
-                    self._imported[alias.asname or alias.name] = module + alias.name
+        self._imported = imported(nodes)
 
     def waits(self) -> Iterator[_Wait]:
         """Yield the places where the block waits, in what runs when the block runs."""
@@ -134,13 +130,10 @@ class _Block:
         return not any(not isinstance(node, ast.Name) or node.id in read for node in stored)
 
     def _call(self, call: ast.Call) -> Iterator[_Wait]:
-        name = ast.unparse(call.func) if isinstance(call.func, ast.Name | ast.Attribute) else ""
-        root, dot, rest = name.partition(".")
-        whole = self._imported.get(root, root) + dot + rest
-        outside = "" if root in self._imported else root
+        whole, outside = called(call, self._imported)
         if whole == "time.sleep":
             yield _Wait("LRP542", self._span(call, call.func), outside)
-        elif whole == "input" and root not in self._stored:
+        elif whole == "input" and outside not in self._stored:
             yield _Wait("LRP543", self._span(call, call.func), outside)
 
     def _span(self, first: ast.expr | ast.stmt, last: ast.expr) -> Span:

@@ -1,0 +1,73 @@
+"""550: blocks that act on the world by themselves, past `robot`.
+
+No command is recorded for what they do, nothing limits it or stops it, and whoever runs the block again, to
+ask why or what if, does it again.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import lru_cache
+from itertools import chain
+
+from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.checks.imports import called, imported, whole_name
+from lrp_jupyter.language.checks.report import Reporter
+from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.program import Span
+from lrp_jupyter.language.resolution import Resolution
+
+_ACTING = (
+    *("rospy", "rclpy", "roslibpy", "actionlib", "cyclonedds"),
+    *("ev3dev", "ev3dev2", "pybricks", "RPi", "gpiozero", "pigpio", "smbus", "smbus2"),
+    *("serial", "bluetooth", "bleak", "paho", "socket", "websocket", "websockets", "zmq"),
+    *("requests", "httpx", "aiohttp", "http.client", "urllib.request"),
+    *("subprocess", "os.system", "os.popen"),
+)
+"""Modules and functions whose purpose is to act on a robot, another computer or another program."""
+_SIGNS = tuple({name.partition(".")[0] for name in _ACTING})
+
+
+def check_acting(report: Reporter, names: Resolution) -> None:
+    """Report the first place of each block where it acts past `robot`."""
+    for place in chain.from_iterable(names.blocks.values()):
+        for span, what, outside in _acts(place.block.text):
+            if not outside or (outside in report.names and outside not in place.visible):
+                start = place.block.span.start + 1
+                message = (
+                    f"`{what}` acts on the world past `robot`: nothing records, limits or stops that, and a "
+                    "replay or `what_if` does it again. Let a bridge of your own do it."
+                )
+                report.add("LRP550", Span(start + span.start, start + span.end), message)
+                break
+
+
+@lru_cache(maxsize=20_000)
+def _acts(text: str) -> tuple[tuple[Span, str, str], ...]:
+    """Return where a block acts, by which module or function, and the outside name on which that depends."""
+    if not any(sign in text for sign in _SIGNS):
+        return ()
+    try:
+        tree, suite, source, _ = read(text)
+    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
+        return ()
+    offsets, nodes = Offsets(source), list(ast.walk(tree))
+    known = imported(nodes)
+    stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    found = []
+    for node, whole, outside in _places(nodes, known):
+        acting = next((name for name in _ACTING if f"{whole}.".startswith(f"{name}.")), None)
+        if acting is not None and outside not in stored:
+            span = Span(offsets.start_of(node) + suite.shift, offsets.end_of(node) + suite.shift)
+            found.append((span, acting, outside))
+    return tuple(sorted(found))
+
+
+def _places(nodes: list[ast.AST], known: dict[str, str]) -> Iterator[tuple[ast.expr | ast.alias, str, str]]:
+    for node in nodes:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            for alias in node.names:
+                yield alias, whole_name(node, alias), ""
+        elif isinstance(node, ast.Call):
+            yield node.func, *called(node, known)
