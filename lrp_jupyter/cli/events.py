@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from collections import deque
 
@@ -18,15 +17,11 @@ from lrp_jupyter.live.frame import matches
 from lrp_jupyter.live.trace import Trace
 
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
-_ROUNDING = 1e-6  # s
 
 
 class EventCollector:
     """An observer that queues events for another thread, which pops them from the left.
 
-    Events after the end of the run are dropped: with a clock, the run may stop a few steps late.
-
-    `seconds`: length of the run; may be infinite.
     `until`: the state that ends the run; :attr:`reached` is set when it is entered.
     `traced`: whether to collect the lines of a trace.
     `lines`: lines of the trace not written yet.
@@ -34,27 +29,22 @@ class EventCollector:
     `since`: when the active states were entered, in seconds.
     """
 
-    def __init__(self, seconds: float = math.inf, until: str | None = None, traced: bool = False) -> None:
+    def __init__(self, until: str | None = None, traced: bool = False) -> None:
         self.lines: deque[str] = deque()
         self.pending: deque[TraceEvent] = deque()
         self.since: dict[Path, float] = {}
         self.reached = threading.Event()
-        self._seconds = seconds
         self._until = until
-        self._last_tick = math.inf
         self._trace = Trace(self.lines.append) if traced else None
 
     def __call__(self, event: TraceEvent) -> None:
         """Collect one event."""
-        kind, path, tick, now, _ = event
-        if now >= self._seconds - _ROUNDING or tick > self._last_tick:
-            return
+        kind, path, _, now, _ = event
         if self._trace is not None:
             self._trace(event)
         if kind == "entered":
             self.since[path] = now
             if self._until is not None and matches(self._until, path):
-                self._last_tick = tick
                 self.reached.set()
         if kind in _SHOWN:
             self.pending.append(event)

@@ -13,7 +13,7 @@ from time import perf_counter
 from typing import Protocol
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
-from lrp_jupyter.live.commands import Pause, Resume
+from lrp_jupyter.live.commands import EndAt, Pause, Resume
 from lrp_jupyter.live.frame import Frame
 from lrp_jupyter.live.session import Session
 
@@ -54,7 +54,7 @@ class Pace(Protocol):
 
 
 class Clocked:
-    """Advances a session in wall time, at the session's speed.
+    """Advances a session in wall time, at the session's speed; ends at the exact time, or after the tick.
 
     `seconds`: length of the run, in its own time; may be infinite.
     `over`: returns whether the run has ended for another reason.
@@ -67,7 +67,14 @@ class Clocked:
 
     def start(self) -> None:
         """Start the run."""
-        self._session.start()
+        session = self._session
+        session.ask(EndAt(self._seconds))
+        session.on_tick(self._end_if_over)
+        session.start()
+
+    def _end_if_over(self) -> None:
+        if self._over():
+            self._session.submit(EndAt(0.0))
 
     def is_over(self) -> bool:
         """See :class:`Pace`."""
@@ -81,7 +88,7 @@ class Clocked:
 
     def is_paused(self) -> bool:
         """See :class:`Pace`."""
-        return self._session.status == "paused"
+        return self._session.status == "paused" and not self.is_over()
 
     def pause(self) -> None:
         """See :class:`Pace`."""

@@ -223,7 +223,7 @@ class _Run:
         self._quit = False  # by the key q
         self._trace = trace
         self._cut = False  # the trace is not read any more
-        self._events = EventCollector(wanted.seconds, wanted.until, trace is not None)
+        self._events = EventCollector(wanted.until, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(plain_console(soft_wrap=False)) if drawn else None

@@ -241,6 +241,17 @@ class SetRate(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class EndAt(Command):
+    """Have a run that a clock paces rest at a time, in seconds of the run; one that has passed is now."""
+
+    time: float
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.timing.end = self.time
+
+
+@dataclass(frozen=True, slots=True)
 class SetSpeed(Command):
     """Change the seconds of the session per wall second."""
 

@@ -152,7 +152,9 @@ class Loop:
             if self.status != "running":
                 return math.inf
             self.timing.catch_up()
-            if self.timing.free:
+            if self.timing.over:
+                self.rest()
+            elif self.timing.free:
                 self._tick_freely()
             elif self.timing.now >= self.timing.due - ROUNDING:
                 self.tick()
@@ -179,7 +181,9 @@ class Loop:
         """Tick as often as possible for a moment, without giving up the interpreter lock."""
         timing, end = self.timing, perf_counter() + _FREE
         while self.status == "running" and not self.inbox.queued and perf_counter() < end:
-            timing.now = max(timing.now, timing.clock.now())
+            timing.catch_up()
+            if timing.over:
+                break
             self.tick()
             if timing.clock.speed == math.inf:  # no time passes by itself
                 timing.clock.rebase(timing.now + STEP)

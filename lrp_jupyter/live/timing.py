@@ -42,6 +42,7 @@ class Timing:
     `step`: seconds of a physics step; None where time passes by itself.
     `now`: seconds of the run.
     `due`: the time at which the next tick is due.
+    `end`: the time at which the run rests, where time passes by a clock; may be infinite.
     `rate`: ticks per second.
     `period`: seconds from one tick to the next.
     `free`: whether ticks follow each other without waiting.
@@ -55,6 +56,7 @@ class Timing:
         self._move = move
         self._steps = 0
         self.now = self.due = 0.0
+        self.end = math.inf
         self._measured: tuple[float, int, float] | None = None  # wall time, tick, time
         self.achieved = (0.0, 0.0)
         self.set_rate(rate)
@@ -79,6 +81,11 @@ class Timing:
             self.period = 1 / rate if step is None else max(1, round(1 / rate / step)) * step
         self.due = min(self.due, self.now + self.period)
 
+    @property
+    def over(self) -> bool:
+        """Whether the run has come to its end."""
+        return self.now >= self.end - ROUNDING
+
     def set_speed(self, speed: float) -> None:
         """Change the speed, in seconds of the session per wall second.
 
@@ -98,15 +105,15 @@ class Timing:
             self.now = round(self._steps * self.step, 9)
 
     def catch_up(self) -> None:
-        """Advance the time to that of the clock, at most to the next tick."""
+        """Advance the time to that of the clock, at most to the end and, with a world, to the next tick."""
         clock = self.clock.now()
         if self.step is None:
-            self.now = max(clock, self.now)
+            self.now = max(min(clock, self.end), self.now)
             return
         if clock - self.due > LAG * min(self.clock.speed, 1e9):
             clock = self.due  # never a larger or a skipped step: the run becomes slower instead
             self.clock.rebase(clock)
-        self.advance(min(clock, self.due) - self.now)
+        self.advance(min(clock, self._next()) - self.now)
 
     def go_to(self, time: float) -> None:
         """Advance the time to that of a recorded entry, without a tick."""
@@ -135,10 +142,16 @@ class Timing:
         if self.free:
             return self.now
         if self.step is None:
-            return self.due
-        ahead = self.due - self.now  # in equal parts, so that none ends just before the tick
+            return min(self.due, self.end)
+        ahead = self._next() - self.now  # in equal parts, so that none ends just before the tick
         parts = math.floor(ahead / max(self.step, self.clock.speed / _PICTURES) + ROUNDING)
         return self.now + ahead / max(1, parts)
+
+    def _next(self) -> float:
+        """Return the time of the next tick, or that of the world's last step before an earlier end."""
+        if self.step is None or self.end >= self.due:
+            return self.due
+        return math.ceil(self.end / self.step - ROUNDING) * self.step
 
     def measure(self, tick: int) -> None:
         """Measure the achieved rate and speed, after a tick with this number."""

@@ -533,3 +533,25 @@ def test_only_a_simulated_run_is_animated(lrp, program, tmp_path):
         done = lrp("run", program(COUNT), "--speed", "max", "--for", "1", *options)
         assert done.exit_code == 2
         assert told in " ".join(done.stderr.replace("│", " ").split())
+
+
+@pytest.mark.parametrize("ending", ["--for 1", "--for 0.955", "--for 9 --until lookleft"])
+def test_a_run_ends_at_the_time_or_after_the_tick_that_is_asked_for_at_any_speed(lrp, ending):
+    runs = [
+        lrp(
+            "run",
+            "follower",
+            "--set",
+            "follower/nobump=True",
+            "--trace",
+            "-",
+            "--speed",
+            speed,
+            *ending.split(),
+        )
+        for speed in ("max", "1000", "50")
+    ]
+    assert [run.exit_code for run in runs] == [0, 0, 0]
+    assert len({run.stdout.count('"event":"commanded"') for run in runs}) == 1
+    lengths = {run.stderr.splitlines()[-1].partition(";")[0] for run in runs}
+    assert len(lengths) == 1, "the same seconds, and the same ticks"
