@@ -13,10 +13,10 @@ from rich.text import Text
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.excerpt import finding_text
 from lrp_jupyter.cli.lists import show_table, table_of
-from lrp_jupyter.cli.options import pairs_of
+from lrp_jupyter.cli.options import check_outputs, pairs_of
 from lrp_jupyter.cli.source import read_source
-from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError
-from lrp_jupyter.files import shown, write_file
+from lrp_jupyter.errors import FileError, LRPSyntaxError
+from lrp_jupyter.files import write_file
 from lrp_jupyter.grading.attempt import Attempt
 from lrp_jupyter.grading.batch import HowRun
 from lrp_jupyter.grading.challenges import Challenge, load
@@ -145,17 +145,6 @@ def _listed(name: str, text: str) -> tuple[Value, ...]:
             f"not `{text}`."
         )
     return tuple(dict.fromkeys(values))
-
-
-def check_outputs(out: Sequence[Path], suffixes: Sequence[str]) -> None:
-    """Raise an error if a file cannot be written, or its suffix names no format; before anything runs."""
-    listed = ", ".join(f"`{suffix}`" for suffix in suffixes[:-1])
-    known = f"{listed} or `{suffixes[-1]}`" if listed else f"`{suffixes[-1]}`"
-    for path in out:
-        if path.suffix.lower() not in suffixes:
-            raise LRPError(f"`{shown(path)}` cannot be written: the name must end with {known}.")
-        if not path.absolute().parent.is_dir():
-            raise FileError(f"`{shown(path)}` cannot be written: there is no such folder. Create it first.")
 
 
 def _submissions(files: Sequence[str], task: Challenge) -> list[Submission]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from lrp_jupyter.cli import complete
 from lrp_jupyter.errors import LRPError
@@ -28,6 +29,20 @@ class _Commands(TyperGroup):
             raise typer.Exit(2) from None
 
 
+class _Command(TyperCommand):
+    """A command that takes no empty text, which would be the current folder, or nothing at all."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        known = {name for parameter in self.params for name in parameter.opts}
+        for before, text in zip(["", *args], args, strict=False):
+            name, equals, value = text.partition("=")
+            is_option = bool(equals) and name in known
+            if not (value if is_option else text).strip():
+                named = name if is_option else before if before in known else "An argument"
+                raise typer.BadParameter(f"{named} is empty. Write what is meant, or leave it out.")
+        return super().parse_args(ctx, args)
+
+
 app = typer.Typer(
     cls=_Commands,
     no_args_is_help=True,
@@ -36,6 +51,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+command = partial(app.command, cls=_Command)
+
+
+_LATEST = 1e7  # s of a run
+_SEEDS = 100_000
 
 
 class Findings(StrEnum):
@@ -133,7 +153,7 @@ play; of a longer run the last ten minutes, or 10,000 ticks if they are more.
 """
 
 
-@app.command(epilog=RUN_EPILOG)
+@command(epilog=RUN_EPILOG)
 def run(
     file: File,
     bridge: Annotated[
@@ -158,7 +178,13 @@ def run(
     ] = 10,
     seconds: Annotated[
         float | None,
-        typer.Option("--for", metavar="SECONDS", min=0, help="End the run after this time of its own clock."),
+        typer.Option(
+            "--for",
+            metavar="SECONDS",
+            min=0,
+            max=_LATEST,
+            help="End the run after this time of its own clock.",
+        ),
     ] = None,
     until: Annotated[
         str | None,
@@ -290,15 +316,19 @@ serial port acts on the real robot.
 """
 
 
-@app.command(epilog=RECORDING_EPILOG)
+@command(epilog=RECORDING_EPILOG)
 def replay(
     file: Log,
     program: Another = None,
     begin: Annotated[
-        float, typer.Option("--from", metavar="SECONDS", min=0, help="Print only what comes after this time.")
+        float,
+        typer.Option(
+            "--from", metavar="SECONDS", min=0, max=_LATEST, help="Print only what comes after this time."
+        ),
     ] = 0,
     end: Annotated[
-        float | None, typer.Option("--until", metavar="SECONDS", min=0, help="End at this time of the run.")
+        float | None,
+        typer.Option("--until", metavar="SECONDS", min=0, max=_LATEST, help="End at this time of the run."),
     ] = None,
     trust: Trusted = False,
 ) -> None:
@@ -316,7 +346,7 @@ def replay(
     raise typer.Exit(replay_file(file, program, begin, end, trust))
 
 
-@app.command(epilog=RECORDING_EPILOG)
+@command(epilog=RECORDING_EPILOG)
 def why(
     file: Log,
     name: Annotated[
@@ -326,7 +356,8 @@ def why(
         ),
     ],
     at: Annotated[
-        float | None, typer.Option(metavar="SECONDS", min=0, help="The time of the run. Default: its end.")
+        float | None,
+        typer.Option(metavar="SECONDS", min=0, max=_LATEST, help="The time of the run. Default: its end."),
     ] = None,
     program: Another = None,
     trust: Trusted = False,
@@ -342,7 +373,7 @@ def why(
     raise typer.Exit(why_file(file, name, at, program, trust))
 
 
-@app.command()
+@command()
 def check(
     files: Annotated[
         list[str],
@@ -377,7 +408,7 @@ def check(
     raise typer.Exit(check_files(files, form is Findings.json, fix, bridge))
 
 
-@app.command("format")
+@command("format")
 def format_(
     files: Annotated[
         list[str],
@@ -401,7 +432,7 @@ def format_(
     raise typer.Exit(format_files(files, check))
 
 
-@app.command()
+@command()
 def graph(
     file: File,
     machine: Annotated[
@@ -437,14 +468,16 @@ Challenge = Annotated[
     ),
 ]
 Limit = Annotated[
-    float, typer.Option(metavar="SECONDS", min=0.1, help="Wall-clock seconds that one run may take.")
+    float, typer.Option(metavar="SECONDS", min=0.1, max=1e6, help="Wall-clock seconds that one run may take.")
 ]
 Memory = Annotated[
-    float, typer.Option(metavar="MEGABYTES", min=1, help="Memory that one run may need (on Linux).")
+    float, typer.Option(metavar="MEGABYTES", min=1, max=1e7, help="Memory that one run may need (on Linux).")
 ]
 Processes = Annotated[
     int | None,
-    typer.Option("--jobs", metavar="N", min=1, help="Runs at the same time; default: one per processor."),
+    typer.Option(
+        "--jobs", metavar="N", min=1, max=1000, help="Runs at the same time; default: one per processor."
+    ),
 ]
 Scheduler = Annotated[
     str | None,
@@ -471,7 +504,7 @@ or a file cannot be written; 3 for a fault of this package; 130 after Ctrl-C.
 """
 
 
-@app.command(epilog=GRADE_EPILOG)
+@command(epilog=GRADE_EPILOG)
 def grade(
     files: Annotated[
         list[str] | None,
@@ -487,6 +520,7 @@ def grade(
         typer.Option(
             metavar="N",
             min=1,
+            max=_SEEDS,
             help="Number of runs in each world, each with different noise; default: the challenge's.",
         ),
     ] = None,
@@ -543,7 +577,7 @@ wrong or a file cannot be read or written, 3 for a fault of this package, 130 af
 """
 
 
-@app.command(epilog=SWEEP_EPILOG)
+@command(epilog=SWEEP_EPILOG)
 def sweep(
     file: File,
     assignments: Annotated[
@@ -557,7 +591,10 @@ def sweep(
     ],
     challenge: Challenge = None,
     seeds: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
+        int,
+        typer.Option(
+            metavar="N", min=1, max=_SEEDS, help="Number of runs in each world, each with different noise."
+        ),
     ] = 30,
     out: Annotated[
         list[Path] | None, typer.Option(metavar="FILE", help="Write the result as `.csv` or `.json`.")
@@ -581,7 +618,7 @@ def sweep(
     raise typer.Exit(sweep_file(file, challenge, assignments, seeds, out or [], map_, how))
 
 
-@app.command()
+@command()
 def programs(
     show: Annotated[
         str | None,
@@ -594,7 +631,7 @@ def programs(
     list_programs(show)
 
 
-@app.command()
+@command()
 def worlds(
     show: Annotated[
         str | None,
@@ -616,7 +653,7 @@ def worlds(
     list_worlds(show or as_json, as_json is not None)
 
 
-@app.command()
+@command()
 def bridges(
     name: Annotated[
         str | None,
@@ -649,7 +686,7 @@ the beginning. Later it waits for them.
 """
 
 
-@app.command(epilog=GUARD_EPILOG)
+@command(epilog=GUARD_EPILOG)
 def guard(
     backend: Annotated[
         str,
@@ -677,6 +714,7 @@ def guard(
         typer.Option(
             metavar="SECONDS",
             min=0.1,
+            max=3600,
             help="How long the last command holds: more than a tick of the program.",
         ),
     ] = 0.5,
@@ -687,7 +725,7 @@ def guard(
     raise typer.Exit(guard_robot(backend, host, topic, type_, after))
 
 
-@app.command()
+@command()
 def explain(
     code: Annotated[
         str | None,
@@ -703,7 +741,7 @@ def explain(
     explain_code(code)
 
 
-@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+@command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
 def lab(
     ctx: typer.Context,
     folder: Annotated[
@@ -720,7 +758,7 @@ def lab(
     open_lab(folder.resolve(), browser, ctx.args)
 
 
-@app.command()
+@command()
 def site(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the site; it is created.")],
     notebooks: Annotated[

@@ -14,6 +14,7 @@ from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.excerpt import finding_text, summary
+from lrp_jupyter.cli.options import check_outputs
 from lrp_jupyter.cli.source import Source, read_source
 from lrp_jupyter.codes import address_of
 from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError
@@ -159,6 +160,8 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
     """Write the graph of a file; return the exit code: 1 if it is not a valid program."""
     if kind is None:
         kind = _kind_of(output)
+    elif output is not None:
+        check_outputs([output], [*(suffix for suffix, each in _SUFFIXES.items() if each == kind), ".txt", ""])
     source = read_source(file)
     program, findings = scan(source.text, source.name)
     if program is None:

@@ -7,14 +7,16 @@ while the text and every position in it stay the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
 from typing import Any, Literal, NamedTuple
 
 import typer
 
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
+from lrp_jupyter.files import shown
 from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.initials import find_variable
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
@@ -104,25 +106,38 @@ def pairs_of(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
     return pairs
 
 
+def check_outputs(out: Iterable[str | FilePath], suffixes: Sequence[str]) -> None:
+    """Raise an error if a file cannot be written, or its suffix names another format; before anything runs.
+
+    `suffixes`: of the formats; an empty one if the name needs none.
+    """
+    *others, last = [f"`{suffix}`" for suffix in suffixes if suffix]
+    known = f"{', '.join(others)} or {last}" if others else last
+    for path in map(FilePath, out):
+        if not any(path.name.lower().endswith(suffix) if suffix else not path.suffix for suffix in suffixes):
+            raise LRPError(f"`{shown(path)}` cannot be written: the name must end with {known}.")
+        if not path.absolute().parent.is_dir():
+            raise FileError(f"`{shown(path)}` cannot be written: there is no such folder. Create it first.")
+
+
 def _fire(text: str) -> tuple[str, float]:
     name, _, seconds = text.rpartition("@")
     if not name.strip():
         raise typer.BadParameter(f"--fire takes TRANSITION@SECONDS, such as `tlooking@2.5`, not `{text}`.")
-    return name.strip(), _number(seconds, f"--fire {name}@", "a number of seconds")
+    return name.strip(), _number(seconds, f"--fire {name}@", "a number of seconds", least=0)
 
 
 def _speed(text: str) -> float:
     if text == "max":
         return math.inf
-    speed = _number(text.removesuffix("x"), "--speed", "a factor such as 2 or 0.5, or `max`")
-    if not 0 < speed < math.inf:
-        raise typer.BadParameter(f"--speed takes a factor above 0, or `max`, not `{text}`.")
-    return speed
+    return _number(
+        text.removesuffix("x"), "--speed", "a factor of 0.001 or more, such as 2, or `max`", least=0.001
+    )
 
 
-def _number(text: str, option: str, what: str = "a number") -> float:
+def _number(text: str, option: str, what: str = "a number", least: float = -math.inf) -> float:
     with suppress(ValueError):
-        if math.isfinite(number := float(text)):
+        if math.isfinite(number := float(text)) and number >= least:
             return number
     raise typer.BadParameter(f"{option} takes {what}, not `{text}`.")
 

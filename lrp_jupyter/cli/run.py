@@ -34,7 +34,7 @@ from lrp_jupyter.cli.events import EventCollector, EventPrinter
 from lrp_jupyter.cli.excerpt import finding_text
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.map import Map, columns_for
-from lrp_jupyter.cli.options import RunOptions, with_initials
+from lrp_jupyter.cli.options import RunOptions, check_outputs, with_initials
 from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, Output, recorded_signals
@@ -53,6 +53,12 @@ from lrp_jupyter.logs import open_log
 _REFRESH = 1 / 12  # s between two refreshes of the display
 _ROUNDING = 1e-6  # s
 _LAST = 3  # number of recent transitions on the board
+_SUFFIXES = {
+    "trace": [".jsonl", ".jsonl.gz", ".json", ""],
+    "record": [".lrplog", ".lrplog.gz", ""],
+    "animate": [".svg"],
+}
+"""Those that the name of an output may have."""
 _BAD = (ConnectionState.LOST, ConnectionState.STALE)
 
 
@@ -126,6 +132,9 @@ def _check_files(source: Source, wanted: RunOptions) -> None:
             if path is not None and _is_same_file(path, FilePath(name)):
                 raise typer.BadParameter(f"--{option} would overwrite {what} `{path}`. Choose another name.")
         kept["the recording" if option == "record" else f"the {option}"] = FilePath(name)
+    for option, name in outputs.items():
+        if name is not None and name != "-":
+            check_outputs([name], _SUFFIXES[option])
 
 
 def _is_same_file(one: FilePath, other: FilePath) -> bool:
