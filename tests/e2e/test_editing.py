@@ -1,5 +1,7 @@
 """What is typed looks right, becomes what runs, and is explained and mended where it is wrong."""
 
+from support.waiting import until
+
 from e2e.programs import COUNTER, FOLLOWER
 
 PRINTED = """\
@@ -52,6 +54,7 @@ def test_what_is_typed_runs_and_what_is_wrong_is_explained_and_mended(open_lab):
     lab.sees('[data-lrp-transition$=":work->rest"][data-fired]')
     lab.is_active("m/rest")
     assert int(lab.value("m/n")) >= counted, "nothing has started again"
+    take_away_what_fired_and_undo_it(lab)
     choose_what_the_text_shows(lab)
 
 
@@ -79,6 +82,19 @@ def break_a_bracket(lab):
     lab.misses('[data-lrp-issue^="LRP1"]')
     lab.misses(".cm-lintRange-error")
     lab.sees('.lrp-verdict[data-state="runs"]')
+
+
+def take_away_what_fired_and_undo_it(lab):
+    """What is drawn into the text is there again, though no bracket matched when its place was deleted."""
+    lab.sees(".lrp-text-fired")
+    before = lab.text
+    for piece in ("(state rest", "(on begin rest -> work)", "(on [n > 0] work -> rest)"):
+        lab.select(piece)
+        lab.page.keyboard.press("Backspace")
+    lab.misses(".lrp-text-fired")
+    until(lambda: lab.page.keyboard.press("Control+z") or lab.text == before, "undone")
+    for drawn in (".lrp-text-fired", ".lrp-line-active", ".lrp-inline-value"):
+        lab.sees(drawn)
 
 
 def next_finding(lab):

@@ -34,6 +34,7 @@ import type { Connection, Typed, Typist } from "../session/connection";
 import type { Lab } from "../session/store";
 import { isOn, keepOn } from "../ui/kept";
 import { whenAttached } from "../ui/root";
+import { alive } from "./alive";
 import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
@@ -109,6 +110,7 @@ export class Editor implements Typist {
     const { lab } = this;
     const nothing = () => true; // these would run the notebook's cell
     return [
+      alive(() => this.view),
       lineNumbers(),
       breakpointGutter(lab),
       lintGutter(),

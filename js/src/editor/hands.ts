@@ -61,9 +61,10 @@ export function placeHands(
   others: readonly [string, HandView][],
   ahead: ChangeDesc | null,
 ): void {
+  const { length } = ahead ?? view.state.doc;
   const found = others.flatMap(([name, { selection }]): Hand[] => {
     if (!selection) return [];
-    const [anchor, head] = selection;
+    const [anchor, head] = selection.map((place) => Math.min(place, length)) as [number, number];
     return [ahead ? moved(name, { anchor, head }, ahead, -1) : { view: name, anchor, head }];
   });
   if (found.length || handsIn(view.state).length) view.dispatch({ effects: placed.of(found) });

@@ -38,12 +38,16 @@ export class Tracked {
 
   /** The present place of a range; null if its text was deleted. */
   span(range: TextRange): Span | null {
-    const { from, to } = spanOf(this.doc, range);
-    if (!this.changes) return { from, to };
-    const now = { from: this.changes.mapPos(from, 1), to: this.changes.mapPos(to, -1) };
-    if (now.from > now.to) return from === to ? { from: now.to, to: now.to } : null;
-    return now.from === now.to && from !== to ? null : now;
+    const span = spanOf(this.doc, range);
+    return this.changes ? movedSpan(span, this.changes) : span;
   }
+}
+
+/** The place of a span after changes, without what was typed at its ends; null if its text was deleted. */
+export function movedSpan({ from, to }: Span, changes: ChangeDesc): Span | null {
+  const now = { from: changes.mapPos(from, 1), to: changes.mapPos(to, -1) };
+  if (now.from > now.to) return from === to ? { from: now.to, to: now.to } : null;
+  return now.from === now.to && from !== to ? null : now;
 }
 
 /** One replacement that makes `next` of `doc`; null if they are equal. */

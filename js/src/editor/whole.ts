@@ -8,6 +8,7 @@ import { type ChangeDesc, type EditorState, StateField } from "@codemirror/state
 import { IterMode, type Tree } from "@lezer/common";
 import { outlineOf, treeOf } from "../language/lrp";
 import { type Item, Outline } from "../language/outline";
+import { movedSpan } from "./texts";
 
 interface Whole {
   /** Of the text in which all brackets last matched, and what has changed since. */
@@ -37,13 +38,15 @@ function next({ last, since }: Pick<Whole, "last" | "since">, state: EditorState
     return { last: now, since: null, now };
   }
   if (!last.items.length) return { last, since, now: outlineOf(state) }; // it was opened like this
-  return { last, since, now: since ? new Outline(last.items.map((item) => moved(item, since))) : last };
+  return { last, since, now: since ? new Outline(last.items.flatMap((item) => moved(item, since))) : last };
 }
 
-function moved(item: Item, changes: ChangeDesc): Item {
-  const [from, to] = [changes.mapPos(item.from, 1), changes.mapPos(item.to, -1)];
+/** An item at its place after changes; none if its text was deleted. */
+function moved(item: Item, changes: ChangeDesc): Item[] {
+  const span = movedSpan(item, changes);
+  if (!span) return [];
   const [nameFrom, nameTo] = [changes.mapPos(item.nameFrom, 1), changes.mapPos(item.nameTo, -1)];
-  return { ...item, from, to: Math.max(from, to), nameFrom, nameTo: Math.max(nameFrom, nameTo) };
+  return [{ ...item, ...span, nameFrom, nameTo: Math.max(nameFrom, nameTo) }];
 }
 
 const checked = new WeakMap<Tree, boolean>();

@@ -30,7 +30,12 @@ export class Store {
       this.changed = new Set();
       this.scheduled = 0;
       for (const { topics, update } of this.watchers) {
-        if (topics.some((topic) => changed.has(topic))) update(changed);
+        if (!topics.some((topic) => changed.has(topic))) continue;
+        try {
+          update(changed);
+        } catch (error) {
+          reportError(error); // the others are called all the same
+        }
       }
     });
   }
