@@ -19,6 +19,7 @@ export type PartName =
 /** A view opens, shows this part, and needs a snapshot. Sent again after a lost connection. */
 export interface HelloMessage {
   view: string;
+  frame?: number;
   type: "hello";
   part: PartName;
   document?: string;
@@ -29,6 +30,7 @@ export interface HelloMessage {
 /** A view closes; best effort, so a view without credit for long counts as gone too. */
 export interface ByeMessage {
   view: string;
+  frame?: number;
   type: "bye";
 }
 
@@ -39,6 +41,7 @@ export type ElementKind = "machine" | "state" | "transition" | "event" | "variab
 /** What was typed: changes, one after the other, to the text of the revision `base`. */
 export interface TextMessage {
   view: string;
+  frame?: number;
   type: "text";
   seq: number;
   base: number;
@@ -51,6 +54,7 @@ export interface TextMessage {
 /** The cursor moved, the editor was left, or the word at the cursor is meant by now. Not answered. */
 export interface CursorMessage {
   view: string;
+  frame?: number;
   type: "cursor";
   seq: number;
   revision: number;
@@ -58,16 +62,17 @@ export interface CursorMessage {
   meant: boolean;
 }
 
-/** The frame with this number has arrived, and all frames before it. */
+/** Frames have arrived, and there is nothing else to say. */
 export interface CreditMessage {
   view: string;
+  frame?: number;
   type: "credit";
-  frame: number;
 }
 
 /** Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level). */
 export interface CompleteRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "complete";
   prefix: string;
@@ -77,6 +82,7 @@ export interface CompleteRequest {
 /** Describe a dotted name (``robot.light.data``) in a scope. Answered by `hover`. */
 export interface HoverRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "hover";
   chain: string;
@@ -86,6 +92,7 @@ export interface HoverRequest {
 /** Find the element named at a place of the last text sent. Answered by `references`. */
 export interface ReferencesRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "references";
   line: number;
@@ -95,6 +102,7 @@ export interface ReferencesRequest {
 /** Lay out a program's text; only white space changes. Answered by `edits` of this text. */
 export interface FormatRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "format";
   text: string;
@@ -103,6 +111,7 @@ export interface FormatRequest {
 /** Ask why a transition did not fire, why a state is active, or why the robot does what it does. */
 export interface WhyRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "why";
   kind: ElementKind;
@@ -112,6 +121,7 @@ export interface WhyRequest {
 /** Explain a code, such as ``LRP301``. Answered by `explanation`. */
 export interface ExplainRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "explain";
   code: string;
@@ -120,6 +130,7 @@ export interface ExplainRequest {
 /** List the earlier texts, the newest first. Answered by `versions`. */
 export interface VersionsRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "versions";
 }
@@ -127,6 +138,7 @@ export interface VersionsRequest {
 /** Write the text to a file. Answered by `exists`: another file is there, and nothing was written. */
 export interface SaveRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "save";
   name: string;
@@ -136,6 +148,7 @@ export interface SaveRequest {
 /** Inspect an element, or (`into`: steps of earlier facets) a part of its value. Answered by `inspect`. */
 export interface InspectRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "inspect";
   kind: ElementKind;
@@ -146,6 +159,7 @@ export interface InspectRequest {
 /** Start or resume the program; after a stop, or if the session itself failed, from the beginning. */
 export interface RunCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "run";
@@ -154,6 +168,7 @@ export interface RunCommand {
 /** Pause the program. */
 export interface PauseCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "pause";
@@ -164,6 +179,7 @@ export type Ticks = number;
 /** Run this number of ticks. */
 export interface StepCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "step";
@@ -175,6 +191,7 @@ export type PastTicks = number;
 /** Step back by this number of ticks. */
 export interface StepBackCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "step_back";
@@ -184,6 +201,7 @@ export interface StepBackCommand {
 /** Start the program from scratch. */
 export interface ResetCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "reset";
@@ -192,6 +210,7 @@ export interface ResetCommand {
 /** Stop the robot now, whatever the program does, then pause; never waits for a tick. */
 export interface StopCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "stop";
@@ -200,6 +219,7 @@ export interface StopCommand {
 /** Interrupt the block that does not return. */
 export interface InterruptCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "interrupt";
@@ -210,6 +230,7 @@ export type Positive = number;
 /** Set the ticks per second; 0 is as many as possible. */
 export interface RateCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "rate";
@@ -219,6 +240,7 @@ export interface RateCommand {
 /** Set the simulated seconds per second; 0 is as many as possible. */
 export interface SpeedCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "speed";
@@ -228,6 +250,7 @@ export interface SpeedCommand {
 /** Arm or disarm the robot. */
 export interface ArmedCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "armed";
@@ -237,6 +260,7 @@ export interface ArmedCommand {
 /** Continue with another bridge: a new session of the same program. */
 export interface BridgeCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "bridge";
@@ -246,6 +270,7 @@ export interface BridgeCommand {
 /** Press a button of the bridge's panel, or answer its question. */
 export interface PanelCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "panel";
@@ -257,6 +282,7 @@ export interface PanelCommand {
 /** Switch holding of edits on or off; a held text is applied when it is switched off. */
 export interface HoldCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "hold";
@@ -266,6 +292,7 @@ export interface HoldCommand {
 /** Apply the held text. */
 export interface ApplyCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "apply";
@@ -274,6 +301,7 @@ export interface ApplyCommand {
 /** Return to the text of the running program. */
 export interface RevertCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "revert";
@@ -282,6 +310,7 @@ export interface RevertCommand {
 /** Replace the text and the name by those of a bundled program. */
 export interface LoadCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "load";
@@ -291,6 +320,7 @@ export interface LoadCommand {
 /** End a conflict with its text. Without a number, the present one. */
 export interface TakeCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "take";
@@ -300,6 +330,7 @@ export interface TakeCommand {
 /** End a conflict with the present text. Without a number, the present one. */
 export interface KeepCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "keep";
@@ -309,6 +340,7 @@ export interface KeepCommand {
 /** Ask about a text that was typed in a view whose kernel had ended. */
 export interface RecoverCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "recover";
@@ -318,6 +350,7 @@ export interface RecoverCommand {
 /** Return to an earlier text. */
 export interface VersionCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "version";
@@ -327,6 +360,7 @@ export interface VersionCommand {
 /** Go to a state as if a transition led there. */
 export interface TransitionCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "transition";
@@ -336,6 +370,7 @@ export interface TransitionCommand {
 /** Make a state active without running any action. */
 export interface TeleportCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "teleport";
@@ -345,6 +380,7 @@ export interface TeleportCommand {
 /** Fire a transition now: its source must be active. */
 export interface FireCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "fire";
@@ -354,6 +390,7 @@ export interface FireCommand {
 /** Assign the value of an expression. */
 export interface SetVariableCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "set_variable";
@@ -366,6 +403,7 @@ export type OnActiveEdit = "restart" | "keep";
 /** Set whether an edit of the active state restarts the program. */
 export interface OnActiveEditCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "on_active_edit";
@@ -375,6 +413,7 @@ export interface OnActiveEditCommand {
 /** Set whether a new issue pauses the program. */
 export interface PauseOnIssueCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "pause_on_issue";
@@ -384,6 +423,7 @@ export interface PauseOnIssueCommand {
 /** Clear the issues of the run. */
 export interface ClearIssuesCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "clear_issues";
@@ -392,6 +432,7 @@ export interface ClearIssuesCommand {
 /** Pin a node of a machine's graph to the place where it was dragged, in px. */
 export interface PinCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "pin";
@@ -404,6 +445,7 @@ export interface PinCommand {
 /** Choose places for new states so that the graph fits into a panel of this size, in px. */
 export interface FitCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "fit";
@@ -414,6 +456,7 @@ export interface FitCommand {
 /** Draw nested machines inside their states, or each machine by itself. */
 export interface NestCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "nest";
@@ -423,6 +466,7 @@ export interface NestCommand {
 /** Lay out a machine as if for the first time. */
 export interface ArrangeCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "arrange";
@@ -436,6 +480,7 @@ export type Pose = [number, number, number];
 /** Move a robot; sent while it is dragged. */
 export interface DragRobotCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "drag_robot";
@@ -446,6 +491,7 @@ export interface DragRobotCommand {
 /** Move a solid; sent while it is dragged, before a `put_solid` at its new place. */
 export interface DragSolidCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "drag_solid";
@@ -456,6 +502,7 @@ export interface DragSolidCommand {
 /** Return a robot to its start. */
 export interface ResetPoseCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "reset_pose";
@@ -465,6 +512,7 @@ export interface ResetPoseCommand {
 /** Reset the world to its start, without trails; with `drawings` also without what was edited. */
 export interface ResetWorldCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "reset_world";
@@ -480,6 +528,7 @@ export type Grey = number;
 /** Draw a line on the floor, in metres. */
 export interface StrokeCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "stroke";
@@ -491,6 +540,7 @@ export interface StrokeCommand {
 /** Paint with the floor's own grey. */
 export interface EraseCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "erase";
@@ -503,6 +553,7 @@ export type Box = [number, number, number, number];
 /** Add a solid, a `box` or a `circle`, or replace the one with this index. */
 export interface PutSolidCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "put_solid";
@@ -517,6 +568,7 @@ export interface PutSolidCommand {
 /** Remove a solid. */
 export interface RemoveSolidCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "remove_solid";
@@ -526,6 +578,7 @@ export interface RemoveSolidCommand {
 /** Add a zone, a `box` or a `circle`, or replace the one called `former`, by default of the same name. */
 export interface PutZoneCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "put_zone";
@@ -538,6 +591,7 @@ export interface PutZoneCommand {
 /** Remove a zone. */
 export interface RemoveZoneCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "remove_zone";
@@ -547,6 +601,7 @@ export interface RemoveZoneCommand {
 /** Set the pose in which a robot starts. */
 export interface SetStartCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "set_start";
@@ -557,6 +612,7 @@ export interface SetStartCommand {
 /** Undo the last edit of the world. */
 export interface UndoWorldCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "undo_world";
@@ -565,6 +621,7 @@ export interface UndoWorldCommand {
 /** Redo the edit of the world that was undone last. */
 export interface RedoWorldCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "redo_world";
@@ -573,6 +630,7 @@ export interface RedoWorldCommand {
 /** Continue in another world: a bundled one, or that of a file. */
 export interface WorldCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "world";
@@ -582,6 +640,7 @@ export interface WorldCommand {
 /** Continue in the world that a JSON text describes. */
 export interface WorldTextCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "world_text";
@@ -591,6 +650,7 @@ export interface WorldTextCommand {
 /** Write the world to a JSON file. Answered by `exists`: a file is there; it was not replaced. */
 export interface SaveWorldRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "save_world";
   name: string;
@@ -600,6 +660,7 @@ export interface SaveWorldRequest {
 /** Draw the world as it is now. Answered by `svg`. */
 export interface WorldPictureRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "world_picture";
 }
@@ -607,6 +668,7 @@ export interface WorldPictureRequest {
 /** Draw how the world moved, as far as it is remembered. Answered by `svg`. */
 export interface WorldAnimationRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "world_animation";
 }
@@ -628,6 +690,7 @@ export type DrawingAct =
 /** Draw on the state graph of a text. Answered by the `edits` of that text. */
 export interface DrawRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "draw";
   text: string;
@@ -642,6 +705,7 @@ export interface DrawRequest {
 /** Ask what happened since a tick that the page knows, in the run of this `epoch`, 0 for none. */
 export interface TimelineRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "timeline";
   epoch: number;
@@ -652,6 +716,7 @@ export interface TimelineRequest {
 /** Show an earlier moment, by its tick or its time in seconds; without both, show the present again. */
 export interface LookCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "look";
@@ -662,6 +727,7 @@ export interface LookCommand {
 /** Go back to the moment looked at, and run on from there; with the edited program, if it was edited. */
 export interface RunFromCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "run_from";
@@ -670,6 +736,7 @@ export interface RunFromCommand {
 /** Ask how the present program goes on from the moment looked at, or from now, for some seconds. */
 export interface WhatIfRequest {
   view: string;
+  frame?: number;
   id: number;
   type: "what_if";
   seconds: number;
@@ -682,6 +749,7 @@ export type Hits = number;
 /** Pause from now on when something happens to the element with this path, or a condition becomes True. */
 export interface AddBreakpointCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "add_breakpoint";
@@ -694,6 +762,7 @@ export interface AddBreakpointCommand {
 /** Switch a breakpoint on or off, or set the hit from which on it pauses; 0 keeps that. */
 export interface ChangeBreakpointCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "change_breakpoint";
@@ -705,6 +774,7 @@ export interface ChangeBreakpointCommand {
 /** Remove a breakpoint. */
 export interface RemoveBreakpointCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "remove_breakpoint";
@@ -714,6 +784,7 @@ export interface RemoveBreakpointCommand {
 /** Run the text in every world of the challenge, with every seed, beside the program that runs. */
 export interface CheckCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "check";
@@ -722,6 +793,7 @@ export interface CheckCommand {
 /** Show one more hint about what the check has found. */
 export interface HintCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "hint";
@@ -730,6 +802,7 @@ export interface HintCommand {
 /** Repeat a run of the check in the lab, and look at the moment at which it failed. */
 export interface ShowAttemptCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "show_attempt";
@@ -739,6 +812,7 @@ export interface ShowAttemptCommand {
 /** Put the robot back to the start of a world of the challenge (-1: the present one), and run. */
 export interface StartOverCommand {
   view: string;
+  frame?: number;
   type: "command";
   id: number;
   do: "start_over";
@@ -1174,6 +1248,7 @@ export interface FrameMessage extends Changes<ViewState> {
   type: "frame";
   view: string;
   frame: number;
+  asks?: boolean;
   ink?: InkView;
 }
 

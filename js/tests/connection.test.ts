@@ -203,16 +203,18 @@ describe("answers", () => {
 describe("frames", () => {
   const credits = () => wire.sent.flatMap((message) => (message.type === "credit" ? [message.frame] : []));
 
-  it("are acknowledged two at a time while many come", () => {
-    for (let frame = 5; frame < 10; frame++) wire.hear({ type: "frame", frame });
-    expect(credits()).toEqual([5, 7, 9]);
+  it("are acknowledged at once where they ask for it", () => {
+    wire.hear({ type: "frame", frame: 5 });
+    expect(credits()).toEqual([]);
+    wire.hear({ type: "frame", frame: 6, asks: true });
+    expect(credits()).toEqual([6]);
   });
 
-  it("that come one by one are acknowledged at once", () => {
+  it("are acknowledged by what the page says next, once", () => {
     wire.hear({ type: "frame", frame: 5 });
-    wire.wait(1000);
-    wire.hear({ type: "frame", frame: 6 });
-    expect(credits()).toEqual([5, 6]);
+    wire.connection.send({ do: "pause" });
+    wire.connection.send({ do: "run" });
+    expect(wire.sent.slice(-2).map(({ frame }) => frame)).toEqual([5, undefined]);
   });
 
   it("of other views are ignored", () => {

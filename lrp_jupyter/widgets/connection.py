@@ -38,7 +38,6 @@ from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.messages import (
     ByeMessage,
-    CreditMessage,
     CursorMessage,
     HelloMessage,
     MessageError,
@@ -110,6 +109,8 @@ class PageConnection:
         """Handle a message of a page; never raises."""
         try:
             message = decode(content)
+            if message.frame and self._publisher.credit(message.view, message.frame):
+                self.session.seen()
             if isinstance(message, HelloMessage):
                 known = message.revision if message.document == self.texts.document.name else None
                 self._publisher.welcome(message.view, message.part, send, known, message.seq)
@@ -127,9 +128,6 @@ class PageConnection:
                 return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
                 self._publisher.forget(message.view)
-            elif isinstance(message, CreditMessage):
-                self._publisher.credit(message.view, message.frame)
-                self.session.seen()
             elif isinstance(message, TextMessage):
                 self._type(message)
             elif isinstance(message, CursorMessage):

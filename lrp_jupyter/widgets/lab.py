@@ -18,6 +18,7 @@ from weakref import WeakValueDictionary
 
 import anywidget
 import traitlets
+from comm.base_comm import BaseComm
 from traitlets.utils.bunch import Bunch
 
 from lrp_jupyter import programs
@@ -39,6 +40,7 @@ from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.hosts import is_static
 from lrp_jupyter.widgets.kept import Version
+from lrp_jupyter.widgets.own_comm import OwnComm
 from lrp_jupyter.widgets.plain import packed, unpacked
 
 _NAME = re.compile(r"[\w-]+")
@@ -61,6 +63,7 @@ class Part(anywidget.AnyWidget):
     _css = _STATIC / "lab.css"
     view = traitlets.Unicode("lab").tag(sync=True)
     part: ClassVar[str] = "lab"
+    comm: Any
     reports = traitlets.Bool(False).tag(sync=True)
     """Whether the page sets `reported` when the run has changed, at most four times a second."""
     reported = traitlets.Float(0.0).tag(sync=True)
@@ -77,15 +80,15 @@ class Part(anywidget.AnyWidget):
         super().__init__(view=self.part, reports=_runs_cells_again())
         self._connection = connection
         self._noticed = connection.session.frame
-        comm = self.comm
-        if hasattr(comm, "_reply_subshell_for"):  # or answers of the page would wait for the running cell
-            comm._reply_subshell_for = lambda data, default: default
         self.on_msg(self._receive)
 
     def open(self) -> None:
         """Open the connection to pages, unless the notebook is executed without one."""
-        if not is_static():
-            super().open()
+        if is_static():
+            return
+        super().open()
+        if isinstance(self.comm, BaseComm):  # that of a kernel
+            self.comm = OwnComm(self.comm)
 
     def __del__(self) -> None:
         """Do nothing: a widget that is garbage collected does not stop a robot."""

@@ -12,7 +12,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, get_args, get_origin, get_type_hints
@@ -66,18 +66,23 @@ class OpenProgram(Protocol):
 
 @dataclass(frozen=True)
 class PageMessage:
-    """Base class of the messages of a page. `view` is the sending view's own name."""
+    """Base class of the messages of a page. `view` is the sending view's own name.
+
+    `frame`: the number of the newest frame that has arrived; it acknowledges that and all before it. 0: none
+    since the last message.
+    """
 
     view: str
+    frame: int = field(default=0, kw_only=True)
 
     types: ClassVar[dict[str, type[PageMessage]]] = {}
     acts: ClassVar[dict[str, type[PageMessage]]] = {}
     named: ClassVar[str] = ""
 
     def __init_subclass__(cls, **tag: str) -> None:
-        for field, name in tag.items():
+        for kind, name in tag.items():
             cls.named = name
-            (PageMessage.acts if field == "do" else PageMessage.types)[name] = cls
+            (PageMessage.acts if kind == "do" else PageMessage.types)[name] = cls
 
 
 @dataclass(frozen=True)
@@ -131,9 +136,7 @@ class CursorMessage(PageMessage, type="cursor"):
 
 @dataclass(frozen=True)
 class CreditMessage(PageMessage, type="credit"):
-    """The frame with this number has arrived, and all frames before it."""
-
-    frame: int
+    """Frames have arrived, and there is nothing else to say."""
 
 
 @dataclass(frozen=True)

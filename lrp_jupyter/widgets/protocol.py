@@ -611,12 +611,14 @@ class FrameMessage(ViewState, total=False):
     A field that is missing has not changed. Of an object only the changed entries are sent, None for one
     that is gone (see `difference` in `view_state`); other fields are sent in full. `ink` are new trails of
     pens. If something moved in the world, one buffer comes with it: where everything is
-    now, made by `pack_poses`; 36 bytes for one robot.
+    now, made by `pack_poses`; 36 bytes for one robot. `asks`: it is to be acknowledged at once, and not by
+    what the page says next.
     """
 
     type: Required[Literal["frame"]]
     view: Required[str]
     frame: Required[int]
+    asks: bool
     ink: InkView
 
 

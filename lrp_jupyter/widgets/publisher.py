@@ -7,7 +7,10 @@ take long, are computed between the answers and the frames with no lock held: me
 among them, go through meanwhile.
 
 *Pacing.* What the user did or must see at once is urgent and is sent in the next round. What changes with
-every tick is calm: its frames are spaced out, because each of them costs the page a repaint.
+every tick is calm: its frames are spaced out, because each of them costs the page a repaint; where only the
+time goes on, further. A message of the page costs three: the kernel reports to every page that it is busy
+with it, and idle again. So the page acknowledges frames with what it says anyway, and else only where it is
+asked to.
 """
 
 from __future__ import annotations
@@ -38,17 +41,21 @@ from lrp_jupyter.widgets.looking import Looking, MomentShown
 from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Written
-from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
+from lrp_jupyter.widgets.view_state import ViewStates, difference, is_time, is_urgent
 from lrp_jupyter.widgets.world_commands import saved_worlds
 from lrp_jupyter.widgets.world_state import WorldCursor
 
 _HEARTBEAT = 1.0
 _URGENT, _CALM = 0.015, 0.08  # s between two frames, at least: ten ticks a second come through
+_CLOCK = 0.25  # s between two frames in which nothing is new but the time
 _ROUND, _REST = 0.01, 0.1  # s until the next round if something urgent is owed, and if nothing wakes it
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
 
 _PER_SECOND, _BURST = 30.0, 3.0  # frames
 _FEWEST, _MOST = 3, 24  # frames that may be in flight to a view
+_QUICK, _TO_QUICK = 0.1, 12  # s that a frame takes to a quick page, and how many may be in flight to it
+_ASKS, _ASKS_QUICK = 2, 8  # after how many frames one asks to be acknowledged at once
+_PRESENT = 1.5  # s after which a view is asked to acknowledge, however little is in flight
 _RECENT = 10.0  # s that a round trip is remembered
 _SLOWER = 1.4, 0.01  # a frame that takes longer than this, as a factor and s, has waited in a queue
 _SLOWEST = 1.0  # s that a link takes
@@ -63,38 +70,55 @@ class Window:
     From both, credit comes late. The least time until then, while few frames are in flight, is that of the
     link. With more frames it stays the same over a slow link, while a slow page takes longer, because it has
     them in its queue. So the window grows frame by frame for as long as frames take no longer than that.
+
+    The view acknowledges frames with whatever it sends. Some frames ask for that at once, and only these tell
+    how long frames take. A quick page near by is asked less often, and may owe more.
     """
 
     def __init__(self) -> None:
         self.size = _FEWEST
-        self._sent: dict[int, tuple[float, int]] = {}  # by number: when, and which of those in flight it was
+        self._asks = _ASKS
+        self._sent: dict[int, tuple[float, int, bool]] = {}  # by number: when, as which in flight, if it asks
+        self._asked = float("-inf"), 0  # when, and the newest frame that was asked about or acknowledged
         self._trips: deque[tuple[float, float]] = deque()  # when, and how long, with few in flight
 
     @property
     def is_open(self) -> bool:
-        """Whether another frame may be sent."""
-        return len(self._sent) < self.size
+        """Whether another frame may be sent: one more than fit in, too, if none of the others asks."""
+        return len(self._sent) < self.size or not any(asks for _, _, asks in self._sent.values())
 
-    def send(self, number: int, now: float) -> None:
-        """Count a frame as sent."""
-        self._sent[number] = now, len(self._sent) + 1
+    def send(self, number: int, now: float) -> bool:
+        """Count a frame as sent; return whether it asks to be acknowledged at once."""
+        place = len(self._sent) + 1
+        when, known = self._asked
+        asks = number - known >= self._asks or place > self.size or now - when >= _PRESENT
+        if asks:
+            self._asked = now, number
+        self._sent[number] = now, place, asks
+        return asks
 
     def credit(self, number: int, now: float) -> None:
         """Count a frame as arrived, and all before it: they come in order."""
         found = self._sent.get(number)
+        when, known = self._asked
+        self._asked = when, max(known, number)
         self._sent = {other: each for other, each in self._sent.items() if other > number}
-        if found is None:
+        if found is None or not found[2]:
             return
-        when, place = found
+        when, place, _ = found
         trip = now - when
         if place <= _FEWEST:
             self._trips.append((now, trip))
             while now - self._trips[0][0] > _RECENT:
                 self._trips.popleft()
         least = min((each for _, each in self._trips), default=0.0)
+        if trip <= _QUICK:
+            self.size, self._asks = _TO_QUICK, _ASKS_QUICK
+            return
         factor, more = _SLOWER
         step = 1 if trip <= min(least * factor + more, _SLOWEST) else -1
         self.size = max(_FEWEST, min(self.size + step, _FEWEST + int(least * _PER_SECOND), _MOST))
+        self._asks = _ASKS
 
 
 class View:
@@ -141,13 +165,13 @@ class View:
         self._tokens = min(_BURST, tokens + (now - since) * _PER_SECOND), now
         return self.has_credit and self._tokens[0] >= 1.0
 
-    def number(self, now: float) -> int:
-        """Return the number of the next frame, and count it as sent."""
+    def frame(self, now: float, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the next frame, and count it as sent."""
         self._number += 1
-        self._window.send(self._number, now)
+        asks = {"asks": True} if self._window.send(self._number, now) else {}
         tokens, since = self._tokens
         self._tokens = tokens - 1.0, since
-        return self._number
+        return {"type": "frame", "frame": self._number, **asks, **changes}
 
     def send(self, message: Any, buffers: list[bytes] | None = None) -> None:
         """Send a message to this view; a failure does not affect other views."""
@@ -294,11 +318,13 @@ class Publisher:
             self._views.pop(name, None)
         self._texts.leave(name)
 
-    def credit(self, name: str, number: int) -> None:
-        """Return a view's credit for a frame, and for all before it."""
+    def credit(self, name: str, number: int) -> bool:
+        """Return a view's credit for a frame, and for all before it; whether the view is known."""
         with self._lock:
-            if name in self._views:
-                self._views[name].credit(number, self._clock())
+            if name not in self._views:
+                return False
+            self._views[name].credit(number, self._clock())
+        return True
 
     def reply_later(self, reply: PendingReply) -> None:
         """Send a reply as soon as its answer is known, or the deadline is over."""
@@ -460,13 +486,13 @@ class Publisher:
             changes, buffers = difference(view.sent or {}, state), None
             world = view.world if view.world is not None and view.world.has_moved(picture) else None
             urgent = is_urgent(changes) or (world and self.session.status != "running")  # it is dragged
-            if not urgent and now - view.framed < (_CALM if changes or world else _HEARTBEAT):
+            if not urgent and now - view.framed < _distance(changes, world is not None):
                 continue  # what is calm comes with the next tick
             if world is not None:
                 ink, buffers = world.advance(bridge, picture)
                 changes |= ink
             view.sent, view.framed = state, now
-            view.send({"type": "frame", "frame": view.number(now), **changes}, buffers)
+            view.send(view.frame(now, changes), buffers)
 
     def _snapshot(self, view: View) -> None:
         """Send everything; the view then knows the present view state."""
@@ -492,7 +518,7 @@ class Publisher:
                     "programs": list(programs.names()),
                 },
                 "world": world,
-                "frame": {"type": "frame", "view": view.name, "frame": view.number(view.framed), **state},
+                "frame": {**view.frame(view.framed, state), "view": view.name},
             }
         )
 
@@ -515,5 +541,12 @@ class Publisher:
             for view in self._views.values():
                 changes = difference(view.sent or {}, state)
                 if changes:
-                    view.send({"type": "frame", "frame": view.number(self._clock()), **changes})
+                    view.send(view.frame(self._clock(), changes))
             self._views.clear()
+
+
+def _distance(changes: Mapping[str, Any], moves: bool) -> float:
+    """Return the wall seconds between two frames of calm news, at least."""
+    if moves or not is_time(changes):
+        return _CALM
+    return _CLOCK if changes else _HEARTBEAT

@@ -52,7 +52,8 @@ PRINTED = 500
 """Lines of output that a view is sent at most."""
 RESTARTS = 20
 """The last restarts, which a view lists."""
-_CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed", "hands", "criteria"}
+_TIME = {"tick", "time", "rate", "speed"}
+_CALM = _TIME | {"members", "variables", "printed", "hands", "criteria"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
 """Kinds of issues that a check of the same text reports as `LRP3…`."""
@@ -226,6 +227,11 @@ def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
 def is_urgent(changes: Mapping[str, Any]) -> bool:
     """Return whether the user should see these changes at once, unlike those that come with every tick."""
     return not changes.keys() <= _CALM
+
+
+def is_time(changes: Mapping[str, Any]) -> bool:
+    """Return whether nothing has changed but the time, if that."""
+    return changes.keys() <= _TIME
 
 
 # -- from the package's values to plain data ---------------------------------------------------------

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -38,7 +39,7 @@ class WorldCursor:
     def __init__(self) -> None:
         self._scene: object = None
         self._described = float("-inf")
-        self._picture: object = None
+        self._picture: SimPicture | None = None
         self._marks = 0
         self._strokes = 0
 
@@ -54,8 +55,10 @@ class WorldCursor:
         return _scene_of(bridge, picture) != self._scene and now - self._described >= _DISTANCE
 
     def has_moved(self, picture: object) -> bool:
-        """Return whether something moved or was drawn."""
-        return isinstance(picture, SimPicture) and picture != self._picture
+        """Return whether something moved or was drawn; time alone moves nothing."""
+        if not isinstance(picture, SimPicture) or self._picture is None:
+            return isinstance(picture, SimPicture)
+        return replace(picture, time=self._picture.time) != self._picture
 
     def advance(self, bridge: Bridge, picture: object) -> tuple[dict[str, InkView], list[bytes]]:
         """Return the movement for a frame: a field for new ink, and the buffer of the poses."""

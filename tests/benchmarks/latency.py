@@ -263,7 +263,7 @@ class Bench:
         self.kernel("setattr(session, 'rate', 10)")
 
     def traffic(self, seconds: float) -> None:
-        print("\n| traffic to the page | messages/s | kB/s | largest B |\n|---|---:|---:|---:|")
+        print("\n| traffic | to the kernel/s | to the page/s | kB/s | largest B |\n|---|---:|---:|---:|---:|")
         for name, hertz in (("running at 10 Hz", 10), ("running at 100 Hz", 100)):
             with self.rate(hertz):
                 self.traffic_row(name, seconds)
@@ -274,8 +274,9 @@ class Bench:
         self.lab.ready()
 
     def traffic_row(self, name: str, seconds: float) -> None:
-        count, size, largest = self.wire.measure(lambda: self.page.wait_for_timeout(seconds * 1e3))
-        print(f"| {name} | {count / seconds:.1f} | {size / seconds / 1e3:.1f} | {largest} |", flush=True)
+        sent, count, size, largest = self.wire.measure(lambda: self.page.wait_for_timeout(seconds * 1e3))
+        per_second = f"{sent / seconds:.1f} | {count / seconds:.1f} | {size / seconds / 1e3:.1f}"
+        print(f"| {name} | {per_second} | {largest} |", flush=True)
 
     def disturbed(self, context: Any, server: Any, seconds: float) -> None:
         """A second tab on the same lab that does not listen: blocked, then frozen."""

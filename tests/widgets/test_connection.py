@@ -4,7 +4,7 @@ import json
 import struct
 from collections import deque
 from contextvars import ContextVar
-from itertools import cycle, repeat
+from itertools import chain, cycle, repeat
 from threading import Event, current_thread, main_thread
 
 import pytest
@@ -125,7 +125,7 @@ def test_what_comes_with_every_tick_keeps_a_distance_of_80_ms(bench):
     assert page.last("frame")["variables"]["count"]["text"] == "2"
     lab.session.step()
     assert frames_in(lab, page, 240) == [84 - (60 - 24)]
-    assert page.last("frame").keys() == {"type", "view", "frame", "tick", "time", "variables"}
+    assert page.last("frame").keys() - {"asks"} == {"type", "view", "frame", "tick", "time", "variables"}
 
 
 def test_calm_changes_after_a_rest_are_sent_at_once(bench):
@@ -212,13 +212,13 @@ def test_credit_for_a_later_frame_pays_for_all_before_it(bench):
 
 
 class Tab:
-    """A page behind a link, in virtual time: acknowledges two frames at a time, and is busy with each."""
+    """A page behind a link, in virtual time: acknowledges what asks for it, and is busy with each frame."""
 
     def __init__(self, lab, there, back, busy=0.0):
         self.lab, self.there, self.back, self.busy = lab, there, back, busy
         self.page = lab.page(pays=False)
         self.coming, self.credits = deque(), deque()
-        self.seen, self.free = 0, 0.0
+        self.seen, self.free, self.paid = 0, 0.0, 0
 
     def run(self, seconds):
         """Let a program tick all the time; return how late each frame was read after it had arrived."""
@@ -229,16 +229,17 @@ class Tab:
             now = self.lab.wall.now
             frames = self.page.frames()
             for frame in frames[self.seen :]:
-                self.coming.append((now + next(self.there), frame["frame"]))
+                self.coming.append((now + next(self.there), frame))
             self.seen = len(frames)
             while self.coming and now >= max(self.coming[0][0], self.free):
-                arrived, number = self.coming.popleft()
+                arrived, frame = self.coming.popleft()
                 late.append(now - arrived)
                 self.free = now + self.busy
-                if number % 2 == 0:
-                    self.credits.append((now + self.busy + next(self.back), number))
+                if frame.get("asks"):
+                    self.credits.append((now + self.busy + next(self.back), frame["frame"]))
             while self.credits and now >= self.credits[0][0]:
                 self.page.send("credit", frame=self.credits.popleft()[1])
+                self.paid += 1
         return late
 
 
@@ -262,6 +263,48 @@ def test_a_slow_page_shows_no_old_frames_however_long_it_is_slow(bench, busy, de
     tab = Tab(bench(CALM), repeat(delay), repeat(delay), busy)
     tab.run(5)
     assert max(tab.run(10)) <= 5 * busy
+
+
+def test_a_page_that_becomes_slow_between_two_frames_gets_the_next_one(bench):
+    """A window that becomes smaller than what is in flight holds a frame that asks, or lets one pass."""
+    for slow in range(1, 12):
+        delays = chain(repeat(0.0, 10 + slow), repeat(0.3))
+        tab = Tab(bench(CALM), repeat(0.0), delays)
+        tab.run(4)
+        assert len(tab.run(6)) >= 6 * 4
+
+
+def test_a_quick_page_near_by_acknowledges_few_frames_alone(bench):
+    tab = Tab(bench(CALM), repeat(0.01), repeat(0.01))
+    tab.run(5)
+    before = tab.paid
+    assert len(tab.run(10)) >= 100
+    assert tab.paid - before <= 16
+
+
+def test_what_a_page_says_acknowledges_frames(bench):
+    lab = bench(BLINK)
+    page = lab.page(pays=False)
+    for _ in range(3):
+        for _ in range(2):
+            lab.session.step()
+            lab.publish()
+        page.send("command", id=0, do="rate", value=10, frame=page.frames()[-1]["frame"])
+    assert [frame["frame"] for frame in page.frames()] == [1, 2, 3, 4, 5, 6, 7]
+
+
+@pytest.mark.parametrize("bridge", ["none", "sim"])
+def test_where_only_the_time_goes_on_a_frame_comes_four_times_a_second(bench, bridge):
+    lab = bench("(machine m (state a)) (spawn m a)", bridge=bridge)
+    page = lab.page()
+    lab.session.step()
+    publish_all(lab)
+    came = []
+    for _ in range(10):
+        lab.session.step()
+        came += frames_in(lab, page, 102)
+    assert len(came) == 4
+    assert page.last("frame").keys() - {"asks"} == {"type", "view", "frame", "tick", "time"}
 
 
 def test_a_view_without_credit_gets_no_world_either(bench):
@@ -288,7 +331,7 @@ def test_while_nothing_changes_a_heartbeat_is_sent_once_a_second(bench):
         lab.publish(after=0.0625)
     beats = page.messages[before:]
     assert len(beats) == 5
-    assert all(beat.keys() == {"type", "view", "frame"} for beat in beats)
+    assert all(beat.keys() - {"asks"} == {"type", "view", "frame"} for beat in beats)
 
 
 def test_a_view_that_is_silent_for_long_is_forgotten_and_may_return(bench):

@@ -132,6 +132,21 @@ def test_pause_acts_and_is_answered_while_a_cell_runs(lab):
     assert lab.cell not in lab.idle
 
 
+def test_what_the_page_sends_is_no_cell(lab):
+    """After a cell matplotlib shows and closes all figures, also those that another cell is drawing."""
+    lab.run("ran = []\ndef note(): ran.append(1)\nget_ipython().events.register('post_execute', note)")
+    lab.busy()
+    lab.send({"type": "command", "view": "v", "id": 1, "do": "pause"})
+    lab.until(lambda: "reply" in lab.kinds)
+    lab.end.touch()
+    lab.until(lambda: lab.cell in lab.idle)
+    lab.send({"type": "command", "view": "v", "id": 2, "do": "run"})
+    lab.until(lambda: lab.kinds["reply"]["id"] == 2)
+    lab.run("get_ipython().events.unregister('post_execute', note); print(f'{len(ran)} cells')")
+    lab.until(lambda: "cells" in "".join(lab.streams))
+    assert "2 cells" in "".join(lab.streams), "the one that registered it, and the busy one"
+
+
 def test_a_text_is_answered_while_a_cell_runs(lab):
     lab.busy()
     text = PROGRAM.replace("n + 1", "n + 2")

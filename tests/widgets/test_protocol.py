@@ -67,7 +67,7 @@ def command(act, **fields):
         ({"type": []}, "There is no message `[]`."),
         ({"type": "command"}, "There is no act `None`."),
         (command("dance"), "There is no act `dance`."),
-        ({"type": "credit", "view": "v"}, "`credit` needs `frame`."),
+        ({"type": "hello", "view": "v"}, "`hello` needs `part`."),
         ({"type": "hello", "view": 7, "part": "lab"}, "`view` of `hello` must be a string, not `7`."),
         (command("rate"), "`rate` needs `value`."),
         (command("rate", value="5"), "`value` of `rate` must be a number from 0 to 1000000, not `5`."),

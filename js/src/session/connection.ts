@@ -8,6 +8,7 @@ import type {
   AnswerMessage,
   Command,
   CursorMessage,
+  FrameMessage,
   FromKernel,
   FromPage,
   PartName,
@@ -45,9 +46,6 @@ export const realClock: Clock = {
 export const BUSY_AFTER = 300;
 export const LOST_AFTER = 3000;
 const GONE_AFTER = 1500;
-/** Frames acknowledged at a time, fewer than may be in flight; a frame this late (ms) is acknowledged alone. */
-const CREDIT_AFTER_FRAMES = 2;
-const CREDIT_AFTER = 500;
 
 /** What runs the text waits until all that was typed before it is on its way. Nothing else waits: stop means stop. */
 const RUNS_THE_TEXT: ReadonlySet<Act["do"]> = new Set(["run", "step", "reset", "apply", "check"]);
@@ -106,8 +104,8 @@ export class Connection {
   private textSince = 0;
   /** Commands that follow what was typed; see `RUNS_THE_TEXT`. */
   private following: FromPage[] = [];
-  private uncredited = 0;
-  private credited = Number.NEGATIVE_INFINITY;
+  /** The newest frame, until a message has acknowledged it; then 0. */
+  private arrived = 0;
   private readonly stop: () => void;
 
   constructor(
@@ -192,8 +190,10 @@ export class Connection {
   }
 
   private readonly post = (message: FromPage): void => {
+    const frame = this.arrived;
+    this.arrived = 0;
     try {
-      this.model.send(packed(message));
+      this.model.send(packed(frame ? { ...message, frame } : message));
     } catch {
       this.become("dead"); // the comm is closed: the kernel was restarted or shut down
     }
@@ -208,11 +208,11 @@ export class Connection {
     this.lastMessage = this.clock.now();
     this.suspectedAt = Number.POSITIVE_INFINITY;
     if (message.type === "answer" && !this.isNext(message)) return;
-    if (message.type === "frame") this.credit(message.frame);
+    if (message.type === "frame") this.acknowledge(message);
     if (message.type === "reply") this.resolve(message);
     if (message.type === "snapshot") {
       this.begin(message);
-      this.credit(message.frame.frame);
+      this.acknowledge(message.frame);
     }
     this.updateLink();
     try {
@@ -226,13 +226,10 @@ export class Connection {
     }
   }
 
-  /** Every message makes the kernel report "busy" and "idle", which its host draws: acknowledge two at once. */
-  private credit(frame: number): void {
-    this.uncredited += 1;
-    if (this.uncredited < CREDIT_AFTER_FRAMES && this.lastMessage - this.credited < CREDIT_AFTER) return;
-    this.uncredited = 0;
-    this.credited = this.lastMessage;
-    this.post({ type: "credit", view: this.view, frame });
+  /** Every message makes the kernel report "busy" and "idle" to the page: one alone for that only if it asks. */
+  private acknowledge({ frame, asks }: FrameMessage): void {
+    this.arrived = frame;
+    if (asks) this.post({ type: "credit", view: this.view });
   }
 
   private readonly suspect = (): void => {

@@ -18,7 +18,9 @@ import { band, type Looking, type Moment } from "./looking";
 const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
   (number) => `color-mix(in srgb, white var(--lrp-timeline-light), var(--lrp-world-trail-${number}))`,
 );
-const INTERVAL = 250; // ms between an answer and the next question
+const INTERVAL = 250; // ms between two drawings of a run that goes on
+const NEWS_AFTER = 500; // ms between an answer and the next question
+const ALL_AFTER = 1000; // ms, where the page itself sees nothing new: what was done by hand, commands
 const CALM = 300; // ms after an edit: first it is applied and drawn
 const NARROW = 700; // px of a lab in which the timeline is closed at first
 const USUAL = 30; // s that the window shows
@@ -38,6 +40,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let end: number | null = null; // of the window; null: it follows the present
   let plots: string[] = [];
   let answered = Number.NEGATIVE_INFINITY; // when, in ms
+  let drawn = Number.NEGATIVE_INFINITY;
+  let isNews = true; // whether there is something to ask for
   let edited = Number.NEGATIVE_INFINITY;
   let drawing: Drawing | null = null;
   let styleOf = trailStyles(store.state.program, COLORS);
@@ -100,29 +104,39 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     setHidden(tools, !on);
     setAttribute(opener, "aria-expanded", String(on));
     if (chosen) keepOn(OPEN, on);
-    if (on) ask();
+    if (on) askNow();
   };
 
   /* ---------------------------------------------------------------- data */
 
   const now = () => (store.state.looking ? happened.end : Math.max(happened.end, store.state.time));
+  const askNow = () => {
+    isNews = true;
+    ask();
+  };
   const ask = newest(
     lab.closed,
-    () => Math.max(answered + INTERVAL, edited + CALM),
+    () => Math.max(drawn + INTERVAL, edited + CALM),
     async () => {
       if (body.hidden || !store.state.tick) return;
-      const wanted = Object.fromEntries(plots.map((name) => [name, happened.plots.get(name)?.tick ?? 0]));
-      const run = happened; // another one after a snapshot
-      const { epoch, last } = run;
-      const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
-      answered = performance.now();
-      if (timeline) run.merge(timeline);
-      else if (store.state.link !== "dead") ask(); // the kernel was too busy to answer in time
+      drawn = performance.now();
+      if (drawn >= answered + (isNews || plots.length ? NEWS_AFTER : ALL_AFTER)) await read();
+      else if (isNews) setTimeout(ask, NEWS_AFTER);
       clearTimeout(later);
-      if (answered >= stillUntil) redraw();
-      else later = setTimeout(redraw, stillUntil - answered);
+      if (performance.now() >= stillUntil) redraw();
+      else later = setTimeout(redraw, stillUntil - performance.now());
     },
   );
+  const read = async () => {
+    isNews = false;
+    const wanted = Object.fromEntries(plots.map((name) => [name, happened.plots.get(name)?.tick ?? 0]));
+    const run = happened; // another one after a snapshot
+    const { epoch, last } = run;
+    const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
+    answered = performance.now();
+    if (timeline) run.merge(timeline);
+    else if (store.state.link !== "dead") askNow(); // the kernel was too busy to answer in time
+  };
 
   /* ---------------------------------------------------------------- drawing */
 
@@ -410,7 +424,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     plots = names;
     keep(PLOTS + store.state.name, JSON.stringify(names));
     redraw();
-    ask();
+    askNow();
   };
 
   /* ---------------------------------------------------------------- what changes it */
@@ -420,9 +434,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const names: unknown = JSON.parse(kept(PLOTS + store.state.name) ?? "[]");
     plots = Array.isArray(names) ? names.filter((name) => typeof name === "string") : [];
   });
-  store.watch(["snapshot", "revision", "issues", "status"], (changed) => {
+  store.watch(["snapshot", "revision", "issues", "status", "active", "entered", "fired"], (changed) => {
     if (changed.has("revision") && !changed.has("snapshot")) edited = performance.now();
-    ask();
+    askNow();
   });
   store.watch(["tick", "looking"], () => {
     const { looking: moment, bridge } = store.state;

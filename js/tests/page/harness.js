@@ -199,7 +199,7 @@ function play() {
   const next = recording.frames[at++ % recording.frames.length];
   if (credit < 1) return;
   credit -= 1;
-  deliver({ type: "frame", ...next.frame, frame: ++number, view }, [bytes(next.poses)]);
+  deliver({ type: "frame", ...next.frame, frame: ++number, asks: true, view }, [bytes(next.poses)]);
 }
 
 const model = {
