@@ -301,19 +301,19 @@ class Run:
     # ---- faults -----------------------------------------------------------------------------
 
     def fault(self, site: Site, error: BaseException, edge: Edge | None = None) -> None:
-        """Record what a block raised as an issue, or count it. Paper: §6.2."""
+        """Record what a block raised as an issue, or count it, unless it is being typed. Paper: §6.2."""
         type_ = type(error)  # `isinstance` may call code of the exception
         if issubclass(type_, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
             self.interrupted = error
             self.attention = True
+            return
+        if site.element == self.unmeant:
             return
         if issubclass(type_, NoDataYet) and site.element.kind in ("event", "transition"):
             self._note_fault(site, "no data yet", str(error), edge)
             return  # there it just does not occur
         kind, message = kind_and_message(error)
         self._note_fault(site, kind, message, edge)
-        if site.element == self.unmeant:
-            return
         program, tick, raised = self.program, self.ticks, None
         if not issubclass(type_, (Fault, NoDataYet)):
             raised = self.last_exception = error

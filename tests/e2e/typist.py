@@ -79,8 +79,14 @@ class Typist:
         """All issues of the run, resolved ones too."""
         return self.kernel("[each.message for each in session.issues]")
 
+    @property
+    def faults(self):
+        """The red marks of the timeline."""
+        return self.kernel("[each.text for each in session.timeline().happenings if each.kind == 'issue']")
+
     def has_disturbed_nothing(self, restarts=0):
         """Assert it."""
         assert self.page.evaluate("typed.moves") == []
         assert self.page.evaluate("typed.leaks") == []
         assert self.restarts == restarts
+        assert self.faults == []

@@ -1,5 +1,7 @@
 """Typing into a running session, letter by letter, with the cursor."""
 
+from support.tables import every
+
 from lrp_jupyter import Session
 from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live.clock import VirtualClock
@@ -71,6 +73,35 @@ def test_while_the_cursor_is_in_the_active_state_an_error_in_it_waits_even_if_it
     assert patch.reason == "waits: `lookalgo` has no state `loo`"
     assert "LRP305" in [finding.code for finding in typist.session.findings]
     assert typist.offers(0, True).restarted
+
+
+@every(
+    ("before", "letters", "brackets"),
+    [
+        ("(on off moving -> looking)", " (on off looking -> lookdown", ")"),
+        ("(on off moving -> looking)", " (on off * -> lookdown", ")"),
+        ("(on off moving -> looking)", " (eps looking -> lookdown", ")"),
+        ("(state lookleft)", " (exit off lookleft -> lookdown", ")"),
+        ("(state moving)", " (state other (onentry (spawn lookalgo lookdown", ")))"),
+        ("(spawn follower moving)", " (spawn other lookdown", ")"),
+        ("(on off moving -> looking)", " (on [unknown", "] looking -> moving)"),
+        ("(running [speed", "; unknown", ""),
+    ],
+)
+def test_what_is_half_typed_is_no_fault_in_the_timeline_either(before, letters, brackets):
+    for mode in ("restart", "keep"):
+        typist = Typist(on_active_edit=mode)
+        typist.types(before, letters, brackets)
+        assert typist.session.issues == ()
+        assert [each for each in typist.session.timeline().happenings if each.kind == "issue"] == []
+
+
+def test_the_transition_that_is_meant_fails_and_that_is_told():
+    typist = Typist()
+    typist.types("(on off moving -> looking)", " (on off looking -> lookdown", ")", meant=True)
+    (told,) = [each for each in typist.session.timeline().happenings if each.kind == "issue"]
+    assert told.text == "The machine `follower` has no state `lookdown`."
+    assert "has no state `lookdown`" in str(typist.session.why_not("off:looking->lookdown"))
 
 
 def test_a_kept_program_does_not_run_an_error_in_its_active_state_either():
