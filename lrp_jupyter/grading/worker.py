@@ -8,6 +8,7 @@ be forked, it makes one run and ends.
 
 from __future__ import annotations
 
+import ctypes
 import faulthandler
 import json
 import os
@@ -15,6 +16,7 @@ import pickle
 import selectors
 import signal
 import struct
+import sys
 import traceback
 from contextlib import suppress
 from io import BytesIO
@@ -31,6 +33,7 @@ LOST, LATE = b"lost", b"late"
 MARK = "LRP_GRADING"
 """The variable by which the processes that a worker and its runs have started are found."""
 
+_PR_SET_CHILD_SUBREAPER = 36
 _SIZE = struct.Struct(">Q")
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nobody ends them
@@ -97,6 +100,8 @@ def main() -> None:
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
     can_fork = hasattr(os, "fork")
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)  # what a run leaves behind is found
     send(answers, FORKS if can_fork else ENDS)
     while job := receive(requests, 1 << 62):
         request = Request(job, pickle.loads(job)[0].limit)
@@ -114,6 +119,8 @@ def _made(request: Request) -> bytes:
         job, memory = pickle.loads(request.job)
         _limit(memory, request.patience)
         answer: dict[str, Any] = attempt(job).to_dict()
+    except KeyboardInterrupt:  # nobody but a program interrupts this process
+        answer = failed(job, "crash", "runs to its end", "It was interrupted.").to_dict()
     except BaseException:
         answer = {"fault": traceback.format_exc()}
     return json.dumps(answer).encode()
@@ -153,14 +160,25 @@ def _forked(request: Request, *pipes: IO[bytes]) -> bytes:
     os.kill(child, signal.SIGKILL)  # which is not waited for yet, so its id is still its own
     _, status = os.waitpid(child, 0)
     end_started(os.environ[MARK])
-    if answer:
-        return answer
-    if answer is not None and os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL:
-        return LOST
+    _end_children()
+    code = os.waitstatus_to_exitcode(status)
+    if answer or code == 0:
+        return answer or b"?"
     if answer is None:
         return LATE
+    if code == -signal.SIGKILL:
+        return LOST
     job, _ = pickle.loads(request.job)
-    return json.dumps(failed(job, "crash", "runs to its end", _reason(status)).to_dict()).encode()
+    return json.dumps(failed(job, "crash", "runs to its end", _reason(code)).to_dict()).encode()
+
+
+def _end_children() -> None:
+    """End what runs have left behind, which is this process's own when its parent has ended."""
+    with suppress(OSError):
+        while children := Path(f"/proc/self/task/{os.getpid()}/children").read_text().split():
+            for child in children:
+                os.kill(int(child), signal.SIGKILL)
+            os.waitpid(-1, 0)
 
 
 def _read(pipe: int, requests: int, end: float) -> bytes | None:
@@ -185,8 +203,7 @@ def _read(pipe: int, requests: int, end: float) -> bytes | None:
     return None
 
 
-def _reason(status: int) -> str:
-    code = os.waitstatus_to_exitcode(status)
+def _reason(code: int) -> str:
     if code >= 0:
         return f"The program ended its own process, with the exit code {code}."
     with suppress(ValueError):

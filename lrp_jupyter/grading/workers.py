@@ -361,7 +361,9 @@ def _made(job: Job, answer: bytes) -> Attempt:
     Raises LRPError: the interpreter itself failed.
     """
     if answer == LATE:
-        reason = "A call into compiled code did not return. Let the blocks wait for nothing."
+        reason = (
+            "A call into compiled code did not return. Let the blocks wait for nothing, and stop no process."
+        )
         return failed(job, "time", f"is computed within {job.limit:g} s", reason)
     fault = None
     with suppress(ValueError, RecursionError):
