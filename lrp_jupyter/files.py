@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import secrets
 import stat
+import time
 import traceback
 from contextlib import suppress
 from pathlib import Path
@@ -21,6 +22,8 @@ _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | g
 _READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 LARGEST = 32_000_000
 """Bytes of a text that are read."""
+_WAITS = (0.01, 0.03, 0.1, 0.3)  # s
+_OPEN_ELSEWHERE = (5, 32)  # what Windows calls it: denied, or shared
 
 
 def write_file(path: str | os.PathLike[str], text: str) -> None:
@@ -46,7 +49,7 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
                 stream.write(data)
             if mode is not None:
                 os.chmod(beside, mode)
-            os.replace(beside, file)
+            _replace(beside, file)
         except BaseException:
             with suppress(OSError):
                 os.unlink(beside)
@@ -55,6 +58,18 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
         raise
     except (OSError, ValueError) as error:
         raise unwritable(path, error) from error
+
+
+def _replace(beside: Path, file: Path) -> None:
+    """Put a file in the place of another; Windows refuses that while somebody has the other one open."""
+    for wait in _WAITS:
+        try:
+            return os.replace(beside, file)
+        except PermissionError as error:
+            if getattr(error, "winerror", None) not in _OPEN_ELSEWHERE:
+                raise
+        time.sleep(wait)
+    return os.replace(beside, file)
 
 
 def unwritable(path: str | os.PathLike[str], error: OSError | ValueError) -> FileError:

@@ -11,7 +11,8 @@ import json
 import os
 import runpy
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
 _KEPT = frozenset(
@@ -26,6 +27,20 @@ def python_of(module: str, *arguments: str) -> dict[str, Any]:
     command = [sys.executable, "-P", __file__, json.dumps(_folders(list(sys.path))), module, *arguments]
     kept = {key: value for key, value in os.environ.items() if key in _KEPT or key[:6] != "PYTHON"}
     return {"args": command, "env": kept}
+
+
+@contextmanager
+def safe_path() -> Iterator[None]:
+    """Have processes that others start, as `multiprocessing` does, not search the current folder either."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
 
 
 def _folders(path: list[str]) -> list[str]:

@@ -111,3 +111,19 @@ def test_what_has_no_end_is_no_file_to_read(tmp_path, monkeypatch):
         read_text(tmp_path / "long")
     (tmp_path / "long").write_text("." * 10)
     assert read_text(tmp_path / "long") == read_file(tmp_path / "long") == "." * 10
+
+
+def test_a_file_that_somebody_reads_for_a_moment_is_replaced_on_windows_too(tmp_path, monkeypatch):
+    refusals = [32, 5]
+    replace = os.replace
+
+    def refused(*paths):
+        if refusals:
+            error = PermissionError(13, "Permission denied")
+            error.winerror = refusals.pop()
+            raise error
+        replace(*paths)
+
+    monkeypatch.setattr(os, "replace", refused)
+    write_file(tmp_path / "a.lrp", "a")
+    assert (read_file(tmp_path / "a.lrp"), refusals) == ("a", [])

@@ -15,6 +15,7 @@ from typing import Any
 
 from lrp_jupyter.errors import LRPError, sentence_of
 from lrp_jupyter.grading.worker import Request
+from lrp_jupyter.process import safe_path
 
 _LOCAL = "127.0.0.1:0"  # any port, for this machine only
 _CONNECTING = 20.0  # s until a scheduler must have answered
@@ -115,6 +116,7 @@ def local_cluster(opened: ExitStack, processes: int) -> Any:
     """Start a cluster on this machine: a process for each of its workers, all for this machine only."""
     import distributed
 
+    opened.enter_context(safe_path())
     folder = opened.enter_context(tempfile.TemporaryDirectory(prefix="lrp-dask-", ignore_cleanup_errors=True))
     return opened.enter_context(
         distributed.LocalCluster(  # type: ignore[no-untyped-call]

@@ -89,7 +89,8 @@ def _programs(folder: Path) -> Iterator[Path]:
 
 def _visible(folder: Path) -> Iterator[Path]:
     for path in folder.iterdir():
-        if not (path.name.startswith((".", "_")) or path.is_symlink()):
+        is_link = path.is_symlink() or getattr(path, "is_junction", bool)()
+        if not (path.name.startswith((".", "_")) or is_link):
             yield path
 
 

@@ -151,3 +151,15 @@ def test_a_file_of_python_code_is_a_challenge_only_if_the_command_names_it(lrp, 
     assert refused.stderr.endswith("; only `--challenge` chooses a file.\n")
     lrp(*command, name, "--challenge", "evil.py")
     assert Path("ran").exists()
+
+
+@pytest.mark.slow
+def test_no_module_of_the_folder_that_is_graded_is_imported(process, group, monkeypatch):
+    """A student's, or the teacher's own: with the command `lrp`, which does not look there itself."""
+    monkeypatch.setenv("PYTHONSAFEPATH", "1")
+    for name in ("random", "json", "sitecustomize", "usercustomize", "lrp_jupyter"):
+        (group / f"{name}.py").write_text("open('ran', 'w').close()")
+    graded = process("grade", ".", "--challenge", "first move", "--seeds", "1", cwd=group)
+    listed = graded.communicate()[0].split()
+    assert (graded.returncode, (group / "ran").exists()) == (0, False)
+    assert listed[listed.index("ada") + 1] == "10"

@@ -96,6 +96,15 @@ def test_a_local_cluster_is_started_and_leaves_nothing_behind():
     assert set(Path(tempfile.gettempdir()).glob("lrp-dask-*")) == before
 
 
+def test_a_local_cluster_runs_no_module_of_the_current_folder(tmp_path, monkeypatch):
+    (tmp_path / "multiprocessing.py").write_text("open('ran', 'w').close()")
+    monkeypatch.chdir(tmp_path)
+    (graded,) = grade_all([DRIVE], FIRST, 1, HowRun(processes=1, scheduler="local"))
+    assert graded.passed
+    assert not Path("ran").exists()
+    assert "PYTHONSAFEPATH" not in os.environ
+
+
 def test_a_scheduler_that_is_not_there_is_a_sentence(monkeypatch):
     monkeypatch.setattr("lrp_jupyter.grading.cluster._CONNECTING", 1)
     with pytest.raises(LRPError, match=r"There is no Dask scheduler at `tcp://127\.0\.0\.1:1`"):
