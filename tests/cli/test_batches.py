@@ -2,6 +2,8 @@
 
 import csv
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -154,12 +156,13 @@ def test_a_file_of_python_code_is_a_challenge_only_if_the_command_names_it(lrp, 
 
 
 @pytest.mark.slow
-def test_no_module_of_the_folder_that_is_graded_is_imported(process, group, monkeypatch):
-    """A student's, or the teacher's own: with the command `lrp`, which does not look there itself."""
-    monkeypatch.setenv("PYTHONSAFEPATH", "1")
+def test_no_module_of_the_folder_that_is_graded_is_imported(group):
+    """A student's, or the teacher's own: by the command `lrp`, which does not look there itself."""
     for name in ("random", "json", "sitecustomize", "usercustomize", "lrp_jupyter"):
         (group / f"{name}.py").write_text("open('ran', 'w').close()")
-    graded = process("grade", ".", "--challenge", "first move", "--seeds", "1", cwd=group)
-    listed = graded.communicate()[0].split()
+    command = [sys.executable, "-P", "-c", "from lrp_jupyter.cli import main; main()", "grade", "."]
+    command += ["--challenge", "first move", "--seeds", "1"]
+    graded = subprocess.run(command, cwd=group, capture_output=True, text=True, check=False)
     assert (graded.returncode, (group / "ran").exists()) == (0, False)
+    listed = graded.stdout.split()
     assert listed[listed.index("ada") + 1] == "10"
