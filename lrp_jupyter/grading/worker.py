@@ -33,7 +33,7 @@ LOST, LATE = b"lost", b"late"
 MARK = "LRP_GRADING"
 """The variable by which the processes that a worker and its runs have started are found."""
 
-_PR_SET_CHILD_SUBREAPER = 36
+_SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
 _SIZE = struct.Struct(">Q")
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nobody ends them
@@ -100,8 +100,7 @@ def main() -> None:
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
     can_fork = hasattr(os, "fork")
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)  # what a run leaves behind is found
+    _prctl(_SET_CHILD_SUBREAPER, 1)  # what a run leaves behind is found
     send(answers, FORKS if can_fork else ENDS)
     while job := receive(requests, 1 << 62):
         request = Request(job, pickle.loads(job)[0].limit)
@@ -109,6 +108,11 @@ def main() -> None:
             send(answers, _made(request))
             return
         send(answers, _forked(request, requests, answers))
+
+
+def _prctl(option: int, value: int) -> None:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
 def _made(request: Request) -> bytes:
@@ -146,6 +150,7 @@ def _forked(request: Request, *pipes: IO[bytes]) -> bytes:
     reading, writing = os.pipe()
     child = os.fork()
     if not child:
+        _prctl(_SET_PDEATHSIG, signal.SIGKILL)  # it ends with its worker, also in a call of C
         os.setsid()
         os.close(reading)
         for pipe in pipes:

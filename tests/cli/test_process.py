@@ -164,6 +164,17 @@ def is_running(pid):
         return False
 
 
+def test_runs_end_with_their_workers_though_nobody_is_left_to_end_them(process, program):
+    graded = process("grade", program(HOLDS), "--challenge", "there and back", "--limit", "600")
+    both = 2 * min(2, len(os.sched_getaffinity(0)))
+    started = until(lambda: len(found := descendants(graded.pid)) >= both and found, "the runs")
+    workers = {pid for pid in started if descendants(pid)}
+    os.kill(graded.pid, signal.SIGSTOP)
+    for pid in (*workers, graded.pid):
+        os.kill(pid, signal.SIGKILL)
+    until(lambda: not any(map(is_running, started)), "their end")
+
+
 @pytest.mark.parametrize(
     ("number", "thread", "code"),
     [(signal.SIGKILL, 0, -9), (signal.SIGINT, 0, 130), (signal.SIGINT, -1, 130)],
