@@ -42,6 +42,8 @@ def check(
     ------
     BridgeError
         There is no such bridge.
+    LRPError
+        The text names a world that is no file of the current folder.
 
     Examples
     --------

@@ -186,8 +186,11 @@ def test_the_bridge_can_be_named_and_is_not_connected() -> None:
     assert codes(WRONG, (), "ros") == codes(WRONG, (), "none") == []
 
 
-def test_a_world_of_ones_own_has_the_members_of_its_robot(tmp_path: Path) -> None:
-    path = tmp_path / "mine.json"
+def test_a_world_of_ones_own_has_the_members_of_its_robot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = Path("mine.json")
     path.write_text('{"version": 1, "robots": [{"pose": [0.5, 0.5, 0], "bumper": false}], "size": [2, 2]}')
     text = f"; world: {path}\n(machine m (state a) (state b) (on [robot.bumper.data] a -> b))(spawn m a)"
     assert codes(text) == ["LRP520"]
