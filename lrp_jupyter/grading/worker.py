@@ -37,7 +37,7 @@ _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
 _SIZE = struct.Struct(">Q")
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nobody ends them
-_LARGEST = 16_000_000  # bytes of an answer
+_LARGEST = 4_000_000  # bytes of an answer
 _LOOKS = 50  # for processes that were left behind: while one forks, there are new ones
 
 

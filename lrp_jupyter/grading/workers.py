@@ -208,6 +208,7 @@ class _Processors:
 
 _STARTING = 120.0  # s that a worker may take until it is ready
 _ENDING = 5.0  # s that it has to end by itself
+_LONGEST = 10_000  # characters of a fault
 
 
 class _Worker:
@@ -219,13 +220,9 @@ class _Worker:
     """
 
     def __init__(self) -> None:
-        self._mark = f"{MARK}={secrets.token_hex(8)}"
+        self._mark = secrets.token_hex(8)
         started = python_of("lrp_jupyter.grading.worker")
-        name, _, value = self._mark.partition("=")
-        started["env"] |= {
-            name: value,
-            "PYTHONHASHSEED": "0",
-        }  # the order of a set of texts is that of any run
+        started["env"] |= {MARK: self._mark, "PYTHONHASHSEED": "0"}  # every run orders a set of texts alike
         try:
             self.process = subprocess.Popen(
                 **started,
@@ -371,7 +368,7 @@ def _made(job: Job, answer: bytes) -> Attempt:
         if not (isinstance(made, dict) and isinstance(fault := made.get("fault"), str)):
             return Attempt.from_dict(made).of(job)
     if isinstance(fault, str):
-        raise LRPError(printable(fault, "\n"))
+        raise LRPError(printable(fault[:_LONGEST], "\n"))
     reason = "The run ended without an answer. Let the program end or stop no process, and close no files."
     return failed(job, "crash", "runs to its end", reason)
 
