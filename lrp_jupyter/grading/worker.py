@@ -24,6 +24,7 @@ from pathlib import Path
 from time import monotonic
 from typing import IO, Any, NamedTuple
 
+from lrp_jupyter.errors import sentence_of
 from lrp_jupyter.grading.attempt import attempt, failed
 
 FORKS, ENDS = b"It forks a process for each run.", b"It makes one run."
@@ -125,8 +126,8 @@ def _made(request: Request) -> bytes:
         answer: dict[str, Any] = attempt(job).to_dict()
     except KeyboardInterrupt:  # nobody but a program interrupts this process
         answer = failed(job, "crash", "runs to its end", "It was interrupted.").to_dict()
-    except BaseException:
-        answer = {"fault": traceback.format_exc()}
+    except BaseException as error:
+        answer = {"fault": f"{sentence_of(error)}\n{traceback.format_exc()}"}
     return json.dumps(answer).encode()
 
 
