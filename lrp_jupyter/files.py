@@ -165,11 +165,11 @@ def run_python(path: str | os.PathLike[str], names: dict[str, Any]) -> None:
         exec(compile(read_text(path), str(path), "exec"), names)
     except FileError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise LRPError(f"{shown(path)}{_line(error, str(path))}: {sentence_of(error)}") from error
 
 
-def _line(error: Exception, path: str) -> str:
+def _line(error: BaseException, path: str) -> str:
     """Return which line of a file failed, in words."""
     frames = traceback.extract_tb(error.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == path]

@@ -26,7 +26,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.options import convert_options, refuse_options
 from lrp_jupyter.errors import BridgeError, did_you_mean
-from lrp_jupyter.files import run_python
+from lrp_jupyter.files import run_python, shown
 
 __all__ = ["GROUP", "Offer", "check_options", "choose_bridge", "find_bridges", "make_bridge", "open_bridge"]
 
@@ -128,7 +128,7 @@ def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:
 
 
 def _from_file(path: str) -> str:
-    """Run a Python file and return the name of the bridge that it defines last."""
+    """Run a Python file and return the name of the bridge that it defines last, else of what it imports."""
     before = list(Bridge.registry.values())
     folder = str(Path(path).resolve().parent)
     if folder not in sys.path:
@@ -140,12 +140,22 @@ def _from_file(path: str) -> str:
         run_python(path, vars(module))
     finally:  # what another process needs of it is sent there, as of a notebook: it cannot import it
         del sys.modules[module.__name__]
-    new = [
-        name for name, kind in Bridge.registry.items() if kind not in before and not inspect.isabstract(kind)
-    ]
-    if not new:
-        raise BridgeError(f"`{path}` defines no bridge. Write a subclass of `Bridge` in it.")
-    return new[-1]
+    registered = list(Bridge.registry.values())
+    new = [each for each in registered if each not in before and each.__module__ == module.__name__]
+    found = [each for each in (*vars(module).values(), *new) if any(each is other for other in registered)]
+    usable: list[type[Bridge]] = [each for each in found if not inspect.isabstract(each)]
+    if not usable:
+        _refuse_abstract(new, f"In `{shown(path)}`, ")
+        raise BridgeError(f"`{shown(path)}` defines no bridge. Write a subclass of `Bridge` in it.")
+    return next((each for each in reversed(usable) if each in new), usable[-1]).name
+
+
+def _refuse_abstract(kinds: Iterable[type[Bridge]], where: str = "") -> None:
+    """Raise a BridgeError if one of some classes lacks what every bridge needs."""
+    for bridge in kinds:
+        if inspect.isabstract(bridge):
+            missing = ", ".join(f"`{name}`" for name in sorted(bridge.__abstractmethods__))
+            raise BridgeError(f"{where}`{bridge.__name__}` lacks {missing}, which every bridge needs.")
 
 
 def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
@@ -162,9 +172,7 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
         check_options(which, options)
         return which
     bridge = _class_of(which)
-    if inspect.isabstract(bridge):
-        missing = ", ".join(f"`{name}`" for name in sorted(bridge.__abstractmethods__))
-        raise BridgeError(f"`{bridge.__name__}` lacks {missing}, which every bridge needs.")
+    _refuse_abstract([bridge])
     refuse_options(bridge, options)
     return bridge(**convert_options(bridge, options))
 

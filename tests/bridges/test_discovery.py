@@ -265,7 +265,11 @@ def test_a_file_that_was_changed_is_run_again(registry: object, tmp_path: Path) 
     ("text", "sentence"),
     [
         ("x = 1", "defines no bridge. Write a subclass of `Bridge` in it."),
-        ("from lrp_jupyter import Bridge\nclass Half(Bridge): pass", "defines no bridge."),
+        (
+            "from lrp_jupyter import Bridge\nclass Half(Bridge): pass",
+            "`Half` lacks `open_interface`, which every bridge needs.",
+        ),
+        ("import sys\nsys.exit(0)", "line 2: SystemExit: 0."),
         ("import nothing_of_that_name", "line 1: ModuleNotFoundError: No module named"),
         ("x = 1\ny = (", "line 2: SyntaxError"),
     ],
@@ -279,6 +283,27 @@ def test_a_file_without_a_usable_bridge_is_told_in_a_sentence(
         choose_bridge(str(file))
     assert "mine.py" in str(raised.value)
     assert sentence in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (MINE + "class Other(Mine): name = 'test-other'\n", "test-other"),
+        (MINE + "class Half(Bridge): pass\n", "test-mine"),
+        (
+            MINE.replace("(Bridge)", "(Base)").replace("@dataclass", "class Base(Bridge): pass\n@dataclass"),
+            "test-mine",
+        ),
+        ("from lrp_jupyter.bridges.sim import SimBridge\n", "sim"),
+        (MINE + "from lrp_jupyter.bridges.sim import SimBridge\n", "test-mine"),
+    ],
+)
+def test_of_several_bridges_the_last_that_is_defined_counts_and_else_an_imported_one_each_time(
+    registry: object, tmp_path: Path, text: str, name: str
+) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(text)
+    assert [choose_bridge(str(file)), choose_bridge(str(file))] == [name, name]
 
 
 def test_a_file_that_is_not_there_is_told_with_its_name(tmp_path: Path) -> None:
