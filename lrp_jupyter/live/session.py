@@ -523,6 +523,7 @@ class Session:
         """
         if timeout is not None:
             check_number("timeout", timeout, "a number of seconds", least=0)
+        self._driver.refuse_inside("wait_for")
         end = math.inf if timeout is None else monotonic() + timeout
         before = 0 if callable(condition) else self._loop.frame.count_of(condition)
         runs = self._driver.runs_elsewhere
@@ -809,7 +810,7 @@ class Session:
     def breakpoints(self) -> tuple[Breakpoint, ...]:
         """The breakpoints, by number."""
         known = self._loop.breakpoints
-        return () if known is None else self.call(lambda: known.all)
+        return () if known is None else self._value("breakpoints", lambda: known.all)
 
     def pause_when(
         self,
@@ -935,6 +936,7 @@ class Session:
         FileError
             The file cannot be written.
         """
+        self._driver.refuse_inside("record")
         with open_log(path) as stream:
             recorder: Recorder = self.call(lambda: self.recorder(stream.write))
             try:
@@ -985,7 +987,7 @@ class Session:
             The tick is not, or no longer, recorded; or the time is negative.
         """
         _check_moment("tick", tick)
-        return cast(Frame, self.call(lambda: frame_at(self._loop, _tick_of(self._loop, tick))))
+        return cast(Frame, self._value("at", lambda: frame_at(self._loop, _tick_of(self._loop, tick))))
 
     def animation(self, begin: int | float | None = None, end: int | float | None = None) -> str:
         """Return how the simulated world moved, as an animated SVG that repeats by itself.
@@ -1015,7 +1017,7 @@ class Session:
             ticks = [None if at is None else _tick_of(self._loop, at) for at in (begin, end)]
             return animation_of(self._loop, *ticks)
 
-        draw = self.call(start)
+        draw = self._value("animation", start)
         if draw is None:
             raise BridgeError(f"`{self.bridge.name}` has no simulated world that could be drawn.")
         return cast(str, draw())
@@ -1039,7 +1041,9 @@ class Session:
         """
         check_type("since", since, (TimelineCursor, NoneType), "the `cursor` of a timeline")
         check_type("plots", plots, (Mapping, NoneType), "a mapping of names to ticks")
-        timeline: Callable[[], Timeline] = self.call(partial(timeline_of, self._loop, since, plots))
+        timeline: Callable[[], Timeline] = self._value(
+            "timeline", partial(timeline_of, self._loop, since, plots)
+        )
         return timeline()
 
     def plots(self, names: Iterable[str]) -> list[Plot]:
@@ -1064,7 +1068,7 @@ class Session:
         wanted = _listed("names", names, '["robot.light.data"]')
         for name in wanted:
             check_type("names", name, str, "a list of texts")
-        plot: Callable[[], list[Plot]] = self.call(partial(plotting_named, self._loop, wanted))
+        plot: Callable[[], list[Plot]] = self._value("plots", partial(plotting_named, self._loop, wanted))
         return plot()
 
     def why_not(self, transition: str | Path, at: int | float | None = None) -> Reason:
@@ -1152,7 +1156,7 @@ class Session:
             reason: Reason = getattr(answers, question)(name, tick)
             return reason
 
-        return cast(Reason, self.call(answer))
+        return cast(Reason, self._value(question, answer))
 
     def _test_again(self, tick: int, element: Element) -> Evaluation | Exception | None:
         """Run a tick again in a fork, and return what the test of a transition was there."""
@@ -1205,7 +1209,7 @@ class Session:
         def start() -> ForkStart:
             return fork_start(self._loop, None if at is None else _tick_of(self._loop, at))
 
-        copy = self._forked(self.call(start))
+        copy = self._forked(self._value("fork", start))
         with copy._closed_on_error(), copy._driver.exclusive("fork"):
             if program is not None:
                 copy._loop.apply(do.ReplaceProgram(program))
@@ -1250,6 +1254,7 @@ class Session:
         check_number("seconds", seconds, "a number of seconds", above=0)
         if math.isinf(seconds):
             raise ValueError("Both runs last so many `seconds`. Pass a number that is not infinite.")
+        self._driver.refuse_inside("what_if")
         if program is None and at is not None:
             program = self.program
         with self.fork(at, program, inputs=True) as fork:
@@ -1314,6 +1319,7 @@ class Session:
             raise ValueError("A run without `until` never ends. Pass `until`, or other `seconds`.")
         if outcome is not None:
             check_callable("outcome", outcome)
+        self._driver.refuse_inside("try_values")
         trials = []
         for value in _listed("values", values, "[0.2, 0.3]"):
             with self.fork(at) as fork:
@@ -1376,6 +1382,14 @@ class Session:
     def call(self, function: Callable[[], Any]) -> Any:
         """Call a function between two ticks, when the robot's world may be changed."""
         check_callable("function", function)
+        return self._driver.do(do.Call(function))
+
+    def _value(self, what: str, function: Callable[[], Any]) -> Any:
+        """Return what a function returns between two ticks, for a method of this name.
+
+        Raises LRPError: a block of the program itself is the caller.
+        """
+        self._driver.refuse_inside(what)
         return self._driver.do(do.Call(function))
 
     def observe(self, observer: Observer) -> Callable[[], None]:

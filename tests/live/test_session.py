@@ -1,5 +1,6 @@
 import builtins
 import math
+import os
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -688,3 +689,89 @@ def test_a_word_does_not_wait_for_what_the_world_has_lost_meanwhile(session):
     judgement = s.judge(text.replace("[n]", "[3 + n]"), Cursor(at + 4))
     assert judgement.unmeant is None
     assert [finding.code for finding in judgement.findings] == ["LRP520"]
+
+
+IN_A_BLOCK = {
+    "animation": (),
+    "at": (1,),
+    "call": (int,),
+    "check": ("x",),
+    "edit": ("x",),
+    "explain": ("t",),
+    "fire": ("t",),
+    "fork": (),
+    "from_file": (__file__,),
+    "judge": ("x",),
+    "listen": (int,),
+    "observe": (print,),
+    "offer": ("x",),
+    "offer_rename": ("state", ("m", "a"), "z"),
+    "on_tick": (int,),
+    "pause_when": ("a",),
+    "plots": (["n"],),
+    "record": (os.devnull,),
+    "recorder": (print,),
+    "remove_breakpoint": (1,),
+    "rename": ("state", "m/a", "q"),
+    "run": (1,),
+    "save": (os.devnull,),
+    "set_breakpoint": (1,),
+    "set_variable": ("n", 1),
+    "teleport_to": ("b",),
+    "timeline": (),
+    "transition_to": ("b",),
+    "try_values": ("n", [1], 1),
+    "wait_for": ("a",),
+    "what_if": (),
+    "why": ("a",),
+    "why_not": ("t",),
+    "driving": (1,),
+    "interrupt": None,  # which ends the block
+}
+"""The arguments with which a block calls a method of its session; those without any are not here."""
+OF_LATER = {
+    "at",
+    "explain",
+    "why",
+    "why_not",
+    "fork",
+    "what_if",
+    "try_values",
+    "timeline",
+    "plots",
+    "animation",
+}
+"""The methods whose answer is known only between two ticks."""
+
+
+def test_what_a_block_cannot_ask_its_session_is_refused_in_a_sentence_and_nothing_else_leaks():
+    called = []
+
+    def act():
+        for name in sorted(name for name in dir(Session) if not name.startswith("_")):
+            arguments = IN_A_BLOCK.get(name, ())
+            if called.count(name) or arguments is None or name in ("stop", "close"):
+                continue
+            called.append(name)
+            try:
+                member = getattr(session, name)
+                result = member(*arguments) if callable(member) else member
+                if name == "record":
+                    with result:
+                        pass
+                told[name] = None
+            except Exception as error:
+                told[name] = error
+
+    told = {}
+    text = (
+        "(var n := [0]) (machine m (state a (running [act()])) (state b) (on [False] a -> b t)) (spawn m a)"
+    )
+    with Session(text, namespace={"act": act}) as session:
+        session.run(0.3)
+        assert (session.fault, session.issues) == ("", ())
+    refused = {name for name, error in told.items() if "cannot be called by a block" in str(error)}
+    assert refused == OF_LATER | {"run", "record", "wait_for"}
+    for name, error in told.items():
+        assert error is None or isinstance(error, LRPError | ValueError), name
+        assert name not in refused or str(error).startswith(f"`{name}` cannot be called"), name
