@@ -107,6 +107,8 @@ def _name_error(error: NameError) -> str:
         trace = trace.tb_next
     if trace is not None and error.name in trace.tb_frame.f_code.co_freevars:
         return f"`{error.name}` has no value. Assign one first."
+    if trace is not None and trace.tb_frame.f_code.co_filename == "<string>":
+        return f"`{error.name}` is not known to `eval` or `exec`, which see no variable of the program."
     return (
         f"`{error.name}` is not defined here. Correct the name, or declare `(var {error.name} := [value])`."
     )

@@ -56,6 +56,7 @@ def test_a_fault_in_a_function_of_an_older_text_is_located_at_the_block_that_cal
         ("raise NameError", "LRP601", "NameError"),
         ("x = x + 1", "LRP601", "UnboundLocalError: "),
         ("nope", "LRP606", "`nope` is not defined here."),
+        ("eval('nope')", "LRP606", "`nope` is not known to `eval` or `exec`, which see no variable"),
         ("import sys; sys.exit('enough')", "LRP601", "SystemExit: enough"),
         ("\n class Odd(Exception): pass\n raise Odd", "LRP601", "block.<locals>.Odd"),
         ("\n def f(): f()\n f()", "LRP601", "RecursionError: "),

@@ -17,6 +17,7 @@ from lrp_jupyter.language.checks.python import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
 from lrp_jupyter.language.checks.references import check_references
 from lrp_jupyter.language.checks.report import Reporter
+from lrp_jupyter.language.checks.unseen import check_unseen
 from lrp_jupyter.language.checks.waiting import check_waiting
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
@@ -52,6 +53,7 @@ def check(
     check_python(report, resolution, robot)
     check_waiting(report, resolution)
     check_acting(report, resolution)
+    check_unseen(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]
     return listed(sorted(first, key=_place), len(report.findings))
 
