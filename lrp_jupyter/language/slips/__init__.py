@@ -63,7 +63,7 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
             if left < 0:
                 break
             follower = _error(edited(text, candidate.edits))
-            if follower is None and candidate.is_certain:
+            if follower is None and (candidate.is_certain or candidate.is_form):
                 best = candidate
                 break
             if follower is None:

@@ -120,16 +120,21 @@ class WrongBlock:
             else:
                 return min(end, len(self.tokens))
 
-    def partner(self, index: int) -> int:
-        """Return the index of the bracket that closes one, or the last of its line."""
-        depth = 0
+    def partner(self, index: int, lines: bool = False) -> int:
+        """Return the index of the bracket that closes one, or the last of its line.
+
+        `lines`: whether it may be in a later line.
+        """
+        depth, last = 0, -1
         line = self.tokens[index].line
         for end in range(index, len(self.tokens)):
             text = self.tokens[end].text
             depth += (text in OPENING) - (text in CLOSING)
-            if not depth or self.get(end + 1).line != line:
+            if last < 0 and self.get(end + 1).line != line:
+                last = end
+            if not depth or (last >= 0 and not lines):
                 return end
-        return len(self.tokens) - 1
+        return last
 
     def around(self, index: int) -> str:
         """Return the innermost bracket that is open at a token."""
@@ -201,7 +206,11 @@ def _is_value_start(token: PythonToken) -> bool:
 
 
 class Guess(NamedTuple):
-    """What may be wrong, and the edits that would repair it; `is_certain`: nothing else can be meant."""
+    """What may be wrong, and the edits that would repair it.
+
+    `is_certain`: nothing else can be meant.
+    `is_form`: it is a form of the program, whatever is meant by it.
+    """
 
     code: str
     message: str
@@ -209,6 +218,7 @@ class Guess(NamedTuple):
     end: int
     edits: tuple[Edit, ...]
     is_certain: bool = True
+    is_form: bool = False
 
 
 Guesses = Iterator[Guess]

@@ -119,8 +119,9 @@ def forms(code: WrongBlock) -> Guesses:
     """Forms of the program inside a block."""
     for index in code.near():
         token, word, name = code.tokens[index], code.get(index + 1), code.get(index + 2)
-        if token.text == "(" and word.text in KEYWORDS and name.kind == "name":
-            start, end, shown = token.start, code.tokens[code.partner(index)].end, word
+        is_form = token.text == "(" and word.text in KEYWORDS and (name.kind == "name" or name.text == "[")
+        if is_form:
+            start, end, shown = token.start, code.tokens[code.partner(index, lines=True)].end, word
         elif token.text in _FORMS and code.begins(index) and code.is_gap(index) and code.ends(index + 2):
             start, end, shown = token.start, word.end, token
         else:
@@ -129,7 +130,9 @@ def forms(code: WrongBlock) -> Guesses:
         message = f"{what}. Put it after the `]` of this block."
         if shown.text in _JUMPS:
             message = f"A block cannot change the state. Write a transition: `{USAGE['on']}`."
-        yield Guess("LRP510", message, start, shown.end, (Edit(start, end, "pass"),), False)
+        rest = code.text[end:].partition("\n")[0].strip()
+        instead = "pass; " if rest[:1] not in ("", "#", ";", ")", "]") else "pass"
+        yield Guess("LRP510", message, start, shown.end, (Edit(start, end, instead),), False, is_form)
 
 
 _JUMPS = frozenset({"state", "goto", "go", "transition", "enter", "switch"})
