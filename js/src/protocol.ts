@@ -1237,6 +1237,7 @@ export interface ViewState {
   conflict: ConflictView | null;
   looking: LookingView | null;
   unkept: string;
+  late: string;
   hands: Record<string, HandView>;
   goal: GoalView | null;
   criteria: CriterionView[];
@@ -1677,6 +1678,7 @@ export const EMPTY_VIEW_STATE: ViewState = {
   conflict: null,
   looking: null,
   unkept: "",
+  late: "",
   hands: {},
   goal: null,
   criteria: [],

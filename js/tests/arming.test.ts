@@ -18,6 +18,8 @@ const ROS: BridgeView = {
 };
 
 describe("arming a robot", () => {
+  const stop = () => find('[data-lrp-action="stop"]') as HTMLButtonElement;
+
   let root: HTMLElement;
   let store: Store;
   const acts: unknown[] = [];
@@ -57,6 +59,16 @@ describe("arming a robot", () => {
     });
   }
 
+  it("says first that a stop may come late, and what holds then", async () => {
+    store.set("late", "While a cell runs, `Stop` waits.");
+    press("armed");
+    const words = [...find('[role="dialog"]')!.querySelectorAll("p:not([hidden])")].map((p) => p.textContent);
+    expect(words.slice(1)).toEqual(["While a cell runs, Stop waits.", FAILSAFE.replaceAll("`", "")]);
+    store.set("late", "");
+    await set({});
+    expect(find(".lrp-arm-late")!.hidden).toBe(true);
+  });
+
   it("is not done when the question is closed", () => {
     press("armed");
     press("close-arming");
@@ -94,5 +106,21 @@ describe("arming a robot", () => {
   it("has nothing to say of a simulated robot", async () => {
     await set({ name: "sim", hardware: false, armed: true, failsafe: "" });
     expect(find(".lrp-failsafe")!.hidden).toBe(true);
+  });
+
+  it.each([
+    ["live", "", "Stop robot", false],
+    ["busy", "", "Stop robot", false],
+    ["live", "It waits.", "Stop after cells", false],
+    ["busy", "It waits.", "Stops after the cell", false],
+    ["lost", "It waits.", "Not reachable", false],
+    ["dead", "", "Not reachable", true],
+  ] as const)("the button to stop it says how far it reaches: %s, %s", async (link, why, label, off) => {
+    store.set("link", link);
+    store.set("late", why);
+    await set({});
+    expect([stop().textContent, stop().disabled]).toEqual([label, off]);
+    expect(stop().hasAttribute("data-away")).toBe(label === "Not reachable");
+    expect(stop().title).toContain(label === "Not reachable" ? "does not answer" : why || "Stop all motors");
   });
 });

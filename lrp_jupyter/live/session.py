@@ -244,6 +244,8 @@ class Session:
             self._driver.ask,
             self._driver.submit,
         )  # of commands: internal, not in `help`, `dir`
+        self.dead_man = dead_man
+        """Wall seconds without a view after which the program pauses; None: it never does for that."""
         self._start_driver = partial(self._driver.start, driver, hung_after, dead_man)
         _open_sessions.add(self)
         self._dropped = weakref.finalize(self, _drop, name, self._driver, self._loop, self.bridge)

@@ -105,11 +105,14 @@ class PageConnection:
 
     # -- in: any thread ----------------------------------------------------------------------------
 
-    def receive(self, send: Send, content: object) -> None:
-        """Handle a message of a page; never raises."""
+    def receive(self, send: Send, content: object, waits: bool = False) -> None:
+        """Handle a message of a page; never raises.
+
+        `waits`: whether it would have waited for a cell that runs.
+        """
         try:
             message = decode(content)
-            if message.frame and self._publisher.credit(message.view, message.frame):
+            if self._publisher.hear(message.view, message.frame, waits):
                 self.session.seen()
             if isinstance(message, HelloMessage):
                 known = message.revision if message.document == self.texts.document.name else None

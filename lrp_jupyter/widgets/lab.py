@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import threading
 from base64 import b64encode
 from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
@@ -38,7 +39,7 @@ from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.hosts import is_static
+from lrp_jupyter.widgets.hosts import is_static, is_voila
 from lrp_jupyter.widgets.kept import Version
 from lrp_jupyter.widgets.own_comm import OwnComm
 from lrp_jupyter.widgets.plain import packed, unpacked
@@ -79,6 +80,7 @@ class Part(anywidget.AnyWidget):
     def _connect(self, connection: PageConnection) -> None:
         super().__init__(view=self.part, reports=_runs_cells_again())
         self._connection = connection
+        self._cells = None if is_voila() else threading.get_ident()  # under Voila, all of them have run
         self._noticed = connection.session.frame
         self.on_msg(self._receive)
 
@@ -94,7 +96,8 @@ class Part(anywidget.AnyWidget):
         """Do nothing: a widget that is garbage collected does not stop a robot."""
 
     def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
-        self._connection.receive(self._publish, unpacked(content))
+        waits = threading.get_ident() == self._cells  # as the cell did that has made this widget
+        self._connection.receive(self._publish, unpacked(content), waits)
 
     def _publish(self, message: Any, buffers: list[bytes] | None) -> None:
         self.send({"json": packed(message)}, buffers)

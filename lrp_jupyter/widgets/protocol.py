@@ -564,6 +564,7 @@ class ViewState(TypedDict):
     ``moved``     revision of the run -> elements that have another path since; the last ones
     ``looking``   the earlier moment that everything here shows, or None for now
     ``unkept``    why the text is not kept in its file; empty if it is
+    ``late``      why a stop in a page may come late; empty if it comes while a cell runs
     ``hands``     view -> where the selection in its editor is; empty where only one has an editor
     ``goal``      the challenge, or None; ``criteria`` are what its criteria say of the present run
     ``attempts``  number of a run of the check -> what came of it
@@ -599,6 +600,7 @@ class ViewState(TypedDict):
     conflict: ConflictView | None
     looking: LookingView | None
     unkept: str
+    late: str
     hands: dict[str, HandView]
     goal: GoalView | None
     criteria: list[CriterionView]

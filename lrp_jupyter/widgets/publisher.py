@@ -132,6 +132,8 @@ class View:
 
     def __init__(self, name: str, part: str, send: Send, now: float) -> None:
         self.name = name
+        self.waits = False
+        """Whether its messages wait for a cell that runs."""
         self.sent: ViewState | None = None
         self.world = WorldCursor() if part in ("lab", "world") else None
         self.framed = float("-inf")  # when the last frame was sent
@@ -318,13 +320,19 @@ class Publisher:
             self._views.pop(name, None)
         self._texts.leave(name)
 
-    def credit(self, name: str, number: int) -> bool:
-        """Return a view's credit for a frame, and for all before it; whether the view is known."""
+    def hear(self, name: str, number: int, waits: bool) -> bool:
+        """Take note of a message of a view; return whether it acknowledges frames.
+
+        `number`: the newest frame that has arrived: credit is returned for it, and for all before it.
+        `waits`: whether messages of the view wait for a cell that runs.
+        """
         with self._lock:
-            if name not in self._views:
-                return False
-            self._views[name].credit(number, self._clock())
-        return True
+            view = self._views.get(name)
+            if view is not None:
+                view.waits = waits and self.session.driver != "asyncio"  # there the program waits as well
+                if number:
+                    view.credit(number, self._clock())
+        return view is not None and number > 0
 
     def reply_later(self, reply: PendingReply) -> None:
         """Send a reply as soon as its answer is known, or the deadline is over."""
@@ -334,7 +342,10 @@ class Publisher:
     def view_state(self) -> ViewState:
         """Return everything that a view may show now."""
         with self._lock:
-            return self._view_states.current(self._shown())
+            return self._state(self._shown())
+
+    def _state(self, shown: MomentShown) -> ViewState:
+        return self._view_states.current(shown, any(view.waits for view in self._views.values()))
 
     # -- the thread ----------------------------------------------------------------------------------
 
@@ -480,7 +491,7 @@ class Publisher:
         if not due:
             return
         shown = self._shown()  # read once: state and picture are of one moment
-        state = self._view_states.current(shown)
+        state = self._state(shown)
         bridge, picture = self.session.bridge, shown.frame.robot
         for view in due:
             changes, buffers = difference(view.sent or {}, state), None

@@ -91,8 +91,11 @@ class ViewStates:
         self._breakpoint_views: dict[str, BreakpointView] = {}
         self._printed: tuple[int, dict[str, str]] = 0, {}
 
-    def current(self, what: MomentShown) -> ViewState:
-        """Return what a view may show of a moment: the program is the newest one that is laid out."""
+    def current(self, what: MomentShown, waits: bool = False) -> ViewState:
+        """Return what a view may show of a moment: the program is the newest one that is laid out.
+
+        `waits`: whether the messages of a view wait for a cell that runs.
+        """
         session, texts = self._session, self._texts
         shown, layouts = self._layouts.current
         frame, looking = what
@@ -153,6 +156,7 @@ class ViewStates:
             "conflict": texts.conflict,
             "looking": looking,
             "unkept": self._saver.problem,
+            "late": _late(session) if waits else "",
             "hands": texts.hands(),
             "goal": None if self._goal is None else self._goal.view(session, texts.text),
             "criteria": [] if self._goal is None else self._goal.criteria(),
@@ -235,6 +239,21 @@ def is_time(changes: Mapping[str, Any]) -> bool:
 
 
 # -- from the package's values to plain data ---------------------------------------------------------
+
+
+def _late(session: Session) -> str:
+    """Return what it means that messages of a page wait for a cell that runs."""
+    waits = "While a cell runs, Pause and Stop wait for its end: nothing in a page reaches a busy kernel here"
+    if not session.bridge.hardware:
+        return f"{waits}. {_SUBSHELLS}"
+    watched = "" if session.dead_man is None else _WATCHED.format(session.dead_man)
+    return f"{waits}, and the robot goes on.{watched} Have another way to stop it at hand. {_SUBSHELLS}"
+
+
+_WATCHED = " After {:g} s in which no page reaches it, the robot stops and the program pauses."
+_SUBSHELLS = (
+    'In JupyterLab, the setting "Kernel Comms over subshells" changes that, with ipykernel 7 or newer.'
+)
 
 
 def _hung_view(frame: Frame) -> HungView | None:

@@ -54,6 +54,7 @@ def test_the_first_behaviour_of_the_readme_is_typed_while_the_robot_drives(open_
     lab.replace(old, new)
     lab.has_value("pace", new)
     typist.has_disturbed_nothing()
+    assert typist.faults == []
     lab.find('[data-lrp-transition="rover:bump:driving->turning"]').first.focus()
     lab.page.keyboard.press("?")
     lab.reads(".lrp-why-sentence", "did not fire")

@@ -1,6 +1,6 @@
 """A block that does not return, in a page: it is named, and there are ways out."""
 
-from e2e.programs import COUNTER
+from e2e.programs import COUNTER, LONG
 
 HUNG = ':scope[data-lrp-status="hung"]'
 NOTE = ".lrp-note:not([hidden])"
@@ -50,3 +50,28 @@ def test_there_are_five_ways_out_of_a_block_that_does_not_return(open_lab):
     lab.replace("while True: n = n + 1", "n = n + 1")
     lab.do("run")
     lab.goes_on()
+
+
+def test_where_a_cell_holds_up_what_the_page_sends_the_button_to_stop_says_it(open_notebook, page, server):
+    """JupyterLab can send everything to where the cells run; by default it does not."""
+    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp m\n{COUNTER}", LONG)
+    notebook.run_cell(0)
+    page.evaluate(
+        "jupyterapp.shell.currentWidget.sessionContext.session.kernel.commsOverSubshells = 'disabled'"
+    )
+    notebook.begin_cell(1)
+    lab = notebook.lab().ready()
+    lab.reads(".lrp-stop", "Stop after cells")
+    notebook.begin_cell(2)
+    notebook.prints(2)
+    lab.do("stop")
+    lab.reads(".lrp-stop", "Stops after the cell")
+    lab.reads(".lrp-stop[data-away]", "Not reachable")
+    (notebook.path.parent / "go").touch()
+    lab.ready("paused")
+    lab.reads(".lrp-stop", "Stop after cells")
+
+    page.evaluate("jupyterapp.shell.currentWidget.sessionContext.session.kernel.shutdown()")
+    lab.sees(".lrp-stop[data-away]:disabled")
+    other = notebook.lab().root.locator(".lrp-note:not([hidden])")
+    assert "Run the cell again" in other.first.inner_text()

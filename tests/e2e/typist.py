@@ -89,4 +89,4 @@ class Typist:
         assert self.page.evaluate("typed.moves") == []
         assert self.page.evaluate("typed.leaks") == []
         assert self.restarts == restarts
-        assert self.faults == []
+        assert set(self.faults) <= set(self.issues)

@@ -721,3 +721,29 @@ def test_a_clipped_command_is_in_the_issues_once_where_it_was_given(bench):
     page.do("clear_issues")
     lab.publish()
     assert issues() == []
+
+
+def test_what_a_page_cannot_stop_while_a_cell_runs_is_told_with_what_holds_then(bench):
+    def told(**options):
+        lab = bench(MOVER, **options)
+        page, other = lab.page(), lab.page("other")
+        assert page.latest("late") == ""
+        lab.session.bridge.hardware = "dead_man" in options
+        lab.connection.receive(page, {"type": "credit", "view": "page", "frame": 1}, waits=True)
+        lab.publish()
+        assert other.latest("late") == page.latest("late") != ""
+        page.send("bye")
+        lab.publish()
+        assert other.latest("late") == "", "the other page is in time"
+        return page.latest("late")
+
+    assert "After 5 s in which no page reaches it, the robot stops" in told(dead_man=5.0)
+    assert "robot" not in told()
+
+
+def test_where_the_program_waits_for_a_cell_as_well_nothing_comes_late(bench):
+    lab = bench(MOVER, driver="asyncio")
+    page = lab.page()
+    lab.connection.receive(page, {"type": "credit", "view": "page", "frame": 1}, waits=True)
+    lab.publish()
+    assert page.latest("late") == ""

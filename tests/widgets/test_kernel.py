@@ -132,6 +132,14 @@ def test_pause_acts_and_is_answered_while_a_cell_runs(lab):
     assert lab.cell not in lab.idle
 
 
+def test_the_lab_knows_whether_a_cell_that_runs_holds_up_what_the_page_sends(lab):
+    lab.until(lambda: "While a cell runs" in lab.fields["late"])  # JupyterLab without subshells
+    lab.busy()
+    lab.send({"type": "command", "view": "v", "id": 1, "do": "pause"})
+    lab.until(lambda: lab.fields["late"] == "")
+    assert lab.cell not in lab.idle
+
+
 def test_what_the_page_sends_is_no_cell(lab):
     """After a cell matplotlib shows and closes all figures, also those that another cell is drawing."""
     lab.run("ran = []\ndef note(): ran.append(1)\nget_ipython().events.register('post_execute', note)")

@@ -1,4 +1,4 @@
-/** The question before a robot is armed: who stops it when this program or this computer dies. */
+/** The question before a robot is armed: who stops it when this program or this computer dies, or a page cannot. */
 
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
@@ -9,6 +9,7 @@ import { h, setProse } from "../ui/dom";
 export function askToArm(lab: Lab, at: Point): void {
   const { store } = lab;
   const { name } = store.state.bridge;
+  const late = h("p", { class: "lrp-why-sentence lrp-arm-late" });
   const failsafe = failsafeText();
   const arm = button({
     label: "Arm",
@@ -27,14 +28,17 @@ export function askToArm(lab: Lab, at: Point): void {
     [h("span", {}, `Arm ${name}?`)],
     [
       h("p", { class: "lrp-why-sentence" }, "Then commands move the robot. Keep clear of it."),
+      late,
       failsafe.element,
       h("div", { class: "lrp-row" }, arm),
     ],
     () => unwatch(),
   );
   let unwatch = () => {};
-  unwatch = store.watch(["bridge"], () => {
+  unwatch = store.watch(["bridge", "late"], () => {
     const { bridge } = store.state;
+    late.hidden = !store.state.late;
+    setProse(late, store.state.late);
     failsafe.show(bridge.failsafe);
     place();
     if (bridge.armed || bridge.name !== name) close(false); // answered elsewhere, or it is another robot
