@@ -16,9 +16,10 @@ const ROS: BridgeView = {
   failsafe: FAILSAFE,
   members: [],
 };
+const STOP = { key: "stop", label: "Stop robot" };
 
 describe("arming a robot", () => {
-  const stop = () => find('[data-lrp-action="stop"]') as HTMLButtonElement;
+  const stops = () => [...root.querySelectorAll<HTMLButtonElement>(".lrp-stop")];
 
   let root: HTMLElement;
   let store: Store;
@@ -33,7 +34,7 @@ describe("arming a robot", () => {
     acts.length = 0;
     store = new Store();
     store.state.bridge = ROS;
-    store.state.panel = { title: "ROS", fields: [], tables: [], buttons: [], questions: [] };
+    store.state.panel = { title: "ROS", fields: [], tables: [], buttons: [STOP], questions: [] };
     root = document.createElement("div");
     document.body.replaceChildren(root);
     const act = async (each: unknown) => void acts.push(each);
@@ -115,12 +116,15 @@ describe("arming a robot", () => {
     ["busy", "It waits.", "Stops after the cell", false],
     ["lost", "It waits.", "Not reachable", false],
     ["dead", "", "Not reachable", true],
-  ] as const)("the button to stop it says how far it reaches: %s, %s", async (link, why, label, off) => {
+  ] as const)("each button to stop it says how far it reaches: %s, %s", async (link, why, label, off) => {
     store.set("link", link);
     store.set("late", why);
     await set({});
-    expect([stop().textContent, stop().disabled]).toEqual([label, off]);
-    expect(stop().hasAttribute("data-away")).toBe(label === "Not reachable");
-    expect(stop().title).toContain(label === "Not reachable" ? "does not answer" : why || "Stop all motors");
+    expect(stops().map(({ dataset }) => dataset.lrpAction)).toEqual(["stop", "panel-stop"]);
+    for (const stop of stops()) {
+      expect([stop.textContent, stop.disabled]).toEqual([label, off]);
+      expect(stop.hasAttribute("data-away")).toBe(label === "Not reachable");
+      expect(stop.title).toContain(label === "Not reachable" ? "does not answer" : why || "Stop");
+    }
   });
 });

@@ -9,11 +9,11 @@ import { icon } from "../ui/icons";
 import { openMenu } from "../ui/menu";
 import { askToArm } from "./arming";
 import { type Choices, labMenu } from "./menu";
+import { showReach, whyLate } from "./reach";
 
 const ON_ITS_WAY = 1000; // ms in which the kernel may still report the value before the one chosen here
 const RUNS = "Run or pause the program";
 const STOPS = "Stop all motors, then pause";
-const AWAY = "The kernel does not answer: the robot cannot be stopped from here now";
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 
 export function controls(lab: Lab, choices: Choices): HTMLElement {
@@ -52,16 +52,8 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
   });
   stop.classList.add("lrp-stop");
   store.watch(["link", "late"], () => {
-    const { link, late } = store.state;
-    const isAway = link === "lost" || link === "dead";
-    const label = !late ? "Stop robot" : link === "busy" ? "Stops after the cell" : "Stop after cells";
-    setText(stop.querySelector(".lrp-button-label")!, isAway ? "Not reachable" : label);
-    const why = isAway ? AWAY : unmarked(late);
-    setAttribute(run, "title", why || RUNS);
-    setAttribute(stop, "title", why || STOPS);
-    setAttribute(stop, "data-away", isAway);
-    setAttribute(stop, "data-late", Boolean(late));
-    stop.disabled = link === "dead";
+    showReach(stop, store.state, "Stop robot", STOPS);
+    setAttribute(run, "title", whyLate(store.state) || RUNS);
   });
   const more = button({
     icon: "more",

@@ -1,6 +1,7 @@
 /** A bridge's panel, drawn from plain data: fields, tables, buttons, questions. Paper: §7.1, §7.2, §7.3. */
 
 import { askToArm, failsafeText } from "../parts/arming";
+import { showReach } from "../parts/reach";
 import type { PanelButton, PanelQuestion, PanelView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
@@ -18,7 +19,7 @@ export function bridgePanel(lab: Lab): HTMLElement {
   const body = h("div", { class: "lrp-bridge-panel" });
   let shape = "";
   let parts: Parts | null = null;
-  store.watch(["panel", "bridge", "snapshot"], () => {
+  store.watch(["panel", "bridge", "snapshot", "link", "late"], () => {
     const { panel } = store.state;
     body.hidden = !panel;
     if (!panel) return;
@@ -131,6 +132,7 @@ function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
       setProse(sentence, bridge.sentence);
       disarmed.hidden = !bridge.hardware || bridge.armed;
       failsafe.show(bridge.failsafe);
+      if (stop && stopButton) showReach(stopButton, lab.store.state, stop.label, stop.label);
     },
   };
 }
