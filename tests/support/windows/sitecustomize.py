@@ -9,7 +9,7 @@ import sys
 
 for name in (
     *("fork", "forkpty", "register_at_fork", "setsid", "getsid", "getpgid", "getpgrp", "setpgid", "killpg"),
-    *("sched_getaffinity", "sysconf", "O_NOFOLLOW", "O_NONBLOCK", "getloadavg", "nice", "wait4"),
+    *("sched_getaffinity", "sysconf", "O_NOFOLLOW", "getloadavg", "nice", "wait4"),
 ):
     delattr(os, name)
 for name in ("SIGALRM", "SIGHUP", "SIGUSR1", "SIGVTALRM", "alarm", "setitimer", "pthread_kill", "sigwait"):
