@@ -45,7 +45,12 @@ def test_the_first_behaviour_of_the_readme_is_typed_while_the_robot_drives(open_
     typed(state)
     lab.sees('[data-lrp-issue="LRP401"]')
     lab.state("rover/turning")
-    typed(arrow)
+    until(lambda: typist.kernel("bool(session.bridge.robot.bumper.data)"), "the robot is at the wall")
+    typist.types(arrow[:-9])
+    for letter in arrow[-9:]:  # of the destination, each of which runs for some ticks
+        typist.types(letter)
+        lab.goes_on()
+    lab.page.keyboard.press("Enter")
     lab.misses("[data-lrp-issue]")
     lab.is_active("rover/turning")  # at the wall
     typed(delay)
