@@ -82,8 +82,13 @@ class _References:
         for spawned in self.links.spawned:
             spawners.setdefault(spawned.machine, {})[spawned.scope] = None
         for scope, arrows in names.arrows.items():
-            around = [outer for outer in spawners.get(scope, [scope.outer]) if outer and outer.path]
-            self.links.arrows[scope] = [self._arrow(arrow, around) for arrow in arrows]
+            self.links.arrows.setdefault(scope, [])
+            for arrow in arrows:
+                home = self._home(arrow)
+                of = home or scope
+                around = [outer for outer in spawners.get(of, [of.outer]) if outer and outer.path]
+                meant = self._misplaced(arrow, home, around) if home else self._arrow(arrow, around)
+                self.links.arrows.setdefault(of, []).append(meant)
 
     def _spawn(self, spawning: Spawning) -> None:
         noun, scope, state, machine = spawning.noun, spawning.scope, spawning.state, spawning.machine
@@ -133,6 +138,27 @@ class _References:
         lead = self._exit if noun.outward else self._destination
         targets = lead(scope, around, noun)
         return MeantArrow(noun, sources, event, targets, len(self.report.findings) == before)
+
+    def _home(self, arrow: Arrow) -> Scope | None:
+        """Return the machine to which a transition belongs that is in another one; else None."""
+        noun, scope = arrow.noun, arrow.scope
+        names = [*noun.sources, *([] if noun.outward else [noun.destination])]
+        if not noun.sources or noun.wildcard or any(name in scope.states for name in names):
+            return None
+        homes = [other for other in self.scopes if all(name in other.states for name in names)]
+        return homes[0] if len(homes) == 1 else None
+
+    def _misplaced(self, arrow: Arrow, home: Scope, around: list[Scope]) -> MeantArrow:
+        """Report a transition that belongs to another machine; return it as it is meant there."""
+        noun, last = arrow.noun, arrow.noun.destination
+        named = dict.fromkeys(f"`{name}`" for name in (*noun.sources, *([] if noun.outward else [last])))
+        message = (
+            f"{' and '.join(named)} {'are states' if len(named) > 1 else 'is a state'} of `{home.name}`, "
+            f"not of `{arrow.scope.name}`. Move this transition into `{home.name}`."
+        )
+        self.report.add("LRP302", Span(noun.sources[0].span.start, last.span.end), message)
+        targets = [(outer, str(last)) for outer in (around if noun.outward else [home])]
+        return MeantArrow(noun, list(map(str, noun.sources)), None, targets, False)
 
     def _swapped(self, arrow: Arrow) -> tuple[Event | None, str] | None:
         """Report a transition whose event and source have changed places; return what they are."""
