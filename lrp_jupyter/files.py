@@ -114,7 +114,7 @@ def open_regular(path: str | os.PathLike[str], flags: int = 0) -> IO[bytes]:
     try:
         mode = os.fstat(handle).st_mode
         if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-            raise OSError("it is a device or a pipe, not a file")
+            raise OSError("It is a device or a pipe, not a file.")
         return os.fdopen(handle, "rb")  # which says that a folder is one
     except BaseException:
         os.close(handle)
@@ -128,7 +128,7 @@ def whole(stream: IO[bytes]) -> bytes:
     """
     data = stream.read(LARGEST + 1)
     if len(data) > LARGEST:
-        raise OSError(f"it contains more than {LARGEST / 1e6:,.0f} MB")
+        raise OSError(f"It contains more than {LARGEST / 1e6:,.0f} MB.")
     return data
 
 

@@ -96,7 +96,7 @@ def read_log(path: str | os.PathLike[str]) -> Iterator[bytes]:
             while line := lines.readline(min(_LONGEST, _LARGEST) + 1):
                 number, size = number + 1, size + len(line)
                 if size > _LARGEST:
-                    raise OSError(f"it contains more than {_LARGEST / 1e6:,.0f} MB")
+                    raise OSError(f"It contains more than {_LARGEST / 1e6:,.0f} MB.")
                 if len(line) > _LONGEST:
                     raise at_line(shown(path), number, f"It is longer than {_LONGEST / 1e6:,.0f} MB.")
                 yield line
@@ -118,8 +118,8 @@ def _damage(path: str | os.PathLike[str]) -> str:
     with open_regular(path) as stream:
         is_compressed = stream.read(len(_GZIP)) == _GZIP
     if is_compressed:
-        return "its compressed data is damaged"
-    return "its name ends with `.gz`, but it is not a gzip file"
+        return "Its compressed data is damaged"
+    return "Its name ends with `.gz`, but it is not a gzip file"
 
 
 def at_line(name: str, number: int, what: str) -> FileError:

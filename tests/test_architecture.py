@@ -33,7 +33,7 @@ def package() -> Package:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ClassDef):
                 found.classes.append(node.name)
-            elif isinstance(node, ast.Call) and writes(node.func):
+            elif isinstance(node, ast.expr) and writes(node):
                 found.writing.add(name)
             elif isinstance(node, ast.Raise) and (text := message(node)):
                 found.messages.append((name, node.lineno, text))
@@ -41,9 +41,9 @@ def package() -> Package:
 
 
 def writes(function: ast.expr) -> bool:
-    """Whether a call is one that writes a file."""
+    """Whether an expression is a function that writes a file, called here or later."""
     if isinstance(function, ast.Name):
-        return function.id in ("open", "write_text", "write_bytes", "fdopen")
+        return isinstance(function.ctx, ast.Load) and function.id in ("open", "write_text", "fdopen")
     return isinstance(function, ast.Attribute) and (
         function.attr in ("write_text", "write_bytes", "fdopen") or ast.unparse(function) == "os.open"
     )

@@ -102,12 +102,12 @@ def test_lines_are_appended_for_this_user_alone_and_not_through_a_link(tmp_path)
 def test_what_has_no_end_is_no_file_to_read(tmp_path, monkeypatch):
     os.mkfifo(tmp_path / "pipe")
     for name in ("/dev/null", "/dev/zero", "/dev/full", tmp_path / "pipe"):
-        with pytest.raises(FileError, match="cannot be read: it is a device or a pipe, not a file"):
+        with pytest.raises(FileError, match="cannot be read: It is a device or a pipe, not a file"):
             read_text(name)
     monkeypatch.setattr(files, "LARGEST", 10)
     (tmp_path / "long").write_text("." * 11)
     assert read_file(tmp_path / "long") is None
-    with pytest.raises(FileError, match="it contains more than"):
+    with pytest.raises(FileError, match="It contains more than"):
         read_text(tmp_path / "long")
     (tmp_path / "long").write_text("." * 10)
     assert read_text(tmp_path / "long") == read_file(tmp_path / "long") == "." * 10

@@ -23,7 +23,7 @@ from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros import RosBridge, backends
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.bridges.ros.setup import parse_address
-from lrp_jupyter.cli.terminal import Output
+from lrp_jupyter.cli.terminal import Writer
 from lrp_jupyter.errors import BridgeError
 
 MQTT = "mqtt"
@@ -46,7 +46,7 @@ def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, a
         robot = MqttSide(topic or "robot/cmd_vel", host)
     else:
         robot = RosSide(topic or "/cmd_vel", type_, backend=backend, host=host)
-    output = Output()
+    output = Writer()
     try:
         watch(robot, after, lambda sentence: output(_say, sentence), threading.Event())
     except KeyboardInterrupt:

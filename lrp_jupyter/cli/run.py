@@ -37,7 +37,7 @@ from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, check_outputs, with_initials
 from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
-from lrp_jupyter.cli.terminal import Keys, Output, recorded_signals
+from lrp_jupyter.cli.terminal import Keys, Writer, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.issues import Issue
@@ -237,7 +237,7 @@ class _Run:
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(plain_console(soft_wrap=False)) if drawn else None
         self._printer = EventPrinter(console, quiet=wanted.trace == "-")
-        self._output = Output()
+        self._output = Writer()
         self._keys: Keys | None = None  # only where there is a keyboard
         self._saved: SimpleQueue[str | FileError] = SimpleQueue()
         self._differs = ""  # why the file on disk is not what runs

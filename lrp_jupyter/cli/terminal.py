@@ -67,7 +67,7 @@ class Keys:
         return keys
 
 
-class Output:
+class Writer:
     """Makes calls that write, one after the other, on a thread of its own.
 
     `failure`: what one of them raised; no later one is made.

@@ -52,11 +52,11 @@ def read_file(path: Path) -> World:
     try:
         size = path.stat().st_size if path.is_file() or path.is_dir() or not path.exists() else math.inf
         if size > _LARGEST:
-            raise OSError("it is too large, or a device or a pipe")
+            raise OSError("It is too large, or a device or a pipe.")
         text = path.read_text(encoding="utf-8")
     except (OSError, ValueError) as error:  # a ValueError: no text, or there is a null character in its name
         reason = getattr(error, "strerror", None) or error
-        raise WorldError(f"{path} cannot be read: {reason}.") from error
+        raise WorldError(f"{path} cannot be read: {str(reason).rstrip('.')}.") from error
     return read_text(text, str(path))
 
 

@@ -181,7 +181,7 @@ def test_whatever_a_student_hands_in_the_others_are_read(tmp_path, hand_in):
     assert (read.pop("ada"), read.pop("bob"), read.pop("<U+DCFF><U+001B>[2J<U+000A>")) == ("1", "2", "3")
     assert {name: problem.rpartition("`")[2] for name, problem in read.items()} == {
         "deep": " cannot be read: File name too long.",
-        "pipe": " cannot be read: it is a device or a pipe, not a file.",
+        "pipe": " cannot be read: It is a device or a pipe, not a file.",
         "long": " has more than 1,000,000 characters. Let it be shorter.",
     }
 

@@ -730,10 +730,10 @@ def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path, record
     with pytest.raises(FileError, match="it is not a gzip file"):
         read_recording(packed)
     packed.write_bytes(gzip.compress(whole) + b"more")
-    with pytest.raises(FileError, match="its compressed data is damaged"):
+    with pytest.raises(FileError, match="Its compressed data is damaged"):
         read_recording(packed)
     packed.write_bytes(gzip.compress(b"{}\n")[:10] + b"\xff" * 40)
-    with pytest.raises(FileError, match="its compressed data is damaged"):
+    with pytest.raises(FileError, match="Its compressed data is damaged"):
         read_recording(packed)
 
 
@@ -746,7 +746,7 @@ def test_every_part_of_a_compressed_recording_is_read_and_it_is_bounded(tmp_path
     packed.write_bytes(packed.read_bytes()[:-8])
     assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, True)
     monkeypatch.setattr(logs, "_LARGEST", 1000)
-    with pytest.raises(FileError, match="it contains more than"):
+    with pytest.raises(FileError, match="It contains more than"):
         read_recording(packed)
 
 
@@ -757,7 +757,7 @@ def test_no_more_is_read_of_a_file_than_a_recording_may_contain(tmp_path, monkey
     monkeypatch.setattr(logs, "_LARGEST", 1000)
     tracemalloc.start()
     try:
-        with pytest.raises(FileError, match="it contains more than"):
+        with pytest.raises(FileError, match="It contains more than"):
             read_recording(path)
         assert tracemalloc.get_traced_memory()[1] < 1_000_000
     finally:
