@@ -10,8 +10,9 @@ from __future__ import annotations
 import faulthandler
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 _INTERVAL = 0.5  # wall seconds between two extensions of the timer
 
@@ -20,28 +21,42 @@ _INTERVAL = 0.5  # wall seconds between two extensions of the timer
 def watched_lock(seconds: float) -> Iterator[None]:
     """End the process after so many seconds of computing in which no other thread could run.
 
-    Does nothing where there are no such timers (Windows), or where stderr is not a file.
+    Without such a timer (Windows), seconds of the wall count. Does nothing where stderr is not a file.
 
     `seconds`: seconds of computing of the whole process.
     """
     try:
-        faulthandler.register(signal.SIGVTALRM, chain=True)
-    except (AttributeError, OSError, ValueError):
+        extend, end = _timer(seconds)
+        extend()
+    except (OSError, RuntimeError, ValueError):
         yield
         return
     ended = threading.Event()
 
-    def extend() -> None:
+    def watch() -> None:
         while not ended.is_set():
-            signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+            extend()
             ended.wait(_INTERVAL)
 
-    thread = threading.Thread(target=extend, name="lrp lock", daemon=True)
+    thread = threading.Thread(target=watch, name="lrp lock", daemon=True)
     thread.start()
     try:
         yield
     finally:
         ended.set()
         thread.join()
+        end()
+
+
+def _timer(seconds: float) -> tuple[Callable[[], object], Callable[[], object]]:
+    """Return functions that set, or set again, the timer that ends the process, and that end it."""
+    if not hasattr(signal, "setitimer"):
+        extend = partial(faulthandler.dump_traceback_later, seconds, exit=True)
+        return extend, faulthandler.cancel_dump_traceback_later
+    faulthandler.register(signal.SIGVTALRM, chain=True)
+
+    def end() -> None:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0)
         faulthandler.unregister(signal.SIGVTALRM)
+
+    return partial(signal.setitimer, signal.ITIMER_VIRTUAL, seconds), end

@@ -122,7 +122,7 @@ def recorded_signals(wake: SimpleQueue[None]) -> Iterator[list[int]]:
         caught.append(number)
         wake.put(None)
 
-    names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)]
     before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
     for number in before:
         signal.signal(number, record)

@@ -3,6 +3,8 @@
 import json
 import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -138,6 +140,20 @@ def test_a_save_starts_a_file_that_was_no_program_and_resumes_a_run_that_paused_
 
 
 HOLDS = WAIT.replace("robot.move(linear=0.1)", "sum(range(10**12))")
+
+
+@pytest.mark.parametrize(
+    ("before", "code"), [("", -signal.SIGVTALRM), ("del signal.setitimer", 1)], ids=["here", "as on Windows"]
+)
+def test_a_run_of_limited_length_ends_though_a_call_never_gives_up_the_interpreter_lock(
+    program, before, code
+):
+    start = f"import signal\n{before}\nfrom lrp_jupyter.cli import main, run\nrun.LIMIT = 1.0\nmain()"
+    command = [sys.executable, "-c", start, "run", str(program(HOLDS)), "--for", "1"]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    assert run.returncode == code
+    assert 'File "' in run.stderr, "the stacks"
+    assert "my.lrp" in run.stderr
 
 
 def test_grading_ends_though_a_call_never_gives_up_the_interpreter_lock(process, program):
