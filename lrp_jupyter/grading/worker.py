@@ -29,8 +29,8 @@ from lrp_jupyter.grading.attempt import attempt, failed
 
 FORKS, ENDS = b"It forks a process for each run.", b"It makes one run."
 """What a worker says when it is ready."""
-LOST, LATE = b"lost", b"late"
-"""Instead of an answer: the run was killed from outside, or did not end."""
+LOST, LATE, NONE = b"lost", b"late", b"none"
+"""Instead of an answer: the run was killed from outside, did not end, or ended without one."""
 MARK = "LRP_GRADING"
 """The variable by which the processes that a worker and its runs have started are found."""
 
@@ -169,7 +169,7 @@ def _forked(request: Request, *pipes: IO[bytes]) -> bytes:
     _end_children()
     code = os.waitstatus_to_exitcode(status)
     if answer or code == 0:
-        return answer or b"?"
+        return answer or NONE
     if answer is None:
         return LATE
     if code == -signal.SIGKILL:

@@ -27,7 +27,18 @@ from typing import IO, Protocol
 from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
 from lrp_jupyter.grading.cluster import Cluster
-from lrp_jupyter.grading.worker import ENDS, FORKS, LATE, LOST, MARK, Request, end_started, receive, send
+from lrp_jupyter.grading.worker import (
+    ENDS,
+    FORKS,
+    LATE,
+    LOST,
+    MARK,
+    NONE,
+    Request,
+    end_started,
+    receive,
+    send,
+)
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.checkpoints import names_of
@@ -251,7 +262,7 @@ class _Worker:
                 return answer
         if self.lasts:
             return LOST
-        return LATE if is_late.is_set() else b""
+        return LATE if is_late.is_set() else NONE
 
     def _begin(self, answers: IO[bytes]) -> None:
         assert self.process.stderr is not None
@@ -370,6 +381,10 @@ def _made(job: Job, answer: bytes) -> Attempt:
     if isinstance(fault, str):
         raise LRPError(printable(fault[:_LONGEST], "\n"))
     reason = "The run ended without an answer. Let the program end or stop no process, and close no files."
+    if answer == LOST:
+        reason = "Its process was killed, and once more when it was run again, alone."
+    elif answer != NONE:
+        reason = "The run ended with an answer that is none. Let the program write to its own files only."
     return failed(job, "crash", "runs to its end", reason)
 
 

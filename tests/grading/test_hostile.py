@@ -53,7 +53,7 @@ def test_what_is_no_answer_of_a_run_is_an_error_of_that_run_alone():
     for grade in others:
         (attempt,) = grade.attempts
         assert (grade.points, attempt.ended) == (0, "crash")
-        assert attempt.verdicts[0].reason.startswith("The run ended without an answer.")
+        assert attempt.verdicts[0].reason.startswith("The run ended with")
 
 
 def changed(**values):
