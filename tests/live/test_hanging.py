@@ -368,10 +368,10 @@ def test_a_run_on_the_main_thread_ends_though_a_block_sleeps(session, call, ctrl
 
 def test_runs_in_a_row_share_the_thread_that_watches_them_and_it_ends_with_the_session(session, wall):
     made = session(GOOD)
-    threads = set()
+    before, threads = set(threading.enumerate()), set()
     for _ in range(10):
         made.run(0.1)
-        threads |= {each for each in threading.enumerate() if each.name == "lrp monitor"}
+        threads |= {each for each in threading.enumerate() if each.name == "lrp monitor"} - before
     made.close()
     assert not any(each.is_alive() for each in threads)
     assert len(threads) == 1
