@@ -45,7 +45,7 @@ _LOOKS = 50  # for processes that were left behind: while one forks, there are n
 class Request(NamedTuple):
     """A run that is to be made.
 
-    `job`: the job and the megabytes that it may need, pickled.
+    `job`: the job and the megabytes that it may need, pickled; to unpickle it may fail, or run anything.
     `limit`: wall seconds of computing.
     """
 
@@ -103,8 +103,8 @@ def main() -> None:
     can_fork = hasattr(os, "fork")
     _prctl(_SET_CHILD_SUBREAPER, 1)  # what a run leaves behind is found
     send(answers, FORKS if can_fork else ENDS)
-    while job := receive(requests, 1 << 62):
-        request = Request(job, pickle.loads(job)[0].limit)
+    while message := receive(requests, 1 << 62):
+        request = Request(*pickle.loads(message))
         if not can_fork:
             send(answers, _made(request))
             return

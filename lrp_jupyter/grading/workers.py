@@ -14,6 +14,7 @@ from __future__ import annotations
 import atexit
 import json
 import os
+import pickle
 import secrets
 import subprocess
 import sys
@@ -257,7 +258,7 @@ class _Worker:
         if not self._is_ready:
             self._begin(self.process.stdout)
         with self._at_most(request.patience) as is_late, suppress(OSError, ValueError):
-            send(self.process.stdin, request.job)
+            send(self.process.stdin, pickle.dumps(tuple(request)))
             if answer := receive(self.process.stdout):
                 return answer
         if self.lasts:

@@ -1,4 +1,6 @@
+import sys
 from dataclasses import replace
+from types import ModuleType
 
 import pytest
 from support.tables import every
@@ -129,6 +131,14 @@ def test_a_program_a_session_and_a_text_are_graded_alike():
         assert grade(program, "first move") == grade(session, "first move") == grade(DRIVE, "first move")
     with pytest.raises(TypeError, match="not int"):
         grade(3, "first move")
+
+
+def test_a_criterion_that_its_process_cannot_import_is_not_a_failing_grade(monkeypatch):
+    nowhere = ModuleType("nowhere")
+    exec("def judge(run): return True", vars(nowhere))
+    monkeypatch.setitem(sys.modules, "nowhere", nowhere)
+    with pytest.raises(LRPError, match="No module named 'nowhere'"):
+        grade(DRIVE, Challenge("odd", "", ("empty",), (Criterion("is judged", nowhere.judge),), 5), seeds=1)
 
 
 def test_a_fault_of_our_own_is_not_a_failing_grade(monkeypatch):
