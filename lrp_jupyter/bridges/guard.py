@@ -220,7 +220,7 @@ class Guard:
     def _run(self, over: threading.Event) -> None:
         while not over.wait(_BEAT):
             if not self._turn(over):
-                self.end()
+                self.end(stands=not self._moved)  # the bridge was dropped, maybe while the robot drove
 
     def _turn(self, over: threading.Event) -> bool:
         """Send a beat to a process for the present stopper; return whether there is still a bridge."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import socket
@@ -386,6 +387,22 @@ def test_a_guard_that_is_dismissed_before_the_robot_stands_stops_it_first(robot,
     (process,) = guards(os.getpid())
     monkeypatch.setattr(guard._Process, "stop", lambda _: False)  # it is too slow to tell
     getattr(bridge, end)()
+    robot.is_stopped()
+    until(lambda: not lives(process), "the guard lingers")
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # nobody closes its socket
+def test_a_robot_whose_bridge_is_dropped_while_it_drives_is_stopped(robot):
+    def leave_it_driving() -> int:
+        bridge = wheels.WheelsBridge(port_of(robot))
+        bridge.open()
+        bridge.arm()
+        bridge.robot.move(linear=0.3)
+        robot.is_driven()
+        return bridge._guard._process._process.pid
+
+    process = leave_it_driving()
+    gc.collect()
     robot.is_stopped()
     until(lambda: not lives(process), "the guard lingers")
 
