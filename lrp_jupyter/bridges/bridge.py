@@ -36,6 +36,7 @@ A session calls, on the interpreter's thread unless stated otherwise::
     bridge.refresh(); bridge.members()     # between ticks, when a view needs it
     bridge.on_pause(); bridge.on_resume()
     bridge.check_watchdog(now)             # the monitor's thread, while the program runs
+    bridge.stop_again()                    # the monitor's thread, also in a pause
     bridge.stop_all()                      # any thread: pause, restart, close, fault, the stop button
     bridge.close()
 
@@ -163,8 +164,6 @@ class Bridge(Interface, ABC):
             Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     _ticks = 0
-    _unstopped = False
-    """Whether the tick watchdog could not stop the robot: it tries until it can, or a tick comes."""
     _late: BridgeStatus | None = None
     """The status while data are too old to drive on."""
     _failed: tuple[str, BridgeStatus, BridgeStatus] | None = None
@@ -208,8 +207,7 @@ class Bridge(Interface, ABC):
         """React to the start, or restart, of the program."""
 
     def on_pause(self) -> None:
-        """React to a pause, after the ``onpause`` actions. Default: `stop_all`."""
-        self.stop_all()
+        """React to a pause, after the ``onpause`` actions; the robot was stopped before."""
 
     def on_resume(self) -> None:
         """React to the end of a pause. Nothing commanded before the pause is sent again."""
@@ -370,7 +368,7 @@ class Bridge(Interface, ABC):
         """Begin the tick of time `now`; ticks come every `period` seconds. Never raises."""
         self._ticks += 1
         self.latch = self._ticks
-        self.readings, self._unstopped = {}, False
+        self.readings, self.unstopped = {}, False
         self.safety.tick(now, period)
         try:
             self.sense(now)
@@ -424,13 +422,14 @@ class Bridge(Interface, ABC):
         """
         sentence = self.safety.tick_overdue(now) if self.time_step is None else None
         if sentence is None:
-            if self._unstopped:
-                self._unstopped = not self._stop_now()
             return None
-        self._unstopped = not self.stop_all()
-        return self.safety.notice(
-            "tick watchdog", f"{sentence}{'.' if self._unstopped else ': the robot was stopped.'}"
-        )
+        stopped = self.stop_all()
+        return self.safety.notice("tick watchdog", f"{sentence}{': the robot was stopped' * stopped}.")
+
+    def stop_again(self) -> None:
+        """Stop the robot if the last stop failed, and no tick came since; for the monitor's thread."""
+        if self.unstopped and self._is_open:
+            self.unstopped = not self._stop_now()
 
     def lose(self, hook: str, error: BaseException) -> None:
         """Mark the robot as lost until a hook that failed works again; the loop keeps its rate."""

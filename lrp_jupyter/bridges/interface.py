@@ -91,6 +91,8 @@ class Interface:
     is_closed = False
     """Whether it was closed, or not opened after all; what arrives then is of a connection that is gone."""
     _is_open = False
+    unstopped = False
+    """Whether the last `stop_all` has failed: it is tried again until it does not, or a tick comes."""
 
     nodes = part(lambda bridge: Nodes(lambda path: Robot(bridge, f"{path}.")))
     fed = part(lambda bridge: FedValues(None if bridge.time_step is None else lambda: bridge.safety.now))
@@ -411,7 +413,9 @@ class Interface:
         """
         self.safety.stopped()
         try:
-            return self._stop_now()
+            stopped = self._stop_now()
+            self.unstopped = not stopped
+            return stopped
         finally:  # a recording that fails does not keep the robot moving
             self.outside(RobotStopped(), False)
 

@@ -211,6 +211,11 @@ class Driver:
         self._motor.start()
         self._monitor.start()
 
+    def leave(self) -> None:
+        """Make no further turn; :meth:`end` does the rest."""
+        if self._motor is not None:
+            self._motor.end()
+
     def end(self) -> bool:
         """End and join the threads, unless a block of their own asks; return whether they are gone.
 
@@ -219,8 +224,8 @@ class Driver:
         """
         motor, monitor = self._motor, self._monitor
         over = True
+        self.leave()
         if motor is not None:
-            motor.end()
             over = motor.join(PATIENCE)
             end = monotonic() + PATIENCE
             while not over and motor.ident != threading.get_ident() and monotonic() < end:

@@ -523,6 +523,7 @@ class Loop:
         """Pause time and robot; the interpreter has paused already."""
         self.status, self.reason = "paused", reason
         self.timing.clock.pause()
+        self._call_hook(self.bridge.stop_all)  # first: whatever the other one does
         self._call_hook(self.bridge.on_pause)
 
     def resume(self) -> None:
@@ -602,7 +603,7 @@ class Loop:
         self.timing.clock.pause()
         self.timing.due = self.timing.now
 
-    def _call_hook(self, hook: Callable[[], None]) -> None:
+    def _call_hook(self, hook: Callable[[], object]) -> None:
         """Call a hook of the bridge; it is foreign code, and if it fails its robot is stopped."""
         try:
             with self._calling("the robot"):

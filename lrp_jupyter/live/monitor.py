@@ -132,6 +132,7 @@ class Monitor:
             self._interrupt(wall)
         else:
             self._report(None, 0.0)
+        loop.bridge.stop_again()
         if loop.status != "running":
             self._seen = wall
             return

@@ -410,9 +410,13 @@ class Session:
         _open_sessions.discard(self)
 
     def _end(self, status: Literal["stopped", "closed"]) -> None:
-        if self.bridge.is_open:
-            self.bridge.stop_all()
+        bridge = self.bridge
+        self._driver.leave()  # first: a stop takes time, in which no tick may begin
+        if bridge.is_open:
+            bridge.stop_all()
         over = self._driver.end()
+        if bridge.is_open and (bridge.unstopped or bridge.safety.motion):
+            bridge.stop_all()
         self._loop.halt(status)
         if over:
             self._loop.publish()
@@ -1529,6 +1533,7 @@ def _drop(name: str, driver: Driver, loop: Loop, bridge: Bridge) -> None:
         return
 
     def end() -> None:
+        driver.leave()
         bridge.stop_all()
         driver.end()
         loop.halt("closed")

@@ -241,7 +241,7 @@ def test_an_event_with_old_data_does_not_occur_and_is_no_issue():
 def test_in_a_pause_old_data_are_shown_and_nothing_else_happens(buggy):
     buggy.feed("light.data", 7)
     tick(buggy, 0.0)
-    buggy.on_pause()
+    buggy.stop_all()
     done, notices = list(buggy.calls), buggy.safety.notices
     buggy.time += 60
     buggy.refresh()
@@ -253,7 +253,7 @@ def test_in_a_pause_old_data_are_shown_and_nothing_else_happens(buggy):
 def test_a_person_may_drive_again_as_soon_as_the_data_are_fresh(buggy):
     buggy.feed("light.data", 7)
     tick(buggy, 1.1)
-    buggy.on_pause()
+    buggy.stop_all()
     buggy.safety.rest()
     buggy.robot.move(linear=0.1)
     assert 0.1 not in buggy.calls

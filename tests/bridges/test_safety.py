@@ -296,6 +296,7 @@ def test_a_stop_that_fails_is_tried_again_until_it_succeeds(watchdog: str) -> No
         if number == 20:
             bridge.failing.clear()
         tick(bridge, number / 10) if watchdog == "command" else bridge.check_watchdog(number / 10)
+        bridge.stop_again()
     assert bridge.calls.count("stop") >= 4
     assert not bridge.safety.motion
     watchdogs = [text for text in texts(bridge) if "stopped: OSError" not in text]
@@ -445,16 +446,6 @@ def test_a_robot_that_cannot_be_stopped_leaves_no_other_one_moving() -> None:
     assert herd.stop_all() is False
     assert sent == [0.0]
     assert texts(herd) == ["The robot may not have stopped: `robot.first.move` failed: OSError: unplugged"]
-
-
-def test_a_pause_stops_and_going_on_sends_nothing(cart: Any) -> None:
-    cart.on_start()
-    cart.begin_tick(0.0, 0.1)
-    cart.robot.move(linear=0.2)
-    cart.end_tick(0.0)
-    cart.on_pause()
-    cart.on_resume()
-    assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
 
 
 def test_every_number_in_a_velocity_counts_as_movement() -> None:

@@ -279,7 +279,7 @@ def test_rewinding_repeats_bit_for_bit() -> None:
 def test_rewinding_forgets_a_stop_that_came_later(sim: SimBridge) -> None:
     drive(sim, 3, linear=0.2)
     moment = sim.moment()
-    sim.on_pause()
+    sim.stop_all()
     sim.rewind(moment)
     sim.advance(PERIOD)
     assert sim.picture.robots[0].command == (0.2, 0.0)

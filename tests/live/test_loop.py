@@ -41,7 +41,7 @@ def test_the_bridge_hook_of_the_start_is_called_once_and_then_those_of_pauses(se
     running.resume()
     running.pause()
     running.resume()
-    assert diary.calls == ["on_start", "on_pause", "on_resume"]
+    assert diary.calls == ["on_start", "stop", "on_pause", "on_resume"]
 
 
 def test_a_first_step_is_a_start_for_the_bridge(session, diary):
@@ -55,7 +55,7 @@ def test_a_first_step_is_a_start_for_the_bridge(session, diary):
 def test_a_pause_at_an_issue_is_one_for_the_bridge(session, diary):
     faulty = session(COUNT.replace("n + 1", "n / 0"), diary, on_issue="pause")
     faulty.run(1)
-    assert diary.calls == ["on_start", "on_pause"]
+    assert diary.calls == ["on_start", "stop", "on_pause"]
 
 
 @pytest.mark.parametrize("hook", ["on_start", "on_pause"])

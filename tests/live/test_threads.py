@@ -14,6 +14,7 @@ from lrp_jupyter.live import clock, driver, monitor
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.commands import Call, Pause, Step
 
+DRIVE = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 BLINK = "(machine m (state a) (state b) (ontime 20 a -> b) (ontime 20 b -> a)) (spawn m a)"
 GATED = "(machine m (state a (running [entered.set()] [gate.wait(60)] [after.set()]))) (spawn m a)"
@@ -277,6 +278,30 @@ def test_stopping_the_robot_does_not_wait_for_the_block(session, gates, pushcart
     gates["gate"].set()
     assert holding.wait_for(lambda frame: frame.status == "paused", LONG).reason == "The robot was stopped."
     until(lambda: "on_pause" in pushcart.calls)
+
+
+def test_a_stop_that_fails_in_a_pause_is_tried_again_until_it_succeeds(session, pushcart):
+    counting = session(COUNT, pushcart)
+    counting.start()
+    pushcart.failing["stop"] = OSError("unplugged")
+    counting.pause()
+    until(lambda: pushcart.calls.count("stop") > 2, "it is not tried again")
+    pushcart.failing.clear()
+    until(lambda: not pushcart.unstopped)
+
+
+def test_no_tick_begins_while_the_end_of_a_run_stops_the_robot(session):
+    def stop():  # it takes as long as the program might go on
+        until(lambda: not driving._driver.running, "the program goes on", seconds=5)
+        cart.calls.append("stop")
+
+    cart = Bare(lambda it: it.add_method("move", it.move), stop=stop)
+    driving = session(DRIVE, cart, rate=100)
+    driving.start()
+    until(lambda: 0.2 in cart.calls)
+    driving.stop()
+    assert cart.calls[-1] == "stop"
+    assert cart.safety.notices == ()
 
 
 def test_a_robot_that_is_not_watched_pauses(session, pushcart):
