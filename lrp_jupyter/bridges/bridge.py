@@ -400,6 +400,7 @@ class Bridge(Interface, ABC):
 
     def end_tick(self, now: float) -> None:
         """End the tick. Never raises."""
+        stops = self.safety.stops
         try:
             self.act(now)
         except KeyboardInterrupt:
@@ -407,6 +408,8 @@ class Bridge(Interface, ABC):
         except BaseException as error:
             self.lose("act", error)
         else:
+            if self.safety.stops != stops:  # while it sent what was collected: the stop comes last
+                self._stop_now()
             if self._failed is not None and self._failed[0] == "act":
                 self._find_again()
         self.latch = 0  # between ticks a person reads what is there now

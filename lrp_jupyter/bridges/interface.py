@@ -16,12 +16,12 @@ from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 from lrp_jupyter.bridges.fed import FedValues
 from lrp_jupyter.bridges.guard import UNGUARDED, Guard, Stopper
 from lrp_jupyter.bridges.members import Member
-from lrp_jupyter.bridges.message import Message, moves
+from lrp_jupyter.bridges.message import Message, stands
 from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.bridges.safety import CommandRecord, Notice, NoticeKind, Origin, Safety
-from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, sentence_of
+from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 _STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
 
@@ -347,8 +347,15 @@ class Interface:
         return bool(self.safety.driven)
 
     def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
-        """Return whether the robot may move by a command. Default: by any but a velocity of zero."""
-        return moves(arguments) if method.velocity else True
+        """Return whether the robot may move by a command. Default: by any but a velocity of zero.
+
+        Parameters
+        ----------
+        method : RobotMethod
+        arguments : dict of str to object
+            With the defaults of those that were not given.
+        """
+        return not (method.velocity and _stands(method.path, arguments))
 
     def notice(self, kind: NoticeKind, text: str) -> Notice:
         """Log a notice; for the guard."""
@@ -391,12 +398,12 @@ class Interface:
 
         Default: send a velocity of zero through every velocity method, also where one of them fails.
         """
-        failures: list[LRPError] = []
+        failures: list[BaseException] = []
         for node in self.nodes.members():
             if isinstance(node, RobotMethod) and node.velocity:
                 try:
                     node.perform(node.standstill())
-                except LRPError as error:
+                except BaseException as error:
                     failures.append(error)
         if failures:
             raise failures[0]
@@ -443,9 +450,9 @@ class Interface:
 
         Every call of a method of the robot comes through here; return its result.
         """
-        if not method.command:
-            return method.perform(command)
         safety, guard = self.safety, self._guard
+        if not method.command or safety.is_stopping:  # what stops the robot is never held back
+            return method.perform(command)
         if safety.blind and not self.latch:
             self.judge_ages()
         origin = self.origin()
@@ -455,7 +462,10 @@ class Interface:
         if guard.is_on:
             guard.check()
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
-        hindrance = safety.hindrance(method.velocity and not _stands(method.path, arguments))
+        judged = arguments if isinstance(command, Message) else _complete(command)
+        speeds = method.velocity and not _stands(method.path, judged)
+        stops = safety.stops
+        hindrance = safety.hindrance(speeds)
         limited = tuple(clamped.values())
         safety.record(CommandRecord(method.path, arguments, safety.now, hindrance is None, limited, origin))
         self.outside(RobotCommanded(method.path, arguments), False)
@@ -468,8 +478,7 @@ class Interface:
             safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")
         if hindrance is not None:  # a notice about stale data was logged when they became stale
             return None
-        drives = guard.is_on and self.drives(method, arguments)
-        speeds = method.velocity and moves(arguments)
+        drives = guard.is_on and self.drives(method, judged)
         if speeds:
             safety.may_move(method.path, method.mover)
         if drives:
@@ -486,13 +495,20 @@ class Interface:
                 safety.moving(method.path, speeds, method.mover)
             return result
         finally:
-            if safety.held:  # stopped on another thread while this was being performed: the stop comes last
+            if safety.stops != stops:  # on another thread, while this was performed: the stop comes last
                 self._stop_now()
 
 
 def _stands(path: str, arguments: dict[str, object]) -> bool:
     """Whether a velocity command lets the robot stand: a ``stop``, or nothing but zeros."""
-    return path.rpartition(".")[2] == "stop" or (bool(arguments) and not moves(arguments))
+    return path.rpartition(".")[2] == "stop" or stands(arguments)
+
+
+def _complete(command: inspect.BoundArguments) -> dict[str, object]:
+    """Return the arguments with the defaults of those that were not given."""
+    complete = inspect.BoundArguments(command.signature, command.arguments.copy())
+    complete.apply_defaults()
+    return complete.arguments
 
 
 def _doc_of(function: Callable[..., object]) -> str:

@@ -206,10 +206,21 @@ class Twist(Message):
 
 def moves(command: object) -> bool:
     """Return whether any number of a command, however deep, is not zero; a header has no velocities."""
-    if isinstance(command, (int, float)):
-        return command != 0
-    if isinstance(command, Mapping):
-        return any(moves(each) for name, each in command.items() if name != "header")
-    if isinstance(command, (list, tuple)):
-        return any(map(moves, command))
-    return isinstance(command, numbers.Real) and command != 0  # numpy's
+    return any(number != 0 for number in _numbers_in(command))
+
+
+def stands(command: object) -> bool:
+    """Return whether a command has numbers, and all of them are zero: of a text nobody knows what it does."""
+    return {number == 0 for number in _numbers_in(command)} == {True}
+
+
+def _numbers_in(command: object) -> Iterator[float | numbers.Real]:
+    if isinstance(command, (int, float, numbers.Real)):  # the last ones are numpy's
+        yield command
+    elif isinstance(command, Mapping):
+        for name, each in command.items():
+            if name != "header":
+                yield from _numbers_in(each)
+    elif isinstance(command, (list, tuple)):
+        for each in command:
+            yield from _numbers_in(each)

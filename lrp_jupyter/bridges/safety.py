@@ -13,10 +13,12 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 from lrp_jupyter.bridges.bounded import failure_of
 from lrp_jupyter.bridges.outside import CommandsHeld
+from lrp_jupyter.errors import BridgeError
 
 NoticeKind = Literal[
     "armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "stale", "guard", "fault"
@@ -31,6 +33,7 @@ Motion = dict[str, tuple[str, float]]
 COMMANDS = 60_000
 """How many commands the log holds at most; one that is repeated counts as one."""
 
+_CIRCULAR = "Its `stop` calls what calls `stop` (`stop_all`, `disarm`, `close`, or `robot.stop`)."
 _SHORTEST = 0.5  # s; a robot at walking pace moves 10 cm in it
 _ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
 
@@ -140,6 +143,8 @@ class Safety:
         """The commands that were sent since the last stop, and may move the robot."""
         self.sent = 0
         """How many commands were sent in this tick."""
+        self.stops = 0
+        """How many times the robot was stopped, whatever the program did."""
         self.again: CommandsHeld | None = None
         """What became of the commands of the tick that this one repeats, if not all of them were sent."""
         self.blind = ""
@@ -151,6 +156,7 @@ class Safety:
         self.has_commanded = False
         """Whether anything was sent since the robot was known to stand."""
         self._refused = ""  # why commands of this tick were refused
+        self._stopping: dict[int, bool] = {}  # threads that run `stop`, and whether that has called itself
         self._drives = 0  # how many commands that may move it were registered
         self.notice_count = 0
         self.command_count = 0
@@ -322,7 +328,13 @@ class Safety:
 
     def stopped(self) -> None:
         """Register a stop: nothing more is sent in this tick."""
+        self.stops += 1
         self.held = self.ticking or self.blocked
+
+    @property
+    def is_stopping(self) -> bool:
+        """Whether a bridge's `stop` is the caller."""
+        return threading.get_ident() in self._stopping
 
     def run_stop(
         self, stop: Callable[[], None], timeout: float | None, instead: Callable[[], bool] = bool
@@ -342,9 +354,13 @@ class Safety:
         bool
             Whether it ended in time and without a fault; if not, a notice is logged.
         """
+        if self.is_stopping:
+            self._stopping[threading.get_ident()] = True
+            self.notice("fault", f"The robot may not have stopped: {_CIRCULAR}")
+            return False
         moving, self._moving = self._moving, Motion()
         drives = self._drives
-        failure = failure_of(stop, timeout, "stop the robot")
+        failure = failure_of(partial(self._stop_once, stop), timeout, "stop the robot")
         if failure and self.driven and instead():
             self.notice("guard", f"The guard process has stopped the robot. This one could not: {failure}")
             failure = ""
@@ -355,6 +371,16 @@ class Safety:
         elif self._drives == drives:  # else another command came meanwhile, in the next tick
             self.driven = frozenset()
         return not failure
+
+    def _stop_once(self, stop: Callable[[], None]) -> None:
+        thread = threading.get_ident()
+        self._stopping[thread] = False
+        try:
+            stop()
+        finally:
+            is_circular = self._stopping.pop(thread)
+        if is_circular:
+            raise BridgeError(_CIRCULAR)
 
     def rest(self) -> None:
         """Expect no ticks for now: the program is paused or has ended."""

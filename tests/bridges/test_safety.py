@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import threading
+from contextlib import suppress
+from operator import attrgetter
 from typing import Any
 
 import pytest
@@ -20,6 +22,19 @@ from lrp_jupyter.errors import BridgeError
 def tick(bridge: Bridge, now: float, period: float = 0.1) -> None:
     bridge.begin_tick(now, period)
     bridge.end_tick(now)
+
+
+def meanwhile(bridge: Bridge, speed: float) -> None:
+    """Drive in a tick on the thread of the program, while this one does something else."""
+
+    def drive() -> None:
+        bridge.begin_tick(0.1, 0.1)
+        bridge.robot.move(linear=speed)
+        bridge.end_tick(0.1)
+
+    thread = threading.Thread(target=drive)
+    thread.start()
+    thread.join()
 
 
 def texts(bridge: Bridge) -> list[str]:
@@ -58,9 +73,7 @@ def test_disarming_stops_the_robot_first(cart: Any) -> None:
 def test_a_tick_that_begins_while_disarming_stops_the_robot_sends_nothing(cart: Any) -> None:
     def stop() -> None:  # it takes a while, and the program does not wait for it
         cart.sent.append("stop")
-        cart.begin_tick(0.1, 0.1)
-        cart.robot.move(linear=0.3)
-        cart.end_tick(0.1)
+        meanwhile(cart, 0.3)
 
     cart.stop = stop
     cart.begin_tick(0.0, 0.1)
@@ -431,11 +444,12 @@ def test_a_velocity_without_defaults_stops_with_zeros() -> None:
     assert sent == [(0.0, 0.0, 0.5), (0.0,)]
 
 
-def test_a_robot_that_cannot_be_stopped_leaves_no_other_one_moving() -> None:
+@pytest.mark.parametrize("error", [OSError("unplugged"), SystemExit("unplugged")])
+def test_a_robot_that_cannot_be_stopped_leaves_no_other_one_moving(error: BaseException) -> None:
     sent: list[float] = []
 
     def unplugged(linear: float) -> None:
-        raise OSError("unplugged")
+        raise error
 
     def members(bridge: Any) -> None:
         bridge.add_method("first.move", unplugged, "drive")
@@ -445,7 +459,9 @@ def test_a_robot_that_cannot_be_stopped_leaves_no_other_one_moving() -> None:
     herd.open()
     assert herd.stop_all() is False
     assert sent == [0.0]
-    assert texts(herd) == ["The robot may not have stopped: `robot.first.move` failed: OSError: unplugged"]
+    (told,) = texts(herd)
+    assert told.startswith("The robot may not have stopped: ")
+    assert f"{type(error).__name__}: unplugged" in told
 
 
 def test_every_number_in_a_velocity_counts_as_movement() -> None:
@@ -460,11 +476,32 @@ def test_every_number_in_a_velocity_counts_as_movement() -> None:
     assert stops_after([0, 0.1])
     assert stops_after({"elbow": (0, 2)})
     assert not stops_after([0, 0.0])
-    assert not stops_after({"elbow": ()})
-    assert not stops_after("rest")
+    assert stops_after({"elbow": ()}), "nobody knows what it does"
+    assert stops_after("forward")
 
 
-def test_a_stop_while_a_command_is_under_way_is_the_last_word() -> None:
+@pytest.mark.parametrize(
+    ("function", "moves"),
+    [
+        (lambda: None, True),
+        (lambda speed=0.3: None, True),
+        (lambda linear=0.0, angular=0.0: None, False),
+        (lambda linear=0.0, angular=None: None, False),
+    ],
+)
+def test_a_velocity_is_judged_by_what_is_performed_also_where_no_number_is_written(
+    function: Any, moves: bool
+) -> None:
+    robot = Bare(lambda it: it.add_method("forward", function, "drive", velocity=True), notes="stop")
+    robot.open()
+    robot.begin_tick(0.0, 0.1)
+    robot.robot.forward()
+    tick(robot, 1.0)
+    assert robot.calls == ["stop"] * moves
+
+
+@pytest.mark.parametrize("ticking", [True, False], ids=["in a tick", "by hand"])
+def test_a_stop_while_a_command_is_under_way_is_the_last_word(ticking: bool) -> None:
     def move(linear: float) -> None:
         thread = threading.Thread(target=bridge.stop_all)
         thread.start()
@@ -473,16 +510,61 @@ def test_a_stop_while_a_command_is_under_way_is_the_last_word() -> None:
 
     bridge = Bare(lambda it: it.add_method("move", move, "drive"), notes="stop")
     bridge.open()
-    bridge.begin_tick(0.0, 0.1)
+    if ticking:
+        bridge.begin_tick(0.0, 0.1)
     bridge.robot.move(0.2)
     assert bridge.calls == ["stop", "move", "stop"]
 
 
+def test_a_stop_while_collected_commands_are_sent_is_the_last_word() -> None:
+    def act(_: float) -> None:
+        thread = threading.Thread(target=bridge.stop_all)
+        thread.start()
+        thread.join()
+        bridge.calls.append("act")
+
+    bridge = Bare(notes="stop")
+    bridge.open()
+    bridge.act = act  # type: ignore[method-assign]
+    tick(bridge, 0.0)
+    assert bridge.calls == ["stop", "act", "stop"]
+
+
+@pytest.mark.parametrize("timeout", [None, 1.0])
+@pytest.mark.parametrize("armed", [True, False])
+def test_a_stop_may_use_the_robot_as_a_program_does(timeout: float | None, armed: bool) -> None:
+    cart = Cart(stop_timeout=timeout)
+    cart.open()
+    cart.stop = lambda: cart.robot.move(linear=0.0)  # type: ignore[method-assign]
+    cart.arm()
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    assert cart.stop_all() if armed else cart.disarm() is None
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
+
+
+@pytest.mark.parametrize("timeout", [None, 1.0])
+@pytest.mark.parametrize("called", ["stop_all", "disarm", "close", "robot.stop"])
+def test_a_stop_that_calls_itself_is_told_and_has_an_end(timeout: float | None, called: str) -> None:
+    def stop() -> None:
+        threads.add(threading.get_ident())
+        with suppress(BridgeError):
+            attrgetter(called)(cart)()
+
+    threads = set[int]()
+    cart = Cart(stop_timeout=timeout)
+    cart.open()
+    cart.arm()
+    cart.robot.move(linear=0.2)
+    cart.stop = stop  # type: ignore[method-assign]
+    assert cart.stop_all() is False
+    assert len(threads) == 1
+    assert f"The robot may not have stopped: {safety._CIRCULAR}" in texts(cart)
+
+
 def test_a_command_during_a_stop_still_moves_the_robot_for_the_guard(cart: Any) -> None:
     def stop() -> None:  # the next tick begins meanwhile
-        cart.begin_tick(0.1, 0.1)
-        cart.robot.move(linear=0.3)
-        cart.end_tick(0.1)
+        meanwhile(cart, 0.3)
 
     cart.begin_tick(0.0, 0.1)
     cart.robot.move(linear=0.2)
