@@ -232,7 +232,9 @@ class Guard:
         self._beat, self._moved = began, bridge.in_motion
         try:
             self._attend(bridge, over)
-        except Exception as error:  # also the bridge's own, in `stopper`
+        except BaseException as error:  # also the bridge's own, in `stopper`
+            if issubclass(type(error), KeyboardInterrupt) and threading.current_thread() is not self._thread:
+                raise  # Ctrl-C while the robot is armed
             self._report(bridge, sentence_of(error))
         process = self._process
         if process is not None:

@@ -37,7 +37,7 @@ _LOOK = 0.25  # s between two looks at the parent and the connection
 class _Robot:
     """What a stopper makes: a class, a bridge or a function.
 
-    Raises Exception: whatever the class or the bridge raises when it connects.
+    Raises BaseException: whatever the class or the bridge raises when it connects.
     """
 
     def __init__(self, target: Any, arguments: dict[str, Any]) -> None:
@@ -143,7 +143,7 @@ def _guard(stopper: dict[str, Any], watch: _Watch, report: Callable[..., None]) 
             tried = now()
             try:
                 robot, trouble = _Robot(_target(stopper), stopper["arguments"]), ""
-            except Exception as error:  # of the stopper's class
+            except BaseException as error:  # of the stopper's class
                 trouble = sentence_of(error)
         asked, watch.asked = watch.asked, False
         if robot is not None and asked:
@@ -174,7 +174,7 @@ def _halt(robot: _Robot) -> str:
     """Stop the robot once, for a parent that lives; return what went wrong."""
     try:
         robot.stop()
-    except Exception as error:
+    except BaseException as error:
         return sentence_of(error)
     return ""
 
@@ -189,7 +189,7 @@ def _stop(robot: _Robot, watch: _Watch, report: Callable[..., None]) -> str:
             succeeded += 1
             if succeeded == 1:
                 report("stopped")
-        except Exception as error:
+        except BaseException as error:
             failure = sentence_of(error)
         watch.wake.wait(_EVERY)
         watch.wake.clear()

@@ -330,7 +330,9 @@ class Interface:
             return ""
         try:
             guarded, trouble = self.stopper() is not None, self._guard.trouble
-        except Exception as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             guarded, trouble = True, sentence_of(error)
         if trouble:
             return f"{UNGUARDED.removesuffix('.')}. The robot is not guarded: {trouble}"
@@ -389,7 +391,12 @@ class Interface:
 
     def _begin_guarding(self) -> None:
         if self.hardware and self.safety.armed:
-            self._guard.start()
+            try:
+                self._guard.start()
+            except BaseException:  # Ctrl-C, while it waits for the process: nothing is promised
+                self.safety.armed = False
+                self._guard.end()
+                raise
 
     def stop(self) -> None:
         """Stop the robot. Called on any thread, at any time, also while disarmed.

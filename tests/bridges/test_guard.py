@@ -154,10 +154,10 @@ def test_a_child_that_holds_the_pipe_open_keeps_no_guard_alive(robot):
 class Driven(wheels.WheelsBridge, offered=False):
     """The robot behind a socket, with any stopper."""
 
-    kind: Stopper | Exception | None = None
+    kind: Stopper | BaseException | None = None
 
     def stopper(self) -> Stopper | None:
-        if isinstance(self.kind, Exception):
+        if isinstance(self.kind, BaseException):
             raise self.kind
         return self.kind
 
@@ -167,7 +167,7 @@ def drive(robot: Robot) -> Iterator[Callable[..., Driven]]:
     """Open and arm a bridge to the robot, with a stopper."""
     bridges: list[Driven] = []
 
-    def build(kind: Stopper | Exception | None, of: type[Driven] = Driven) -> Driven:
+    def build(kind: Stopper | BaseException | None, of: type[Driven] = Driven) -> Driven:
         bridge = of(port_of(robot))
         bridge.kind = kind
         bridges.append(bridge)
@@ -331,6 +331,48 @@ def test_a_robot_whose_guard_cannot_be_replaced_is_stopped_and_disarmed(robot, d
     until(lambda: 0.5 in robot.told)
 
 
+@pytest.mark.parametrize("error", [SystemExit("It has quit."), KeyboardInterrupt("It has quit.")])
+def test_a_stopper_that_raises_whatever_it_likes_is_told_and_asked_again(robot, drive, error):
+    bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
+    until(lambda: ready(bridge))
+    kind, bridge.kind = bridge.kind, error
+    until(lambda: texts(bridge) == [f"The robot is not guarded. {type(error).__name__}: It has quit."])
+    bridge.kind = kind
+    until(lambda: texts(bridge)[1:] == ["The robot is guarded again."])
+
+
+def test_a_guard_whose_stop_raises_whatever_it_likes_tries_again(robot, drive):
+    calls: list[int] = []
+
+    def stop(port: int) -> None:
+        calls.append(port)
+        if len(calls) == 1:
+            raise SystemExit("It has quit.")
+        wheels.halt(port)
+
+    bridge = drive(Stopper(stop, {"port": port_of(robot)}))
+    until(lambda: ready(bridge))
+    bridge.robot.move(linear=0.3)
+    until(lambda: robot.drives)
+    die(bridge)
+    robot.is_stopped()
+
+
+def test_a_robot_whose_arming_is_interrupted_is_not_armed(robot, drive, monkeypatch):
+    def interrupt(_: guard.Guard, __: threading.Event) -> bool:
+        raise KeyboardInterrupt
+
+    bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
+    bridge.disarm()
+    monkeypatch.setattr(guard.Guard, "_turn", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        bridge.arm()
+    bridge.robot.move(linear=0.3)
+    assert not bridge.safety.armed
+    assert not bridge._guard.is_on
+    assert not any(robot.told)
+
+
 def test_a_lost_robot_is_not_disarmed_because_its_guard_has_lost_it_too(robot, drive, monkeypatch):
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
     monkeypatch.setattr(guard, "_CONNECT", 0.2)
@@ -417,8 +459,9 @@ def test_a_robot_whose_bridge_is_dropped_while_it_drives_is_stopped(robot):
         (Stopper(threading.Lock().acquire), "cannot be sent to another process"),
         (Stopper(wheels.Wheels, {"port": object()}), "cannot be sent to another process"),
         (BridgeError("Its battery is flat."), "Its battery is flat."),
+        (SystemExit("It has quit."), "SystemExit: It has quit."),
     ],
-    ids=["no module", "no class", "no robot", "arguments", "no function", "no data", "a fault"],
+    ids=["no module", "no class", "no robot", "arguments", "no function", "no data", "a fault", "an exit"],
 )
 def test_a_guard_that_cannot_reach_the_robot_is_told_and_the_robot_is_armed(robot, drive, kind, why):
     bridge = drive(kind)
