@@ -116,6 +116,9 @@ Until = str | Path | Callable[[Frame], object]
 """The end of a run or a wait: a state, by bare name or path, or a condition on a frame."""
 
 _open_sessions: weakref.WeakSet[Session] = weakref.WeakSet()
+_ending: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
+"""The threads that end sessions which were dropped."""
+_LEAVING = 15.0  # s that the end of Python waits for one of them
 
 
 class Session:
@@ -1540,7 +1543,9 @@ def _drop(name: str, driver: Driver, loop: Loop, bridge: Bridge) -> None:
         bridge.close()
 
     # The collector may run on any thread, with any lock held; only a thread of its own may wait.
-    threading.Thread(target=end, name=f"lrp {name} end", daemon=True).start()
+    thread = threading.Thread(target=end, name=f"lrp {name} end", daemon=True)
+    _ending.add(thread)
+    thread.start()
     message = f"The session `{name}` was dropped while it ran, and ended. Call `close`, or use `with`."
     warnings.warn(message, ResourceWarning, stacklevel=2)
 
@@ -1553,3 +1558,5 @@ _KEYWORDS = tuple(inspect.signature(Session).parameters)[:-1]
 def _close_all() -> None:
     for session in tuple(_open_sessions):
         session.close()
+    for thread in tuple(_ending):
+        thread.join(_LEAVING)

@@ -15,6 +15,7 @@ import pytest
 from bridges import wheels
 from bridges.dying import (
     PATIENT,
+    PROGRAM,
     CommandLine,
     Kernel,
     Robot,
@@ -431,6 +432,31 @@ def test_a_guard_that_is_dismissed_before_the_robot_stands_stops_it_first(robot,
     getattr(bridge, end)()
     robot.is_stopped()
     until(lambda: not lives(process), "the guard lingers")
+
+
+_DROPPED_AT_THE_END = """
+import sys
+from bridges.wheels import WheelsBridge
+from lrp_jupyter import Session
+
+def main():
+    session = Session({program!r}, WheelsBridge({port}, guarded=False))
+    session.start()
+    session.bridge.arm()
+    sys.stdin.read()
+
+main()
+"""
+
+
+def test_a_program_that_drops_its_session_and_ends_leaves_no_robot_moving(robot):
+    code = _DROPPED_AT_THE_END.format(program=PROGRAM, port=port_of(robot))
+    with subprocess.Popen(
+        [sys.executable, "-c", code], env=robot.environment, stdin=subprocess.PIPE
+    ) as script:
+        robot.is_driven()
+    assert script.returncode == 0
+    robot.is_stopped()
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # nobody closes its socket
