@@ -297,11 +297,11 @@ class _Run:
             try:
                 code = self._end(*self._go(program))
             finally:
-                is_written = self._output.end(lambda: bool(self._caught))
+                is_written = self._output.end(lambda: bool(self._caught) or self._quit)
         failure = self._output.failure
         if failure is not None and not self._caught:
             raise failure
-        return (code if is_written else 128 + self._caught[0]), is_written
+        return (128 + self._caught[0] if self._caught and not is_written else code), is_written
 
     def _go(self, program: Program | None) -> tuple[Frame, float, bool]:
         """Run; return the last frame, the wall seconds, and whether it is paused and nobody can resume it."""

@@ -12,7 +12,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from queue import SimpleQueue
 from types import TracebackType
@@ -24,6 +24,8 @@ try:
 except ImportError:  # pragma: no cover  (Windows: the run is ended by Ctrl-C)
     termios = None  # type: ignore[assignment]
 
+_GONE = (OSError,) if termios is None else (OSError, termios.error)
+"""What is raised where the terminal was closed."""
 _PATIENCE = 2.0  # s that a person who wants the end waits for the output
 _LOOK = 0.1  # s between two looks
 
@@ -43,27 +45,30 @@ class Keys:
     def __enter__(self) -> Self:
         if termios is not None and sys.stdin is not None and sys.stdin.isatty():
             descriptor = sys.stdin.fileno()
-            if os.tcgetpgrp(descriptor) == os.getpgrp():  # in the background it would be stopped
-                self._before = termios.tcgetattr(descriptor)
-                tty.setcbreak(descriptor, termios.TCSANOW)  # else it waits until all output was taken
-                self._descriptor = descriptor
+            with suppress(*_GONE):  # or it is that of another session, whose keys are not for this one
+                if os.tcgetpgrp(descriptor) == os.getpgrp():  # in the background it would be stopped
+                    self._before = termios.tcgetattr(descriptor)
+                    tty.setcbreak(descriptor, termios.TCSANOW)  # else it waits until all output was taken
+                    self._descriptor = descriptor
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._descriptor is not None:
-            termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
+            with suppress(*_GONE):
+                termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
             self._descriptor = None
 
     def pressed(self) -> str:
         """Return the keys pressed since the last call."""
         descriptor, keys = self._descriptor, ""
-        while descriptor is not None and select.select([descriptor], [], [], 0)[0]:
-            data = os.read(descriptor, 100)
-            if not data:
-                break
-            keys += data.decode(errors="ignore")
+        with suppress(*_GONE):
+            while descriptor is not None and select.select([descriptor], [], [], 0)[0]:
+                data = os.read(descriptor, 100)
+                if not data:
+                    break
+                keys += data.decode(errors="ignore")
         return keys
 
 

@@ -62,7 +62,7 @@ def process():
 class Terminal:
     """A pseudo terminal with a process in it."""
 
-    def __init__(self, arguments, columns=100, rows=40, term="xterm-256color"):
+    def __init__(self, arguments, columns=100, rows=40, term="xterm-256color", is_own=True):
         import termios
 
         self._master, slave = os.openpty()
@@ -72,7 +72,7 @@ class Terminal:
         self.process = subprocess.Popen(
             [sys.executable, "-m", "lrp_jupyter", *map(str, arguments)],
             stdin=slave, stdout=slave, stderr=slave, env=environment, start_new_session=True,
-            preexec_fn=_take_terminal,
+            preexec_fn=_take_terminal if is_own else None,
         )  # fmt: skip
         os.close(slave)
         self.text = ""
@@ -96,6 +96,11 @@ class Terminal:
 
     def press(self, keys):
         os.write(self._master, keys.encode())
+
+    def hang_up(self):
+        """Close the terminal, as its window does."""
+        os.close(self._master)
+        self._master = os.open(os.devnull, os.O_RDWR)
 
     def end(self):
         """Wait for the end; the exit code."""

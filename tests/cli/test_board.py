@@ -1,8 +1,10 @@
 """The live display: its lines, and the whole of it in a pseudo terminal."""
 
+import signal
 from dataclasses import replace
 
 import pytest
+from support.waiting import until
 
 from lrp_jupyter.cli.board import BoardState, board_text
 from lrp_jupyter.cli.map import columns_for
@@ -172,3 +174,26 @@ def test_the_board_says_why_the_robot_does_not_move():
     shown = text_of(state_after(0.1, trouble=trouble))
     assert shown[2] == trouble
     assert text_of(state_after(0.1, trouble=trouble, differs=differs))[2] == f"{differs}  {trouble}"
+
+
+@pytest.mark.slow
+def test_a_run_ends_by_q_in_a_terminal_that_was_halted(terminal):
+    run = terminal("run", "follower")
+    run.wait_for("follower")
+    run.press("\x13q")  # Ctrl-S
+    until(lambda: run.process.poll() is not None, "it does not end")
+    assert run.process.returncode == 0
+
+
+@pytest.mark.slow
+def test_a_run_whose_terminal_was_closed_ends_as_by_the_signal(terminal):
+    run = terminal("run", "follower")
+    run.wait_for("follower")
+    run.hang_up()
+    assert run.process.wait(120) == 128 + signal.SIGHUP
+
+
+@pytest.mark.slow
+def test_a_run_may_write_to_the_terminal_of_another_session(terminal):
+    run = terminal("run", "exit", "--for", "0.2", is_own=False)
+    assert run.end() == 0, run.text
