@@ -165,8 +165,8 @@ class MqttSide:
             ) from None
         address = parse_address(host or "localhost", None, 1883, ("mqtt",))
         self._topic, self._place = topic, str(address)
-        self._command: Any = {}
-        self._unread = ""  # what came last, if it is no JSON
+        self._still = "{}"  # the last command with all its numbers zero
+        self._unread = ""  # what came last, if it cannot be read
         self._refused = ""  # why the broker has not accepted the subscription
         self._hears = False  # a command before the broker has accepted the subscription is missed
         self.heard = (0.0, False)
@@ -187,11 +187,13 @@ class MqttSide:
         self._refused = str(codes[0]) if codes[0].is_failure else ""
 
     def _hear(self, _client: object, _data: object, message: Any) -> None:
+        is_moving = False
         try:
-            self._command, self._unread = json.loads(message.payload), ""
-        except ValueError:
-            self._command, self._unread = {}, repr(message.payload[:40])
-        self.heard = (time.monotonic(), moves(self._command))
+            command = json.loads(message.payload)
+            is_moving, self._still, self._unread = moves(command), json.dumps(_zero(command)), ""
+        except (ValueError, RecursionError):
+            self._unread = repr(message.payload[:40])
+        self.heard = (time.monotonic(), is_moving)
 
     def state(self) -> str:
         """Return a sentence about the connection."""
@@ -201,14 +203,14 @@ class MqttSide:
         if not self._hears:
             return f"The MQTT broker at {self._place} does not answer."
         if self._unread:
-            return f"{self._unread} on `{self._topic}` is not JSON, so the robot is not guarded."
+            return f"{self._unread} on `{self._topic}` cannot be read as JSON, so the robot is not guarded."
         return f"Connected to the MQTT broker at {self._place}."
 
     def stop(self) -> None:
         """Publish the last command with all its numbers zero."""
         if not self._hears:
             raise BridgeError(self.state())
-        self._client.publish(self._topic, json.dumps(_zero(self._command)))
+        self._client.publish(self._topic, self._still)
 
     def close(self) -> None:
         """End the connection."""

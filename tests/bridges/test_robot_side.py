@@ -163,9 +163,15 @@ def test_a_broker_that_refuses_to_be_read_is_told(side):
         side.stop()
 
 
-def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot, side):
-    robot.client.publish(TOPIC, b"0.2 0.1")
-    until(lambda: side.state() == "b'0.2 0.1' on `robot/cmd_vel` is not JSON, so the robot is not guarded.")
+@pytest.mark.parametrize(
+    "payload",
+    [b"0.2 0.1", b"\xff", b"[" * 100_000, b"[" * 700 + b"1" + b"]" * 700],
+    ids=["a text", "bytes", "deep", "less deep"],
+)
+def test_commands_that_cannot_be_read_are_told_until_there_are_others(robot, side, payload):
+    robot.client.publish(TOPIC, payload)
+    told = f"{payload[:40]!r} on `robot/cmd_vel` cannot be read as JSON, so the robot is not guarded."
+    until(lambda: side.state() == told, side.state)
     robot.drive(linear=0.2)
     until(lambda: side.state().startswith("Connected"))
     assert side.heard[1]
