@@ -9,9 +9,11 @@ Paper: §7.3.
 from __future__ import annotations
 
 import inspect
+import os
 from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, overload
+from weakref import WeakValueDictionary
 
 from lrp_jupyter.bridges.fed import FedValues
 from lrp_jupyter.bridges.guard import UNGUARDED, Guard, Stopper
@@ -391,6 +393,7 @@ class Interface:
 
     def _begin_guarding(self) -> None:
         if self.hardware and self.safety.armed:
+            _armed[id(self)] = self
             try:
                 self._guard.start()
             except BaseException:  # Ctrl-C, while it waits for the process: nothing is promised
@@ -504,6 +507,20 @@ class Interface:
         finally:
             if safety.stops != stops:  # on another thread, while this was performed: the stop comes last
                 self._stop_now()
+
+
+_armed: WeakValueDictionary[int, Interface] = WeakValueDictionary()
+"""Bridges to hardware that were armed in this process."""
+
+
+def _disarm_copies() -> None:
+    """Have the copy of this process that `os.fork` makes command nothing: nobody stops its robot."""
+    for bridge in list(_armed.values()):
+        bridge.safety.armed = bridge._guard.is_on = False
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_disarm_copies)
 
 
 def _stands(path: str, arguments: dict[str, object]) -> bool:

@@ -434,6 +434,31 @@ def test_a_guard_that_is_dismissed_before_the_robot_stands_stops_it_first(robot,
     until(lambda: not lives(process), "the guard lingers")
 
 
+_FORKED = """
+import os
+from bridges.wheels import WheelsBridge
+
+bridge = WheelsBridge({port}, guarded={guarded})
+bridge.open()
+bridge.arm()
+bridge.robot.move(linear=0.2)
+if not (child := os.fork()):
+    bridge.robot.move(linear=0.4)
+    os._exit(0)
+os.waitpid(child, 0)
+bridge.robot.move(linear=0.3)
+bridge.close()
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows has no such copies")
+@pytest.mark.parametrize("guarded", [True, False])
+def test_a_copy_of_the_program_does_not_drive_its_robot(robot, guarded):
+    code = _FORKED.format(port=port_of(robot), guarded=guarded)
+    assert subprocess.run([sys.executable, "-c", code], env=robot.environment).returncode == 0
+    until(lambda: robot.told == [0.2, 0.3, 0.0], lambda: str(robot.told))
+
+
 _DROPPED_AT_THE_END = """
 import sys
 from bridges.wheels import WheelsBridge
