@@ -273,10 +273,8 @@ class Guard:
             with self._changing:
                 self._process = None
             process.end()
-            if changed:
-                self._next, self.trouble = 0.0, ""
-            else:
-                self.trouble = process.fate
+            self.trouble = "The stopper has changed." if changed else process.fate
+            if not changed:
                 bridge.notice("guard", f"{process.fate} Another one is started.")
         if stopper is not None and self._process is None and time.monotonic() >= self._next:
             self._next = time.monotonic() + _AGAIN

@@ -129,6 +129,8 @@ def recorded_signals(wake: SimpleQueue[None]) -> Iterator[list[int]]:
 
     names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)]
     before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
+    if "SIGHUP" in names and before[signal.SIGHUP] is signal.SIG_IGN:  # by `nohup`
+        del before[signal.SIGHUP]
     for number in before:
         signal.signal(number, record)
     try:

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from itertools import count
 
 import pytest
 from bridges import wheels
@@ -268,6 +269,14 @@ def test_the_stopper_of_another_robot_is_another_guard(robot, drive):
     until(lambda: 0.3 in robot.told)
     die(bridge)
     robot.is_stopped()
+
+
+def test_a_stopper_that_is_another_one_each_time_is_no_guard(robot, drive, monkeypatch):
+    ports = count(port_of(robot))
+    monkeypatch.setattr(Driven, "stopper", lambda _: Stopper(wheels.halt, {"port": next(ports)}))
+    bridge = drive(None)
+    assert bridge.failsafe.endswith("The robot is not guarded: The stopper has changed.")
+    assert UNGUARDED[:-1] in texts(bridge, "armed")[0]
 
 
 def test_a_stopper_that_is_made_again_each_time_is_the_same_one(robot, drive, monkeypatch):

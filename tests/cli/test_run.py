@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import threading
+from queue import SimpleQueue
 from typing import ClassVar
 
 import pytest
@@ -13,7 +14,7 @@ from support.smil import evaluate, placed
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.panel import Panel, Question
-from lrp_jupyter.cli import pace, run
+from lrp_jupyter.cli import pace, run, terminal
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim import load
 from lrp_jupyter.sim.shapes import robot_colour
@@ -410,6 +411,19 @@ class Hushed(Watched):
 def test_data_that_are_too_old_are_printed_once_and_so_is_their_end(said_by):
     connected = "`hushed` is connected."
     assert said_by("hushed") == [connected, "`robot.light.data` is stale: its value is 0.5 s old.", connected]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signal")
+@pytest.mark.parametrize(("handler", "caught"), [(signal.SIG_IGN, []), (signal.SIG_DFL, [1])])
+def test_a_run_that_is_to_outlive_its_terminal_does(handler, caught):
+    before = signal.signal(signal.SIGHUP, handler)
+    try:
+        with terminal.recorded_signals(SimpleQueue()) as found:
+            os.kill(os.getpid(), signal.SIGHUP)
+        assert found == caught
+        assert signal.getsignal(signal.SIGHUP) is handler
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 def test_hardware_that_is_named_is_armed_and_ctrl_c_stops_it(lrp, program):

@@ -1,6 +1,6 @@
 import sys
 from dataclasses import replace
-from types import ModuleType
+from importlib.util import module_from_spec, spec_from_file_location
 
 import pytest
 from support.tables import every
@@ -133,9 +133,11 @@ def test_a_program_a_session_and_a_text_are_graded_alike():
         grade(3, "first move")
 
 
-def test_a_criterion_that_its_process_cannot_import_is_not_a_failing_grade(monkeypatch):
-    nowhere = ModuleType("nowhere")
-    exec("def judge(run): return True", vars(nowhere))
+def test_a_criterion_that_its_process_cannot_import_is_not_a_failing_grade(monkeypatch, tmp_path):
+    (tmp_path / "nowhere.py").write_text("def judge(run): return run.driven > 0.1, 'is'")
+    spec = spec_from_file_location("nowhere", tmp_path / "nowhere.py")
+    nowhere = module_from_spec(spec)
+    spec.loader.exec_module(nowhere)
     monkeypatch.setitem(sys.modules, "nowhere", nowhere)
     with pytest.raises(LRPError, match="No module named 'nowhere'"):
         grade(DRIVE, Challenge("odd", "", ("empty",), (Criterion("is judged", nowhere.judge),), 5), seeds=1)
