@@ -310,7 +310,7 @@ def test_a_guard_that_fails_is_told_and_another_one_takes_its_place(robot, drive
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
     (first,) = guards(os.getpid())
     os.kill(first, blow)
-    until(lambda: texts(bridge) == [f"{fate} Another one is started.", "The robot is guarded again."])
+    until(lambda: texts(bridge)[:2] == [f"{fate} Another one is started.", "The robot is guarded again."])
     assert ready(bridge)
     until(lambda: not lives(first), "it could stop the robot at any time")
     assert bridge.failsafe == bridge.guarded_by
