@@ -340,7 +340,8 @@ class Bridge(Interface, ABC):
                 raise
             raise BridgeError(f"The bridge `{self.name}` could not be opened: {sentence}") from error
         self._is_open = True
-        self._begin_guarding()
+        if self.safety.armed:
+            self._begin_guarding()
         if self._status.state is ConnectionState.CONNECTING:
             self.set_status(ConnectionState.CONNECTED)
         return self._opened_panel

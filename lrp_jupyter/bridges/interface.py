@@ -299,10 +299,13 @@ class Interface:
     # -- commands and safety ----------------------------------------------------------------------
 
     def arm(self) -> None:
-        """Arm the bridge: commands are sent from now on, and a guard watches this process."""
+        """Arm the bridge: commands are sent from now on, and a guard watches this process.
+
+        It waits until the guard has reached the robot, at most ten seconds; nothing is sent before.
+        """
         if not self.safety.armed:
-            self.safety.armed = True
             self._begin_guarding()
+            self.safety.armed = True
             self.outside(RobotArmed(True), False)
             who = f"`{self.name}` is armed: commands move the robot. {self.failsafe}"
             self.safety.notice("armed", who.rstrip())
@@ -392,12 +395,11 @@ class Interface:
             self.safety.notice("guard", f"{told} Arm it to go on.")
 
     def _begin_guarding(self) -> None:
-        if self.hardware and self.safety.armed:
+        if self.hardware:
             _armed[id(self)] = self
             try:
                 self._guard.start()
             except BaseException:  # Ctrl-C, while it waits for the process: nothing is promised
-                self.safety.armed = False
                 self._guard.end()
                 raise
 

@@ -140,10 +140,13 @@ class ArmedCommand(PageCommand, do="armed"):
     """Arm or disarm the robot."""
 
     on: bool
+    patience: ClassVar[float] = 20.0  # the guard of the robot has to reach it
 
     def apply(self, opened: OpenProgram) -> Applied:
         bridge = opened.session.bridge
-        (bridge.arm if self.on else bridge.disarm)()
+        if self.on:
+            return opened.work(bridge.arm)
+        bridge.disarm()
         return None
 
 

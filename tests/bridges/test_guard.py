@@ -236,6 +236,29 @@ def test_a_class_a_function_and_a_bridge_stop_the_robot(robot, drive, target):
     assert robot.told[:3] == [0.3, 0.0, 0.2]
 
 
+def test_nothing_moves_before_the_robot_is_guarded(robot, monkeypatch):
+    bridge = Driven(port_of(robot))
+    bridge.kind = Stopper(wheels.halt, {"port": port_of(robot)})
+    bridge.open()
+    reached, start = threading.Event(), guard.Guard.start
+
+    def slow_start(ours: guard.Guard) -> None:
+        start(ours)
+        assert reached.wait(60)
+
+    monkeypatch.setattr(guard.Guard, "start", slow_start)
+    arming = threading.Thread(target=bridge.arm)
+    arming.start()
+    until(lambda: ready(bridge))
+    bridge.robot.move(linear=0.3)
+    assert texts(bridge, "disarmed") == ["`move` was not sent: the robot is disarmed."]
+    reached.set()
+    arming.join()
+    bridge.robot.move(linear=0.4)
+    until(lambda: robot.told == [0.4])
+    bridge.close()
+
+
 @pytest.mark.parametrize("target", [wheels.halt, wheels.WheelsBridge])
 def test_a_robot_that_stands_is_left_to_others(robot, drive, target):
     bridge = drive(Stopper(target, {"port": port_of(robot)}))
