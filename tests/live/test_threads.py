@@ -87,10 +87,10 @@ def test_waiting_while_nothing_runs_is_refused(session):
 
 def test_a_visit_too_short_to_see_is_waited_for(session):
     passing = session(
-        "(machine m (state a) (state b) (state c) (ontime 50 a -> b) (eps b -> c)) (spawn m a)", rate=0
-    )
+        "(machine m (state a) (state b) (ontime 50 a -> b) (eps b -> a)) (spawn m a)", rate=0
+    )  # again and again: it may have begun before anybody waits
     passing.start()
-    assert passing.wait_for("b", LONG).count_of("b") == 1
+    assert passing.wait_for("b", LONG).count_of("b") >= 1
 
 
 @pytest.mark.parametrize("speed", [1, 10])
