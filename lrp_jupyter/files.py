@@ -61,7 +61,7 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
 
 
 def _replace(beside: Path, file: Path) -> None:
-    """Put a file in the place of another; Windows refuses that while somebody has the other one open."""
+    """Put a file in the place of another; Windows refuses that while a program has that one open."""
     for wait in _WAITS:
         try:
             return os.replace(beside, file)

@@ -113,7 +113,7 @@ def test_what_has_no_end_is_no_file_to_read(tmp_path, monkeypatch):
     assert read_text(tmp_path / "long") == read_file(tmp_path / "long") == "." * 10
 
 
-def test_a_file_that_somebody_reads_for_a_moment_is_replaced_on_windows_too(tmp_path, monkeypatch):
+def test_a_file_that_is_open_elsewhere_for_a_moment_is_replaced_on_windows_too(tmp_path, monkeypatch):
     refusals = [32, 5]
     replace = os.replace
 

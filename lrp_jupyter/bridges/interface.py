@@ -516,7 +516,7 @@ _armed: WeakValueDictionary[int, Interface] = WeakValueDictionary()
 
 
 def _disarm_copies() -> None:
-    """Have the copy of this process that `os.fork` makes command nothing: nobody stops its robot."""
+    """Have the copy of this process that `os.fork` makes command nothing: no guard watches it."""
     for bridge in list(_armed.values()):
         bridge.safety.armed = bridge._guard.is_on = False
 

@@ -210,7 +210,7 @@ def moves(command: object) -> bool:
 
 
 def stands(command: object) -> bool:
-    """Return whether a command has numbers, and all of them are zero: of a text nobody knows what it does."""
+    """Return whether a command has numbers, and all of them are zero; what a text does is unknown."""
     return {number == 0 for number in _numbers_in(command)} == {True}
 
 

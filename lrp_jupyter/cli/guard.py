@@ -54,7 +54,7 @@ def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, a
     finally:
         robot.close()
         if not output.end(lambda: True):
-            os._exit(128 + signal.SIGINT)  # Python would wait for the output that nobody takes
+            os._exit(128 + signal.SIGINT)  # Python would wait until the output is accepted
     return 0
 
 

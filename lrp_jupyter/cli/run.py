@@ -86,7 +86,7 @@ def run_file(file: str, wanted: RunOptions) -> int:
         trace = _opened(wanted.trace, outputs)
         code, is_written = _run(running, source, wanted, trace, program)
         if not is_written:
-            os._exit(code)  # Python would wait for the output that nobody takes
+            os._exit(code)  # Python would wait until the output is accepted
     return code
 
 
@@ -304,7 +304,7 @@ class _Run:
         return (128 + self._caught[0] if self._caught and not is_written else code), is_written
 
     def _go(self, program: Program | None) -> tuple[Frame, float, bool]:
-        """Run; return the last frame, the wall seconds, and whether it is paused and nobody can resume it."""
+        """Run; return the last frame, the wall seconds, and whether it is paused for good."""
         session, wanted, pace = self.session, self.wanted, self.pace
         with ExitStack() as stack:
             if self._board is not None:

@@ -37,7 +37,7 @@ MARK = "LRP_GRADING"
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
 _SIZE = struct.Struct(">Q")
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
-_LATER = 10.0  # s that a worker may take longer, and its run again as long, if nobody ends them
+_LATER = 10.0  # s that a worker may take longer, and its run again as long, if nothing ends them
 _LARGEST = 4_000_000  # bytes of an answer
 _LOOKS = 50  # for processes that were left behind: while one forks, there are new ones
 
@@ -124,7 +124,7 @@ def _made(request: Request) -> bytes:
         job, memory = pickle.loads(request.job)
         _limit(memory, request.patience)
         answer: dict[str, Any] = attempt(job).to_dict()
-    except KeyboardInterrupt:  # nobody but a program interrupts this process
+    except KeyboardInterrupt:  # only a program interrupts this process
         answer = failed(job, "crash", "runs to its end", "It was interrupted.").to_dict()
     except BaseException as error:
         answer = {"fault": f"{sentence_of(error)}\n{traceback.format_exc()}"}

@@ -43,7 +43,7 @@ def check(
     BridgeError
         There is no such bridge.
     LRPError
-        The text names a world that is no file of the current folder.
+        The text names a world outside the current folder.
 
     Examples
     --------

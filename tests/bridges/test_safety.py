@@ -476,7 +476,7 @@ def test_every_number_in_a_velocity_counts_as_movement() -> None:
     assert stops_after([0, 0.1])
     assert stops_after({"elbow": (0, 2)})
     assert not stops_after([0, 0.0])
-    assert stops_after({"elbow": ()}), "nobody knows what it does"
+    assert stops_after({"elbow": ()}), "what it does is unknown"
     assert stops_after("forward")
 
 

@@ -324,13 +324,17 @@ def test_a_set_of_texts_has_its_order_in_a_replay_with_the_same_hashes(
 ACTING = TEXT.replace("(running", "(onentry [from pathlib import Path; Path('acted').touch()]) (running")
 
 
-def test_the_program_of_another_person_runs_only_when_it_is_trusted(
-    lrp, recorded, here, monkeypatch, tmp_path_factory
-):
+@pytest.fixture
+def foreign(recorded, here, monkeypatch, tmp_path_factory):
+    """A recording of another person, and the file that its program makes when it runs."""
     path = recorded(text=ACTING)
-    acted = here / "acted"
-    acted.unlink()
+    (here / "acted").unlink()
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("another")))
+    return path, here / "acted"
+
+
+def test_the_program_of_another_person_runs_only_when_it_is_trusted(lrp, foreign):
+    path, acted = foreign
     for arguments in (["replay", path], ["why", path, "bright"], ["replay", path, "--program", "follower"]):
         done = lrp(*arguments)
         assert done.exit_code == 2
@@ -344,13 +348,8 @@ def test_the_program_of_another_person_runs_only_when_it_is_trusted(
 
 
 @pytest.mark.slow
-def test_at_a_terminal_it_is_asked_and_can_be_read_before_it_runs(
-    recorded, terminal, here, monkeypatch, tmp_path_factory
-):
-    path = recorded(text=ACTING)
-    acted = here / "acted"
-    acted.unlink()
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("another")))
+def test_at_a_terminal_it_is_asked_and_can_be_read_before_it_runs(terminal, foreign, monkeypatch):
+    path, acted = foreign
     monkeypatch.setenv("PAGER", "cat")
     for answer in ("\r", "n\r", "what\r", "r\r\r"):
         asked = terminal("replay", path)

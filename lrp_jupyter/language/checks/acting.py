@@ -11,10 +11,9 @@ from collections.abc import Iterator
 from functools import lru_cache
 from itertools import chain
 
-from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.checks.imports import called, imported, whole_name
 from lrp_jupyter.language.checks.report import Reporter
-from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.checks.scanned import scanned
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.resolution import Resolution
 
@@ -46,21 +45,14 @@ def check_acting(report: Reporter, names: Resolution) -> None:
 @lru_cache(maxsize=20_000)
 def _acts(text: str) -> tuple[tuple[Span, str, str], ...]:
     """Return where a block acts, by which module or function, and the outside name on which that depends."""
-    if not any(sign in text for sign in _SIGNS):
+    block = scanned(text, _SIGNS)
+    if block is None:
         return ()
-    try:
-        tree, suite, source, _ = read(text)
-    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
-        return ()
-    offsets, nodes = Offsets(source), list(ast.walk(tree))
-    known = imported(nodes)
-    stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     found = []
-    for node, whole, outside in _places(nodes, known):
+    for node, whole, outside in _places(block.nodes, imported(block.nodes)):
         acting = next((name for name in _ACTING if f"{whole}.".startswith(f"{name}.")), None)
-        if acting is not None and outside not in stored:
-            span = Span(offsets.start_of(node) + suite.shift, offsets.end_of(node) + suite.shift)
-            found.append((span, acting, outside))
+        if acting is not None and outside not in block.stored:
+            found.append((block.span_of(node), acting, outside))
     return tuple(sorted(found))
 
 

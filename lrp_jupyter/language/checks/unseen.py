@@ -9,9 +9,8 @@ import ast
 from functools import lru_cache
 from itertools import chain
 
-from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.checks.report import Reporter
-from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.checks.scanned import scanned
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.resolution import Resolution
 
@@ -34,19 +33,13 @@ def check_unseen(report: Reporter, names: Resolution) -> None:
 
 @lru_cache(maxsize=20_000)
 def _looks(text: str) -> tuple[tuple[str, Span], ...]:
-    if not any(f"{name}(" in text for name in _ARGUMENTS):
+    block = scanned(text, (f"{name}(" for name in _ARGUMENTS))
+    if block is None:
         return ()
-    try:
-        tree, suite, source, _ = read(text)
-    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
-        return ()
-    offsets, nodes = Offsets(source), list(ast.walk(tree))
-    stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     found = []
-    for call in nodes:
+    for call in block.nodes:
         if not (isinstance(call, ast.Call) and isinstance(name := call.func, ast.Name)):
             continue
-        if name.id not in stored and _ARGUMENTS.get(name.id) == len(call.args) and not call.keywords:
-            span = Span(offsets.start_of(name) + suite.shift, offsets.end_of(name) + suite.shift)
-            found.append((name.id, span))
+        if name.id not in block.stored and _ARGUMENTS.get(name.id) == len(call.args) and not call.keywords:
+            found.append((name.id, block.span_of(name)))
     return tuple(found)
