@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+import typer
 from support.tables import every
 from typer.main import get_command
 
@@ -22,6 +24,14 @@ def options():
     ]
 
 
+def unparsed(name, *arguments):
+    """What is said of arguments that are refused before the command runs."""
+    with pytest.raises(typer.BadParameter) as told:
+        COMMANDS[name].make_context(name, [*arguments])
+    assert told.value.exit_code == 2
+    return told.value.format_message()
+
+
 def refused(lrp, *arguments):
     """What is said of arguments that are refused, in one line."""
     done = lrp(*arguments)
@@ -29,7 +39,7 @@ def refused(lrp, *arguments):
     return " ".join(done.stderr.replace("│", " ").split())
 
 
-def test_every_number_has_bounds_and_what_is_beyond_them_is_refused(lrp, here):
+def test_every_number_has_bounds_and_what_is_beyond_them_is_refused(lrp):
     numbers = [each for each in options() if each[2].type_descriptor.annotation in (int, float)]
     assert len(numbers) > 12
     for name, option, parameter in numbers:
@@ -44,13 +54,14 @@ def test_every_number_has_bounds_and_what_is_beyond_them_is_refused(lrp, here):
 def test_no_command_takes_an_empty_text(lrp, here):
     for name, option, _ in options():
         for given in ([option, ""], [option, " \t"], *([[f"{option}="]] if option[1] == "-" else [])):
-            assert f"{option} is empty." in refused(lrp, name, *given)
+            assert f"{option} is empty." in unparsed(name, *given)
     arguments = [
         name for name, each in COMMANDS.items() if any(not p.opts[0].startswith("-") for p in each.params)
     ]
     assert len(arguments) > 8
     for name in arguments:
-        assert "An argument is empty." in refused(lrp, name, "")
+        assert "An argument is empty." in unparsed(name, "")
+    assert "An argument is empty." in refused(lrp, "grade", "")
     assert not list(here.iterdir())
 
 
