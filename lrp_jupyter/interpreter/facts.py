@@ -31,6 +31,21 @@ class Fired(NamedTuple):
 
 
 @weightless
+class Enabled(NamedTuple):
+    """A transition was enabled in the tick in which its source was entered, which therefore did not act.
+
+    `label`: how the transition is displayed.
+    `machine`: where it stands, as spawned.
+    `state`: the state that it could leave, by path of definition.
+    """
+
+    transition: Element
+    label: str
+    machine: Path
+    state: Path
+
+
+@weightless
 class Spawned(NamedTuple):
     """A machine was spawned.
 
@@ -93,4 +108,4 @@ class Commanded(NamedTuple):
     state: Path = ()
 
 
-Fact = Fired | Spawned | Entered | Discarded | Faulted | Commanded
+Fact = Fired | Enabled | Spawned | Entered | Discarded | Faulted | Commanded

@@ -17,8 +17,9 @@ It is built from three parts:
 
 A tick walks from the roots down. In each machine the transitions that leave the active state are
 tested in the order of the text; the first that is enabled and leads somewhere fires: the active
-state is left (innermost first), the destination is entered, and the tick of that machine is over.
-If none fires, the ``running`` actions run and the machines inside are ticked.
+state is left (innermost first) and the destination is entered. Its transitions are tested in the same tick;
+one that is enabled fires in the next tick at the earliest. Where none is enabled, the ``running`` actions run
+and the machines inside are ticked.
 
 An edit (``patching``) is applied between two ticks: link, decide, swap. Activations are carried over
 by path; only what §6.1 calls an undefined situation restarts. A ``journal`` records how to undo
@@ -48,7 +49,7 @@ from lrp_jupyter.interpreter.linker import BlockPlan, StatePlan, link, show_in_t
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
-from lrp_jupyter.interpreter.tree import Count, bind_block
+from lrp_jupyter.interpreter.tree import Activation, Count, bind_block
 from lrp_jupyter.interpreter.variables import BlockTest, VariableMapping, assign, evaluate
 from lrp_jupyter.interpreter.watching import watch
 from lrp_jupyter.language.diff import diff
@@ -295,8 +296,8 @@ class Interpreter:
         now : float
             Seconds; never less than the last time.
 
-        Paper: §5.1. Deviation: the destination is entered in the tick in which the source is left,
-        so that a robot has no gap between onexit and onentry.
+        Paper: §5.1. Deviation: the delay of the loop is not waited for between leaving a state (step 7) and
+        entering the next one (step 2), so that a robot has no gap between onexit and onentry.
         """
         # In one piece: in Python a call costs as much as a block of a program.
         run = self._run
@@ -308,6 +309,8 @@ class Interpreter:
         act = run.first
         if act is None:
             run.start()
+        left: Activation  # the machine whose transition has fired
+        entered = None  # the one whose state was entered then
         while act is not None:
             edge = act.row.edge
             while edge is not None:
@@ -319,19 +322,26 @@ class Interpreter:
                     holds = False
                 if holds is not False and (holds is True or run.judge(edge, holds)):
                     row = edge.row or run.find_destination(edge)
-                    if row is not None:  # it fires
-                        home = edge.home
-                        if log is not None:
-                            log += (edge.fact, home.children, home.entered, home.place, home, undo_fired)
-                        if home.children:
-                            run.discard(home, run.leave)
-                        home.row = row
-                        home.place = row.place
-                        home.entered = now
-                        count = edge.count
-                        count.times += 1
-                        count.tick = run.ticks
-                        action = edge.actions
+                    if row is not None:
+                        if entered is None:  # it fires
+                            left, act = act, edge.home
+                            if log is not None:
+                                log += (edge.fact, act.children, act.entered, act.place, act, undo_fired)
+                            if act.children:
+                                run.discard(act, run.leave)
+                            act.row = row
+                            act.place = row.place
+                            act.entered = now
+                            count = edge.count
+                            count.times += 1
+                            count.tick = run.ticks
+                            action = edge.actions
+                            entered = act  # which is ticked next
+                        else:  # not in the tick of the entry: the state does not act
+                            if log is not None:
+                                log += (edge.enabled, note)
+                            action = entered = None
+                            act = left
                         break
                 edge = edge.next
             else:
@@ -349,7 +359,12 @@ class Interpreter:
                 except BaseException as error:
                     run.fault(action.site, error)
                 action = action.next
-            act = act.next
+            if entered is None:
+                act = act.next
+            elif edge is None:
+                for child in entered.children:
+                    run.tick_entered(child)
+                act, entered = left.next, None
         if run.attention:
             if run.pending:
                 run.spawn_top(run.pending)

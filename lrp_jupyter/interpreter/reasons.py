@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from lrp_jupyter.interpreter.facts import Faulted, Fired
+from lrp_jupyter.interpreter.facts import Entered, Faulted, Fired
 from lrp_jupyter.interpreter.history import History, PastMachine, PastState, TickFacts
 from lrp_jupyter.language.program import Element, Machine, Path, Program, Transition
 from lrp_jupyter.language.triggers import Delay
@@ -19,6 +19,7 @@ ReasonCode = Literal[
     "fired",
     "source-inactive",
     "machine-not-running",
+    "just-entered",
     "earlier-fired",
     "outer-fired",
     "exit-took-parent",
@@ -48,12 +49,14 @@ class Cause:
 
     `machine`: the machine of the transition when the tick began, if it ran.
     `fired`: the transition that fired: this one, or the one in the way.
+    `entered`: how the state that the transition leaves was entered in the tick, in which nothing leaves it.
     """
 
     code: ReasonCode
     machine: PastMachine | None = None
     fired: Fired | None = None
     fault: Faulted | None = None
+    entered: Fired | Entered | None = None
 
 
 def cause_of(history: History, element: Element, tick: int) -> Cause:
@@ -77,10 +80,12 @@ def cause_in(state: PastState, facts: TickFacts, element: Element) -> Cause:
         return Cause("not-in-program")
     order = list(state.walk())
     machine = next((each for each in order if each.state[:-1] == element.path[:-1]), None)
-    if machine is None:
-        return Cause("machine-not-running")
-    if not noun.leaves(machine.state[-1]):
-        return Cause("source-inactive", machine)
+    if machine is None or not noun.leaves(machine.state[-1]):
+        for fact in facts.facts:
+            if isinstance(fact, (Fired, Entered)) and fact.state[:-1] == element.path[:-1]:
+                if noun.leaves(fact.state[-1]):
+                    return Cause("just-entered", machine, entered=fact)
+        return Cause("machine-not-running" if machine is None else "source-inactive", machine)
     before = [each.path for each in order[: order.index(machine)]]
     for fired in facts.fired:
         if fired.machine == machine.path:

@@ -17,7 +17,7 @@ from typing import Any
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.facts import Discarded, Entered, Fact, Faulted, Fired, Spawned
+from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Faulted, Fired, Spawned
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, IssueLog
 from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, note, undo_attribute, undo_write, undoes
@@ -136,7 +136,34 @@ class Run:
         self.pending = frozenset()
         for spawn in self.plan.spawns:
             if only is None or spawn.identity in only:
-                self.spawn(None, spawn)
+                act = self.spawn(None, spawn)
+                if act is not None:
+                    self.tick_entered(act)
+
+    def tick_entered(self, act: Activation) -> None:
+        """Tick a machine whose active state was entered in this tick: it acts unless it could be left.
+
+        A transition that is enabled fires in the next tick, if it is still enabled then. Paper: §5.1, steps 3-5.
+        """
+        edge = act.row.edge
+        while edge is not None:
+            try:
+                holds = edge.test()
+            except BaseException as error:
+                self.fault(edge.tested, error, edge)
+                holds = False
+            if (
+                holds is not False
+                and (holds is True or self.judge(edge, holds))
+                and (edge.row or self.find_destination(edge)) is not None
+            ):
+                if self.log is not None:
+                    self.log += (edge.enabled, note)
+                return
+            edge = edge.next
+        self._do(act.row.running)
+        for child in act.children:
+            self.tick_entered(child)
 
     def judge(self, edge: Edge, value: object) -> bool:
         """Return whether a condition that is neither True nor False holds: only numpy's True does."""
@@ -162,6 +189,7 @@ class Run:
         edge.row = new
         element = edge.plan.site.element
         edge.fact = Fired(element, edge.plan.label, edge.path, edge.source.path, new.place, new.path)
+        edge.enabled = Enabled(element, edge.plan.label, edge.path, edge.source.path)
         return new
 
     def _emit_all(self, events: Iterable[tuple[str, Path, object]]) -> None:
@@ -229,12 +257,12 @@ class Run:
         parent: Activation | None,
         plan: SpawnPlan,
         enter: Callable[[Activation, Row], None] | None = None,
-    ) -> None:
-        """Execute a spawn, or report why it cannot be executed."""
+    ) -> Activation | None:
+        """Execute a spawn and return the machine, or report why it cannot be executed."""
         target = plan.target
         if isinstance(target, Broken):
             self.report(plan.site, target.kind, target.message)
-            return
+            return None
         machine = self.plan.machines[target]
         start = machine.states.get(plan.start)
         if start is None:
@@ -248,6 +276,8 @@ class Run:
                 self.recovered(plan.site, None)
             act = self.create(machine, parent, plan.identity, start)
             (enter or self.enter)(act, self.row(act, start))
+            return act
+        return None
 
     def create(
         self,

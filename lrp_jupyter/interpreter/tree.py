@@ -19,7 +19,7 @@ from typing import Any, Protocol
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content, writes_of
 from lrp_jupyter.interpreter.events import UNSET, Firing
-from lrp_jupyter.interpreter.facts import Fired
+from lrp_jupyter.interpreter.facts import Enabled, Fired
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.interpreter.journal import Log, weightless
@@ -133,7 +133,7 @@ class Edge:
     """A transition, bound to one state of one activation."""
 
     # fmt: off
-    __slots__ = ("actions", "count", "fact", "home", "next", "path", "plan", "row", "source", "target",
+    __slots__ = ("actions", "count", "enabled", "fact", "home", "next", "path", "plan", "row", "source", "target",
                  "test")
     # fmt: on
 
@@ -151,6 +151,8 @@ class Edge:
         """The actions of its firing: the onexit actions of the source, then the onentry actions of `row`."""
         self.fact: Fired | None = None
         """What the journal keeps of its firing."""
+        self.enabled: Enabled | None = None
+        """What the journal keeps if it was enabled in the tick in which its source was entered."""
         home = act.parent if plan.noun.outward else act
         self.home = home or act  # whose state it changes
         self.target = home.machine.states.get(str(plan.noun.destination)) if home else None
@@ -275,8 +277,8 @@ class Host(Protocol):
     def firing(self, transition: Element, state: Element) -> Count:
         """Return the count of firings of a transition that lead to a state."""
 
-    def spawn(self, parent: Activation | None, plan: SpawnPlan) -> None:
-        """Execute a spawn."""
+    def spawn(self, parent: Activation | None, plan: SpawnPlan) -> Activation | None:
+        """Execute a spawn; return the machine."""
 
     def recovered(self, site: Site, value: object) -> None:
         """Resolve the issues of a site that has just run without a fault."""

@@ -56,6 +56,7 @@ def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]
         return run.namespace[name] if name in run.namespace else builtin(name)
 
     def watched() -> object:
+        edge.test = test  # its state may be entered again in the same tick
         try:
             evaluation = evaluate(expression, lookup, calls=True)
         except Exception as error:

@@ -10,7 +10,10 @@ NAMES = ["one", "two", "three", "four", "five"]
 
 
 def hand_written() -> Run:
-    """Write the Table 1 program as functions: one per state, condition and action."""
+    """Write the Table 1 program as functions: one per state, condition and action.
+
+    Like the interpreter, it tests in the tick of an entry whether the state that was entered acts.
+    """
     loops = 0
 
     def never() -> bool:
@@ -27,6 +30,19 @@ def hand_written() -> Run:
     def nothing() -> int:
         return 1
 
+    def leaving() -> int:
+        if never():
+            return 0
+        if never():
+            return 1
+        if never():
+            return 2
+        if never():
+            return 3
+        if always():
+            return 4
+        return -1
+
     def state(entry: Callable[[], int], following: int) -> Callable[[], int]:
         def tick() -> int:
             if never():
@@ -40,6 +56,8 @@ def hand_written() -> Run:
             if always():
                 nothing()
                 entry()
+                if leaving() < 0:
+                    nothing()
             return following
 
         return tick
@@ -81,6 +99,8 @@ def hand_written_blocks(states: int) -> Run:
         if left_{n}():
             leave_{n}()
             enter_{(n + 1) % states}()
+            if not left_{(n + 1) % states}():
+                run_{(n + 1) % states}()
             return state_{(n + 1) % states}
         run_{n}()
         return state_{n}
@@ -92,6 +112,7 @@ def ring():
     seen = left = 0
 {body}
     enter_0()
+    run_0()
     now = state_0
 
     def run(ticks):

@@ -33,7 +33,7 @@ def ring(states: int) -> str:
 def blocks(states: int) -> str:
     """States in a ring, each with a condition and actions of its own, all of which use variables.
 
-    A state is entered in one tick, acts in the next one and is left in the one after that.
+    A state is entered and acts in one tick, and is left in the next one.
     """
     body = "".join(
         f"""

@@ -56,25 +56,30 @@ class Reference:
                 self.globals = Scope()
                 self.initialise(self.globals, self.program.variables)
             for spawn in self.program.spawns:
-                self.spawn(spawn, None)
+                m = self.spawn(spawn, None)
+                if m:
+                    self.tick(m, fires=False)
         else:
             for root in self.roots:
                 self.tick(root)
 
-    def tick(self, m):
+    def tick(self, m, fires=True):
         for t in m.machine.transitions:
             if t.leaves(m.state.name) and self.enabled(t, m):
                 home = m.parent if t.kind == "exit" else m
                 target = home and find(home.machine.states, t.destination)
+                if target and not fires:
+                    return False
                 if target:
                     self.leave(home)
                     self.events.append(("fired", (*self.path(m), t.name or "")))
                     self.enter(home, target)
+                    self.tick(home, fires=False)
                     return t.kind == "exit"
         for block in m.state.running:
             self.attempt(block, m.scope)
         for n in list(m.inside):
-            if self.tick(n):
+            if self.tick(n, fires):
                 break
         return False
 
@@ -100,13 +105,14 @@ class Reference:
         found = self.spawnable(spawn.machine, spawner)
         start = found and find(found[0].states, spawn.state)
         if not start or any(r.machine is found[0] for r in self.everything()):
-            return
+            return None
         machine, home = found
         m = Running(machine, home, spawner, Scope(self.scope_around(home, spawner)))
         (spawner.inside if spawner else self.roots).append(m)
         self.events.append(("spawned", self.path(m)))
         self.initialise(m.scope, machine.variables)
         self.enter(m, start)
+        return m
 
     def spawnable(self, name, spawner):
         """The machine and the running machine around it: the state's own, then outward, then the top."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from lrp_jupyter.interpreter.facts import Commanded, Entered, Fact, Fired, Spawned
+from lrp_jupyter.interpreter.facts import Commanded, Enabled, Entered, Fact, Fired, Spawned
 from lrp_jupyter.interpreter.history import PastMachine
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import Reason, StateCode
@@ -54,6 +54,7 @@ def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: flo
     else:
         why = f"because {spawn} starts it there"
     draft.say(f"{was_entered} {why}.", *lines, line)
+    say_whether_it_acted(draft, run, entered, when)
     return draft.reason(code, tick, time)
 
 
@@ -67,12 +68,34 @@ def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, 
     """Return in words how the active state of a machine was entered before a tick, and the line."""
     names = run.names(tick)
     for when, fact in run.backward(tick, before=True):
-        if not isinstance(fact, (Fired, Entered)) or names.of("state", fact.state, when) != machine.state:
-            continue
-        if isinstance(fact, Fired):
-            line = line_of_transition(run.program(int(when)), fact.transition)
-            return f" by `{fact.label}` (line {line})", line
-        reason = entered_otherwise(run, fact, "", when)
-        words = {"forced": " by hand", "restarted": " at the restart"}
-        return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
+        if isinstance(fact, (Fired, Entered)) and names.of("state", fact.state, when) == machine.state:
+            return how_entered(run, fact, when)
     return "", 0
+
+
+def how_entered(run: RecordedRun, entered: Fired | Entered, when: float) -> tuple[str, int]:
+    """Return in words how a state was entered, and the line."""
+    if isinstance(entered, Fired):
+        line = line_of_transition(run.program(int(when)), entered.transition)
+        return f" by `{entered.label}` (line {line})", line
+    reason = entered_otherwise(run, entered, "", when)
+    words = {"forced": " by hand", "restarted": " at the restart"}
+    return words.get(reason.code, f", when `{entered.path[-2]}` started"), reason.line
+
+
+def enabled_in(run: RecordedRun, entered: Fired | Entered, tick: int) -> list[Enabled]:
+    """Return the transition, if any, that kept a state from acting in the tick in which it was entered."""
+    facts = run.history.facts(tick).facts
+    return [
+        fact
+        for fact in facts
+        if isinstance(fact, Enabled) and (*fact.machine, fact.state[-1]) == entered.path
+    ]
+
+
+def say_whether_it_acted(draft: AnswerDraft, run: RecordedRun, entered: Fired | Entered, when: float) -> None:
+    """Say that a state did not act in the tick of its entry, if a transition could leave it at once."""
+    tick = int(when)
+    for enabled in enabled_in(run, entered, tick) if tick == when else ():
+        line = line_of_transition(run.program(tick), enabled.transition)
+        draft.say(f"`{enabled.label}` (line {line}) could leave it at once, so it did not act.", line)

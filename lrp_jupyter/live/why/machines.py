@@ -26,7 +26,6 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
             else:
                 by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
             draft.say(f"{so}: `{name}` was spawned in this very tick, {by}.", *lines)
-            draft.say("Its transitions are tested from the next tick on.")
             return
     draft.say(f"{so}: `{name}` was not running.")
     _how_it_ended(draft, run, path, tick)

@@ -9,7 +9,7 @@ from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state, line_of_transition
-from lrp_jupyter.live.why.entries import entered_otherwise
+from lrp_jupyter.live.why.entries import entered_otherwise, say_whether_it_acted
 from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
@@ -44,6 +44,7 @@ def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, called: str, t
     by = f"`{fired.label}` (line {line}), from `{fired.source[-1]}`{because(draft, case, tests)}"
     block = case.tested[0] if case.tested is not None else None
     draft.say(f"{called} was entered at {time_text(time)} by {by}.", line, line_of(before.program, block))
+    say_whether_it_acted(draft, run, fired, tick)
     return draft.reason("fired", tick, time)
 
 

@@ -12,7 +12,7 @@ from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition
-from lrp_jupyter.live.why.entries import entry_text
+from lrp_jupyter.live.why.entries import enabled_in, entry_text, how_entered
 from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
@@ -48,6 +48,8 @@ def transition_reason(
             _delay_not_over(draft, case, tests, run)
         case "source-inactive":
             _source_inactive(draft, case, run)
+        case "just-entered":
+            _just_entered(draft, case, run)
         case "machine-not-running":
             not_running(draft, run, case.element.path[:-1], tick, case.did_not_fire)
         case "earlier-fired" | "outer-fired" | "exit-took-parent":
@@ -174,6 +176,18 @@ def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
     for name in noun.sources:
         if name not in scope.states:
             draft.say(f"There is no state `{name}`.{did_you_mean(str(name), scope.states)}", case.line)
+
+
+def _just_entered(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
+    entered = case.cause.entered
+    assert entered is not None
+    how, line = how_entered(run, entered, case.tick)
+    name = entered.state[-1]
+    draft.say(f"{case.did_not_fire}: `{name}` was entered in this very tick{how}.", line)
+    draft.say("A state is left in the tick after its entry at the earliest.")
+    if any(each.transition == case.element for each in enabled_in(run, entered, case.tick)):
+        draft.facts["enabled"] = True
+        draft.say(f"`{case.label}` was enabled, so `{name}` did not act.")
 
 
 def _other_fired(draft: AnswerDraft, case: Case) -> None:

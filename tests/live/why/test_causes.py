@@ -23,10 +23,16 @@ class Witness(Reference):
     def step(self, now):
         self.seen, self.fault = {}, None
         self.begun = [(self.path(m), m.machine, m.state) for m in self.everything()]
-        self.done, self.exits = set(), []
+        self.done, self.exits, self.entered = set(), [], []
         super().step(now)
 
-    def tick(self, m):
+    def enter(self, m, state):
+        self.entered.append((m.machine, state.name))
+        super().enter(m, state)
+
+    def tick(self, m, fires=True):
+        if not fires:
+            return super().tick(m, fires)
         path = self.path(m)
         self.done.add(path)
         for t, id_ in zip(m.machine.transitions, m.machine.ids, strict=True):
@@ -42,6 +48,7 @@ class Witness(Reference):
                     self.exits.append(self.path(home))
                     self.leave(home)
                     self.enter(home, target)
+                    self.tick(home, fires=False)
                     return t.kind == "exit"
                 self.seen[path, id_] = "unknown-destination"
             else:
@@ -92,13 +99,18 @@ class Witness(Reference):
     def code(self, path, machine, state, number):
         t, id_ = machine.transitions[number], machine.ids[number]
         if not t.leaves(state.name):
-            return "source-inactive"
+            return self.not_there(machine, t, "source-inactive")
         if (path, id_) in self.seen:
             return self.seen[path, id_]
         if path in self.done:
             return "earlier-fired"
         home = next(home for home in self.exits if path[: len(home)] == home)
         return "exit-took-parent" if self.by_exit(home, path) else "outer-fired"
+
+    def not_there(self, machine, t, code):
+        """The reason of a transition whose source was not active when the tick began."""
+        entered = any(each is machine and t.leaves(name) for each, name in self.entered)
+        return "just-entered" if entered else code
 
     def by_exit(self, home, path):
         """Whether a machine beside, and not around, this one took the outer machine along."""
@@ -111,7 +123,8 @@ class Witness(Reference):
 @given(program, st.lists(st.sampled_from([0, 1]), min_size=1, max_size=25))
 def test_the_reason_is_the_one_that_was_seen(text, lights):
     robots = SimpleNamespace(light=0), SimpleNamespace(light=0)
-    i, witness = Interpreter(parse(text), robots[0]), Witness(parse(text), robots[1])
+    parsed = parse(text)
+    i, witness = Interpreter(parsed, robots[0]), Witness(parsed, robots[1])
     expected = []
     for tick, light in enumerate(lights):
         for robot, each in zip(robots, (i, witness), strict=True):
@@ -128,7 +141,7 @@ def test_the_reason_is_the_one_that_was_seen(text, lights):
         for where, machine in first.items():
             path = by_definition.get(where)
             for number, id_ in enumerate(machine.ids):
-                code = "machine-not-running"
+                code = witness.not_there(machine, machine.transitions[number], "machine-not-running")
                 if path is not None:
                     code = witness.code(*known[path], number)
                 expected[-1][Element("transition", (*where, id_))] = code
