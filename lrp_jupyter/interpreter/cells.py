@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dis
 from functools import lru_cache
+from math import inf
 from types import CellType, CodeType
 from typing import NamedTuple
 
@@ -20,14 +21,16 @@ class Slot:
 
     `last`: up to date only if values are compared: the variable is `leaked`, or the run has observers.
     `leaked`: a function that was defined in a block can write it, long after that block has returned.
+    `computed`, `assigned`: when its initialiser ran, and when a value was assigned by hand, in seconds.
     """
 
-    __slots__ = ("cell", "last", "leaked")
+    __slots__ = ("assigned", "cell", "computed", "last", "leaked")
 
     def __init__(self, cell: CellType) -> None:
         self.cell = cell
         self.last: object = UNSET
         self.leaked = False
+        self.computed = self.assigned = -inf
 
 
 def content(cell: CellType) -> object:

@@ -61,6 +61,12 @@ class VariablePlan:
     noun: Variable
     initial: BlockPlan
 
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The variables that its initialiser mentions, and what a program is provided with."""
+        code = self.initial.code
+        return () if isinstance(code, Broken) else code.co_freevars
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EventPlan:

@@ -103,13 +103,16 @@ def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
 def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool = False) -> None:
     """Swap plans and carry over what runs; every active state must exist in `program`.
 
-    After an explicit rename nothing is initialised or spawned: only names have changed.
+    After an explicit rename nothing is initialised or spawned: only names have changed. Else, what was
+    computed from a variable with another initialiser is computed anew: that is how an edited number counts at
+    once. Paper: §4 (increasing `maxlook` immediately widens the sweeps).
     """
     old, plan = run.plan, link(program)
     run.replace_program(program, successors)
     run.pending = frozenset(_spawn_now(successors, identity) for identity in run.pending)
+    anew: set[Slot] | None = None if renamed else set()
     if run.started:
-        _carry(run, run.globals, old.variables, plan.variables, run.base, successors, renamed)
+        _carry(run, run.globals, old.variables, plan.variables, run.base, successors, anew)
     added: list[tuple[Activation, SpawnPlan]] = []
     live: dict[Path, Environment] = {(): run.globals}
     for act in [act for root in run.roots for act in root.walk()]:  # outer ones come first
@@ -123,7 +126,7 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
             act.spawn = _spawn_now(successors, act.spawn)
         act.outer = live[machine.outer]
         live[machine.path] = act
-        _carry(run, act, before.variables, machine.variables, act.outer.visible, successors, renamed)
+        _carry(run, act, before.variables, machine.variables, act.outer.visible, successors, anew)
     run.live = live
     run.rebind()
     if not renamed:
@@ -146,9 +149,12 @@ def _carry(
     new: tuple[VariablePlan, ...],
     outer: dict[str, Slot],
     successors: Successors,
-    renamed: bool,
+    anew: set[Slot] | None,
 ) -> None:
-    """Keep the cells of variables that stay; initialise what is new or has a new initialiser."""
+    """Keep the cells of variables that stay; initialise what is new, changed, or computed from what changed.
+
+    `anew`: the variables that were initialised anew so far, or None if none is.
+    """
     kept = {}
     for variable in old:
         path = successors.path("variable", variable.initial.site.element.path)
@@ -157,9 +163,14 @@ def _carry(
     environment.own, environment.visible = {}, dict(outer)
     for variable in new:
         initial, slot = kept.get(variable.name) or (None, Slot(CellType()))
-        if initial != variable.noun.initial and not renamed:
-            run.evaluate(variable, environment.visible, slot)
-        environment.visible[variable.name] = environment.own[variable.name] = slot
+        visible = environment.visible
+        if anew is not None and (
+            initial != variable.noun.initial or any(visible.get(name) in anew for name in variable.reads)
+        ):
+            has_changed = run.evaluate(variable, visible, slot)
+            if has_changed and initial is not None:
+                anew.add(slot)
+        visible[variable.name] = environment.own[variable.name] = slot
 
 
 def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:

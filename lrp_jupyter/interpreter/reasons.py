@@ -82,9 +82,8 @@ def cause_in(state: PastState, facts: TickFacts, element: Element) -> Cause:
     machine = next((each for each in order if each.state[:-1] == element.path[:-1]), None)
     if machine is None or not noun.leaves(machine.state[-1]):
         for fact in facts.facts:
-            if isinstance(fact, (Fired, Entered)) and fact.state[:-1] == element.path[:-1]:
-                if noun.leaves(fact.state[-1]):
-                    return Cause("just-entered", machine, entered=fact)
+            if isinstance(fact, (Fired, Entered)) and _is_source(noun, element, fact.state):
+                return Cause("just-entered", machine, entered=fact)
         return Cause("machine-not-running" if machine is None else "source-inactive", machine)
     before = [each.path for each in order[: order.index(machine)]]
     for fired in facts.fired:
@@ -113,6 +112,11 @@ def transition_of(program: Program, element: Element) -> Transition | None:
     if machine is None or element.path[-1] not in machine.ids:
         return None
     return machine.transitions[machine.ids.index(element.path[-1])]
+
+
+def _is_source(noun: Transition, element: Element, state: Path) -> bool:
+    """Return whether a transition leaves a state, which is of any machine."""
+    return state[:-1] == element.path[:-1] and noun.leaves(state[-1])
 
 
 def _is_earlier(program: Program, one: Element, other: Element) -> bool:

@@ -143,7 +143,7 @@ class Run:
     def tick_entered(self, act: Activation) -> None:
         """Tick a machine whose active state was entered in this tick: it acts unless it could be left.
 
-        A transition that is enabled fires in the next tick, if it is still enabled then. Paper: §5.1, steps 3-5.
+        One that is enabled fires in the next tick, if it is still enabled then. Paper: §5.1, steps 3-5.
         """
         edge = act.row.edge
         while edge is not None:
@@ -314,12 +314,15 @@ class Run:
             self.evaluate(variable, environment.visible, slot)
             environment.visible[variable.name] = environment.own[variable.name] = slot
 
-    def evaluate(self, variable: VariablePlan, visible: Mapping[str, Slot], slot: Slot) -> None:
-        """Run an initialiser; if it fails, the variable keeps its value."""
+    def evaluate(self, variable: VariablePlan, visible: Mapping[str, Slot], slot: Slot) -> bool:
+        """Run an initialiser; if it fails, the variable keeps its value, and False is returned."""
         try:
             slot.cell.cell_contents = bind_block(self, variable.initial, visible)()
         except BaseException as error:
             self.fault(variable.initial.site, error)
+            return False
+        slot.computed = self.now
+        return True
 
     def attempt(self, call: Callable[[], object], site: Site) -> None:
         """Run a block; an exception becomes an issue."""

@@ -133,8 +133,8 @@ class Edge:
     """A transition, bound to one state of one activation."""
 
     # fmt: off
-    __slots__ = ("actions", "count", "enabled", "fact", "home", "next", "path", "plan", "row", "source", "target",
-                 "test")
+    __slots__ = ("actions", "count", "enabled", "fact", "home", "next", "path", "plan", "row", "source",
+                 "target", "test")
     # fmt: on
 
     def __init__(

@@ -87,10 +87,30 @@ def assign(run: Run, path: Path | str, value: object) -> None:
     Raises UnknownElementError: if there is no such variable now.
     """
     environment, name = find_variable(run, path)
-    cell = environment.own[name].cell
+    slot = environment.own[name]
+    cell = slot.cell
     if run.log is not None:
         run.log += (content(cell), cell, undo_write)
     cell.cell_contents = value
+    slot.assigned = run.now
+
+
+def outdated(run: Run) -> dict[Path, tuple[Path, float]]:
+    """Return the variables that were computed from another one before that was assigned by hand.
+
+    The path of a variable; the path of the other one, and when the variable was computed, in seconds.
+    """
+    found = {}
+    paths = {slot: (*each.path, name) for each in run.live.values() for name, slot in each.own.items()}
+    for machine, environment in run.live.items():
+        variables = run.plan.machines[machine].variables if machine else run.plan.variables
+        for variable in variables:
+            slot = environment.own[variable.name]
+            for name in variable.reads:
+                read = environment.visible.get(name)
+                if read in paths and max(slot.computed, slot.assigned) < read.assigned <= run.now:
+                    found[paths[slot]] = paths[read], slot.computed
+    return found
 
 
 def evaluate(run: Run, path: Path | str, expression: str) -> object:
