@@ -987,6 +987,8 @@ export interface CountView {
 export interface ValueView {
   text: string;
   number: number | null;
+  computed: string;
+  initial: string;
 }
 
 export type Severity = "error" | "warning" | "hint";

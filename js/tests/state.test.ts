@@ -46,7 +46,16 @@ const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): Snaps
 
 it("a frame changes what it names and nothing else", () => {
   const state = initialState();
-  apply(state, frame({ variables: { x: { text: "1", number: 1 }, y: { text: "2", number: 2 } }, tick: 3 }));
+  apply(
+    state,
+    frame({
+      variables: {
+        x: { text: "1", number: 1, computed: "", initial: "" },
+        y: { text: "2", number: 2, computed: "", initial: "" },
+      },
+      tick: 3,
+    }),
+  );
   const changed = apply(state, frame({ variables: { x: null } }));
   expect([...changed]).toEqual(["variables"]);
   expect(Object.keys(state.variables)).toEqual(["y"]);

@@ -32,6 +32,11 @@ class Slot:
         self.leaked = False
         self.computed = self.assigned = -inf
 
+    def forget(self, now: float) -> None:
+        """Forget an assignment that was later than `now`, because it was undone."""
+        if self.assigned > now:
+            self.assigned = -inf
+
 
 def content(cell: CellType) -> object:
     """Return the value in a cell, or UNSET."""

@@ -50,7 +50,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.tree import Activation, Count, bind_block
-from lrp_jupyter.interpreter.variables import BlockTest, VariableMapping, assign, evaluate
+from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watching import watch
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.expressions import Evaluation
@@ -188,6 +188,14 @@ class Interpreter:
     def variables(self) -> VariableMapping:
         """The existing variables and their values."""
         return VariableMapping(self._run)
+
+    @property
+    def outdated(self) -> dict[Path, Outdated]:
+        """The variables that were computed from one that has been assigned by hand since.
+
+        Only an edit computes them anew. Paper: §4.
+        """
+        return outdated(self._run)
 
     @property
     def issues(self) -> IssueLog:

@@ -93,6 +93,8 @@ class Run:
         self.new_issue = False
         self.stale = False
         self.leaking = False
+        self.assigned = False
+        """Whether any variable was ever assigned by hand."""
         self.watched = False
         """Whether any variable is compared after a tick: it leaks, or there are observers."""
         self.attention = False
@@ -526,6 +528,8 @@ class Run:
         }
         for environment in self.live.values():
             environment.sync()
+            for slot in environment.own.values():
+                slot.forget(self.now)
         self.unordered = self.stale = True
         self.refresh()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from types import CodeType
+from typing import NamedTuple
 
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
@@ -13,6 +14,7 @@ from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Call, Environment, bind_code, is_boolean, not_boolean
 from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
+from lrp_jupyter.language.expressions import expression_of
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.python import parse_python
@@ -93,14 +95,27 @@ def assign(run: Run, path: Path | str, value: object) -> None:
         run.log += (content(cell), cell, undo_write)
     cell.cell_contents = value
     slot.assigned = run.now
+    run.assigned = True
 
 
-def outdated(run: Run) -> dict[Path, tuple[Path, float]]:
-    """Return the variables that were computed from another one before that was assigned by hand.
+class Outdated(NamedTuple):
+    """A variable was computed from another one, which has been assigned by hand since.
 
-    The path of a variable; the path of the other one, and when the variable was computed, in seconds.
+    `source`: the other one, as spawned.
+    `computed`: when, in seconds.
+    `initial`: its initialiser, if that is an expression; else empty.
     """
-    found = {}
+
+    source: Path
+    computed: float
+    initial: str
+
+
+def outdated(run: Run) -> dict[Path, Outdated]:
+    """Return the variables that were computed from another one before that was assigned by hand, by path."""
+    found: dict[Path, Outdated] = {}
+    if not run.assigned:
+        return found
     paths = {slot: (*each.path, name) for each in run.live.values() for name, slot in each.own.items()}
     for machine, environment in run.live.items():
         variables = run.plan.machines[machine].variables if machine else run.plan.variables
@@ -108,8 +123,10 @@ def outdated(run: Run) -> dict[Path, tuple[Path, float]]:
             slot = environment.own[variable.name]
             for name in variable.reads:
                 read = environment.visible.get(name)
-                if read in paths and max(slot.computed, slot.assigned) < read.assigned <= run.now:
-                    found[paths[slot]] = paths[read], slot.computed
+                if read in paths and max(slot.computed, slot.assigned) < read.assigned:
+                    text = variable.noun.initial.text.strip()
+                    initial = text if expression_of(text) is not None else ""
+                    found[paths[slot]] = Outdated(paths[read], slot.computed, initial)
     return found
 
 

@@ -15,6 +15,7 @@ from typing import Literal
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.interpreter.variables import Outdated
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, Spawn, path_text
@@ -123,6 +124,9 @@ class Frame:
         whose rendering takes long may be older than the frame.
     numbers : mapping of path to float
         Those of them that are numbers.
+    outdated : mapping of path to Outdated
+        Those variables that were computed from one that has been assigned by hand since: ``source`` (its
+        path), ``computed`` (when, in seconds) and ``initial`` (the initialiser, if it is an expression).
     visits, visited_at : mapping of path to int
         How often each state was entered, and in which tick last. By path of definition: a machine
         that several states spawn is counted once, wherever it ran. States never entered are absent.
@@ -183,6 +187,7 @@ class Frame:
     values: ByPath[object] = field(default_factory=ByPath)
     variables: ByPath[str] = field(default_factory=ByPath)
     numbers: ByPath[float] = field(default_factory=ByPath)
+    outdated: Mapping[Path, Outdated] = field(default_factory=dict)
     visits: Mapping[Path, int] = field(default_factory=dict)
     visited_at: Mapping[Path, int] = field(default_factory=dict)
     fired: Mapping[Path, int] = field(default_factory=dict)

@@ -357,6 +357,7 @@ class Loop:
             values=ByPath(dict(values)),
             variables=ByPath(variables),
             numbers=ByPath(numbers_of(values)),
+            outdated=MappingProxyType(interpreter.outdated),
             visits=MappingProxyType({path: count.times for path, count in visits.items()}),
             visited_at=MappingProxyType({path: count.tick for path, count in visits.items()}),
             fired=MappingProxyType({path: count.times for path, count in firings.items()}),

@@ -47,6 +47,7 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         values=ByPath(variables),
         variables=ByPath({path: _text(value) for path, value in variables.items()}),
         numbers=ByPath(numbers_of(variables.items())),
+        outdated={},
         visits=MappingProxyType({path: times for path, (times, _) in visits.items()}),
         visited_at=MappingProxyType({path: last for path, (_, last) in visits.items()}),
         fired=MappingProxyType({path: times for path, (times, _) in firings.items()}),

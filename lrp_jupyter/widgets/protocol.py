@@ -160,10 +160,16 @@ class IssueView(TypedDict):
 
 
 class ValueView(TypedDict):
-    """A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline)."""
+    """A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline).
+
+    `computed`: what it was computed from, a sentence, if that has been assigned by hand since; else empty.
+    `initial`: the expression that computes it anew, if there is one then.
+    """
 
     text: str
     number: float | None
+    computed: str
+    initial: str
 
 
 class StateItem(TypedDict):

@@ -19,6 +19,7 @@ from lrp_jupyter.errors import NoDataYet, StaleData
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.interpreter.variables import Outdated
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Finding, Machine, Program, Span, path_text
 from lrp_jupyter.live.breakpoint import Breakpoint
@@ -135,7 +136,9 @@ class ViewStates:
                 for path, count in frame.fired.items()
             },
             "variables": {
-                path_text(paths.member(path)): _value_view(text, frame.numbers.get(path))
+                path_text(paths.member(path)): _value_view(
+                    text, frame.numbers.get(path), frame.outdated.get(path)
+                )
                 for path, text in frame.variables.items()
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
@@ -430,9 +433,18 @@ def _word_at(text: str, line: int, column: int) -> TextRange:
     return range_of(text, start, word.end() if word else start)
 
 
-def _value_view(text: str, number: float | None) -> ValueView:
+def _value_view(text: str, number: float | None, outdated: Outdated | None) -> ValueView:
     """Return a value as text, and also as a number if JSON can represent it."""
-    return {"text": text, "number": number if number is not None and math.isfinite(number) else None}
+    view: ValueView = {
+        "text": text,
+        "number": number if number is not None and math.isfinite(number) else None,
+        "computed": "",
+        "initial": "",
+    }
+    if outdated is not None:
+        view["computed"] = f"Computed from `{outdated.source[-1]}` at {outdated.computed:.1f} s."
+        view["initial"] = outdated.initial
+    return view
 
 
 def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:

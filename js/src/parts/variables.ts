@@ -73,6 +73,8 @@ class Row {
   readonly element: HTMLElement;
   private readonly value: HTMLButtonElement;
   private readonly spark = new Spark();
+  private readonly computed = h("div", { class: "lrp-variable-computed", hidden: true });
+  private said = "\n";
   private text: string | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -110,11 +112,13 @@ class Row {
       this.spark.element,
       this.value,
       inspect,
+      this.computed,
     );
   }
 
   update(): void {
     const value = this.lab.store.state.variables[this.path];
+    this.updateComputed(value?.computed ?? "", value?.initial ?? "");
     const text = value?.text;
     if (text !== undefined && this.text !== undefined && text !== this.text) this.glow();
     if (value || this.text !== undefined) this.spark.add(value?.number ?? null);
@@ -126,6 +130,26 @@ class Row {
       `${nameOf(this.path)} ${text === undefined ? "has no value" : `is ${text}`}, change`,
     );
     this.value.disabled = text === undefined;
+  }
+
+  /** Say what it was computed from if that was assigned since, and offer to compute it anew. */
+  private updateComputed(computed: string, initial: string): void {
+    const said = `${computed}\n${initial}`;
+    if (said === this.said) return;
+    this.said = said;
+    const anew = h(
+      "button",
+      {
+        type: "button",
+        class: "lrp-link",
+        "data-lrp-action": "compute",
+        title: `Assign ${initial} as it is now`,
+        onclick: () => void this.lab.act({ do: "set_variable", path: this.path, expression: initial }, true),
+      },
+      "Compute anew",
+    );
+    this.computed.replaceChildren(...prose(computed), " ", ...(initial ? [anew] : []));
+    this.computed.hidden = !computed;
   }
 
   private glow(): void {
