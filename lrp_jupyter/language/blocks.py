@@ -27,6 +27,7 @@ from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.python import asked_again, parse_python
 from lrp_jupyter.language.scanner import LINE_END, block_end
 from lrp_jupyter.language.slips import brief, explain, fault_of
+from lrp_jupyter.language.smalltalk import smalltalk
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import Suite, children, no_warnings, parse_block, parse_suite
 
@@ -126,6 +127,9 @@ def faults_of(
     try:
         tree, suite, source, found = read(text)
     except SyntaxError:
+        foreign = smalltalk(text, column, is_condition)
+        if foreign is not None:
+            return (foreign,)
         return brief(text, line) if is_brief else explain(text, line, column, is_condition)
     fault = _generator_fault(tree, suite, source)
     if fault is not None:
