@@ -35,6 +35,7 @@ NAMES = (
     "exit",
     "follower",
     "follower-paper",
+    "paper-listing",
     "stopwatch",
     "two-machines",
     "wall-follower",
@@ -71,6 +72,7 @@ GOALS = {
     "exit": (60, enters("finished"), drives(2)),
     "follower": (70, touches("far wall", "near wall"), enters("end"), ends_still(1)),
     "follower-paper": (300, touches("far wall", "near wall"), enters("end"), ends_still(1)),
+    "paper-listing": (400, touches("far wall", "near wall"), enters("end"), ends_still(1)),
     "two-machines": (30, drives(2), enters("resting"), ends_still(1)),
     "wall-follower": (120, drives(8), goes_around((3, 2)), enters("veering")),
 }

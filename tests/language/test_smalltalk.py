@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sysconfig
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,8 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.tables import every
 
+from lrp_jupyter import Session, programs
 from lrp_jupyter.errors import Finding
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.smalltalk import smalltalk
@@ -107,24 +110,16 @@ def test_the_listing_of_the_paper_has_one_error_for_each_block_and_for_each_wron
     assert all(finding.fix for finding in findings)
 
 
-def _accepted(text: str, choose: Callable[[list[Finding]], Finding]) -> str:
-    """The text after all its fixes, one after the other, as they are offered."""
-    for _ in range(100):
-        offered = [finding for finding in check(text) if finding.fix]
-        if not offered:
-            return text
-        chosen = choose(offered)
-        assert chosen.fix is not None
-        text = chosen.fix.apply(text)
-    raise AssertionError("There is no end of fixes.")
-
-
-def test_in_python_nothing_of_the_listing_is_wrong_but_its_brackets() -> None:
-    text = LISTING
+def _in_python(text: str) -> str:
+    """The text after all its fixes but those of brackets."""
     while inside := [each for each in check(text) if each.fix and not each.code.startswith("LRP1")]:
         assert inside[0].fix is not None
         text = inside[0].fix.apply(text)
-    assert _places(check(text)) == [("LRP102", 19), ("LRP103", 33), ("LRP103", 35)]
+    return text
+
+
+def test_in_python_nothing_of_the_listing_is_wrong_but_its_brackets() -> None:
+    assert _places(check(_in_python(LISTING))) == [("LRP102", 19), ("LRP103", 33), ("LRP103", 35)]
 
 
 ORDERS: dict[str, Callable[[list[Finding]], Finding]] = {
@@ -134,11 +129,54 @@ ORDERS: dict[str, Callable[[list[Finding]], Finding]] = {
 }
 
 
-@every("order", ORDERS.values())
-def test_the_listing_becomes_a_program_by_accepting_its_fixes_in_any_order(
-    order: Callable[[list[Finding]], Finding],
-) -> None:
-    text = _accepted(LISTING, order)
+def _accepted(order: str) -> str:
+    """The listing after all its fixes, one after the other, as they are offered."""
+    text = LISTING
+    for _ in range(100):
+        offered = [finding for finding in check(text) if finding.fix]
+        if not offered:
+            return text
+        chosen = ORDERS[order](offered)
+        assert chosen.fix is not None
+        text = chosen.fix.apply(text)
+    raise AssertionError("There is no end of fixes.")
+
+
+@every("order", ORDERS)
+def test_the_listing_becomes_a_program_by_accepting_its_fixes_in_any_order(order: str) -> None:
+    text = _accepted(order)
     assert check(text) == ()
-    assert parse(text) == parse(_accepted(LISTING, ORDERS["first"]))
+    assert parse(text) == parse(_accepted("first"))
     assert text.count("\n") == LISTING.count("\n")
+
+
+def test_the_listing_with_its_fixes_drives_along_the_line_and_ends_at_the_first_wall() -> None:
+    with Session(_accepted("first"), "sim", world="line", seed=1) as session:
+        session.run(400, until="end")
+        assert session.frame.variables["follower", "nobump"] == "False"
+        assert session.call(lambda: session.bridge.robot.odom.x) > 2
+        assert not session.issues
+
+
+# -- the bundled listing, beside the printed one
+
+
+def _lines(text: str) -> list[str]:
+    """The 40 lines of the listing without comments and indentation; `true` is found in a program only."""
+    text = re.sub(r" *;.*", "", text[text.index("(var lightlim") :].replace("true", "True"))
+    return [" ".join(line.split()).replace(" ]", "]") for line in text.splitlines()]
+
+
+def test_the_bundled_listing_is_the_printed_one_but_for_the_lines_that_have_a_comment() -> None:
+    bundled = programs.load("paper-listing")
+    printed, mended = _lines(_in_python(LISTING)), _lines(bundled)
+    assert len(printed) == len(mended) == 40
+    commented = [";" in line for line in bundled.splitlines()[-40:]]
+    assert [old != new for old, new in zip(printed, mended, strict=True)] == commented
+    assert [number for number, changed in enumerate(commented, 1) if changed] == [19, 32, 33, 34, 35]
+
+
+def test_the_bundled_listing_is_the_one_with_its_fixes_but_for_the_flag_and_the_turn() -> None:
+    changes = diff(parse(_accepted("first")), parse(programs.load("paper-listing")))
+    assert changes.added == changes.removed == changes.moved == ()
+    assert {element.path[-1] for element in changes.changed} == {"bumpback", "bumpturn"}
