@@ -22,7 +22,8 @@ class Deviation(NamedTuple):
 DEVIATIONS = (
     Deviation(
         "§3.1",
-        "Blocks hold Python instead of Smalltalk; a block of Smalltalk is one error, with the same in Python.",
+        "Blocks hold Python instead of Smalltalk; a block of Smalltalk is one error, with the same in "
+        "Python.",
         "The paper's footnote 3 allows any imperative language; notebooks and ROS speak Python.",
     ),
     Deviation(
@@ -43,8 +44,8 @@ DEVIATIONS = (
     ),
     Deviation(
         "§3.2",
-        "The printed listing becomes a program by the fixes of its errors; the bundled `paper-listing` is that "
-        "program, line by line, with a comment wherever it says something else.",
+        "The printed listing becomes a program by the fixes of its errors; the bundled `paper-listing` is "
+        "that program, line by line, with a comment wherever it says something else.",
         "Lines 19, 33 and 35 have too many or too few brackets; line 32 compares where it should assign, and "
         "stands where the assignment would end the program at the first wall; line 35 turns at `search`.",
     ),

@@ -285,3 +285,44 @@ def _(source: Source) -> Iterator[Slip]:
                 found.end,
                 name[0] + name[2] + name[1] + name[3:],
             )
+
+
+# Smalltalk, as in the paper
+
+SIMPLE = r"-?[\d.]+|[a-z]\w*"
+
+
+def _smalltalk(name: str, pattern: str, new: str, *keywords: str) -> None:
+    """Register a kind that writes whole blocks in Smalltalk."""
+
+    @kind(f"inside: {name}")
+    def _(source: Source) -> Iterator[Slip]:
+        for start, end in blocks(source, *keywords):
+            if found := re.fullmatch(pattern, source.text[start:end]):
+                yield slip(start, end, found.expand(new))
+
+
+_smalltalk(
+    "Smalltalk, a command",
+    rf"robot\.move\(linear=({SIMPLE})\)",
+    r"robot move: [:msg | msg linear x: \1]",
+    *ACTIONS,
+)
+_smalltalk(
+    "Smalltalk, two commands in one",
+    rf"robot\.move\(linear=({SIMPLE}), angular=({SIMPLE})\)",
+    r"robot move: [:msg | msg linear x: \1. msg angular z: \2]",
+    *ACTIONS,
+)
+_smalltalk(
+    "Smalltalk, a reading",
+    rf"robot\.(\w+)\.(\w+) ([<>]) ({SIMPLE})( [+-] \d+)?",
+    r"robot \1 \2 \3 \4\5",
+    *CONDITIONS,
+)
+_smalltalk(
+    "Smalltalk, `&` and `not`",
+    r"robot\.(\w+)\.(\w+) == (\d+) and not ([a-z]\w*)",
+    r"robot \1 \2 == \3 & \4 not",
+    *CONDITIONS,
+)

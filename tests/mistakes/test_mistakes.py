@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from . import inside, outside  # noqa: F401  (register their kinds)
-from .measure import score, shares
+from .measure import new_findings, score, shares
 from .planting import PER_KIND, corpus
 from .sources import sources
 
@@ -39,3 +39,12 @@ def test_mistakes_are_explained(count: int, seed: int, least: tuple[float, ...])
     scores = [score(mistake) for mistakes in corpus(count, seed).values() for mistake in mistakes]
     found = dict(zip(FIGURES, shares(scores), strict=True))
     assert all(figure >= one for figure, one in zip(found.values(), least, strict=True)), found
+
+
+def test_no_mistake_in_python_is_called_smalltalk():
+    called = {
+        kind
+        for kind, mistakes in corpus(FEWER, 0).items()
+        if any(finding.code == "LRP519" for mistake in mistakes for finding in new_findings(mistake))
+    }
+    assert called == {kind for kind in corpus(FEWER, 0) if "Smalltalk" in kind}
