@@ -23,6 +23,12 @@ def check_type(name: str, value: object, kind: type | tuple[type, ...], what: st
         raise TypeError(f"`{name}` must be {what}, not {_kind(value)}.")
 
 
+def check_switch(name: str, value: object) -> None:
+    """Raise a TypeError if an argument is not a truth value."""
+    if not isinstance(value, bool):
+        raise TypeError(f"`{name}` must be True or False, not {_kind(value)}.")
+
+
 def check_callable(name: str, value: object) -> None:
     """Raise a TypeError if an argument cannot be called."""
     if not callable(value):

@@ -15,6 +15,7 @@ import type { Choices } from "./parts/menu";
 import { announcer } from "./parts/notes";
 import { openForm } from "./parts/open";
 import { saveForm } from "./parts/save";
+import { withheld } from "./parts/study";
 import { textItems } from "./parts/text";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
@@ -33,7 +34,7 @@ import { askWhatIf } from "./timeline/what_if";
 import { copyText } from "./ui/clipboard";
 import { h, prose, setAttribute } from "./ui/dom";
 import { enlarging } from "./ui/enlarge";
-import { Layout, type Panels } from "./ui/layout";
+import { Layout, type Panels, WITHHELD } from "./ui/layout";
 import { bringIntoSight, fitHeight } from "./ui/sight";
 import { watchTheme } from "./ui/theme";
 import { membersCard } from "./world/members";
@@ -202,13 +203,23 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     cell: () => cell?.items() ?? [],
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
-  if (part !== "lab") root.append(band(lab, looking));
+  const past = band(lab, looking);
+  root.append(past);
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
   if (part === "lab") root.append(timelineView(lab, looking));
   root.append(foot(lab, text, save.element, versions.element, opening.element));
   root.append(inspecting.element, toast, announcer(lab));
 
   if (part === "lab" || part === "world") askWhatIf(lab);
+  store.watch(["settings"], () => {
+    const { settings } = store.state;
+    const away = withheld(settings);
+    if (layout) layout.withhold(away);
+    else
+      for (const [name, panel] of Object.entries(panels))
+        panel?.toggleAttribute(WITHHELD, away.includes(name));
+    if (layout) past.toggleAttribute(WITHHELD, !settings.quiet); // the timeline has one
+  });
   reportChanges(model, lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;

@@ -289,6 +289,18 @@ export interface HoldCommand {
   on: boolean;
 }
 
+export type GraphMode = "live" | "static" | "hidden";
+
+/** Set when the state graph is redrawn, and whether it is shown. */
+export interface GraphCommand {
+  view: string;
+  frame?: number;
+  type: "command";
+  id: number;
+  do: "graph";
+  mode: GraphMode;
+}
+
 /** Apply the held text. */
 export interface ApplyCommand {
   view: string;
@@ -1119,9 +1131,14 @@ export interface PanelView {
   questions: PanelQuestion[];
 }
 
-/** Switches of the session that all its views share. `hold`: texts wait for ``apply``. */
+export type Edits = "live" | "hold";
+
+/** Switches of the session that all its views share. */
 export interface SettingsView {
-  hold: boolean;
+  edits: Edits;
+  graph: GraphMode;
+  quiet: boolean;
+  lock: boolean;
   on_active_edit: OnActiveEdit;
   pause_on_issue: boolean;
 }
@@ -1602,6 +1619,7 @@ export type Command =
   | BridgeCommand
   | PanelCommand
   | HoldCommand
+  | GraphCommand
   | ApplyCommand
   | RevertCommand
   | LoadCommand
@@ -1676,7 +1694,14 @@ export const EMPTY_VIEW_STATE: ViewState = {
   paused_by: null,
   bridge: { name: "", status: "", sentence: "", hardware: false, armed: false, failsafe: "", members: [] },
   panel: null,
-  settings: { hold: false, on_active_edit: "restart", pause_on_issue: false },
+  settings: {
+    edits: "live",
+    graph: "live",
+    quiet: false,
+    lock: false,
+    on_active_edit: "restart",
+    pause_on_issue: false,
+  },
   conflict: null,
   looking: null,
   unkept: "",

@@ -516,6 +516,82 @@ describe("the page", () => {
     expect(page.find('[data-lrp-state="follower/end"]').hasAttribute("data-active")).toBe(true);
   });
 
+  it("shows nothing of the run by itself in a quiet lab with a static graph", async () => {
+    page.hears(
+      "(var lightlim := [1]) (machine follower (state moving) (on intheline moving -> moving tlooking))",
+    );
+    const run = { tick: 9, lit: ["follower/moving"], active: ["follower/moving"] };
+    const fired = { "follower:tlooking": { count: 3, tick: 9 } };
+    const variables = { lightlim: { text: "5", number: 5 } };
+    page.deliver({ type: "frame", frame: 9, ...run, fired, variables });
+    await page.drawn();
+    const alive = () =>
+      [
+        ".cm-line.lrp-line-active",
+        ".lrp-text-fired",
+        ".lrp-inline-value",
+        ".lrp-tree-item[data-active]",
+        ".lrp-graph [data-active]",
+        ".lrp-graph [data-fired]",
+      ].filter((selector) => page.host.querySelector(selector));
+    const shown = () =>
+      ["timeline", "variables", "graph", "tree"].filter(
+        (part) => !page.find(`[data-lrp="${part}"]`).matches("[hidden], [data-withheld]"),
+      );
+    expect(alive()).toHaveLength(6);
+    expect(shown()).toHaveLength(4);
+    page.deliver({ type: "frame", frame: 10, settings: { quiet: true } });
+    await page.drawn();
+    expect(alive()).toEqual([".lrp-graph [data-active]", ".lrp-graph [data-fired]"]);
+    expect(shown()).toEqual(["graph", "tree"]);
+    page.deliver({ type: "frame", frame: 11, settings: { graph: "static" } });
+    await page.drawn();
+    expect(alive()).toEqual([]);
+    page.deliver({ type: "frame", frame: 12, settings: { graph: "hidden" } });
+    await page.drawn();
+    expect(shown()).toEqual([]);
+    page.deliver({ type: "frame", frame: 13, settings: { graph: "live", quiet: false } });
+    await page.drawn();
+    expect(alive()).toHaveLength(6);
+    expect(shown()).toHaveLength(4);
+  });
+
+  it("draws a static graph again only on request", async () => {
+    const { layouts } = recording.snapshot.frame;
+    const graph = layouts.follower;
+    const state = () => page.host.querySelector('[data-lrp-state="follower/new"]');
+    page.deliver({ type: "frame", frame: 9, settings: { graph: "static" } });
+    await page.drawn();
+    const states = [...graph.states, { ...graph.states[1]!, id: "follower/new", name: "new" }];
+    page.deliver({ type: "frame", frame: 10, layouts: { follower: { ...graph, states } } });
+    await page.drawn();
+    expect(state()).toBe(null);
+    page.find('[data-lrp-action="redraw"]').click();
+    expect(state()).not.toBe(null);
+  });
+
+  it("locks the switches of a study, and offers nothing that shows what it withholds", async () => {
+    const items = () => {
+      page.find('[data-lrp-action="menu"]').click();
+      const found = [...page.host.querySelectorAll<HTMLElement>('[data-lrp-action^="panel-"]')];
+      return found.map(({ dataset }) => dataset.lrpAction!.slice("panel-".length));
+    };
+    const switches = () =>
+      ["hold", "graph-mode"].map((act) => page.find(`[data-lrp-action="${act}"]`) as HTMLButtonElement);
+    page.deliver({ type: "frame", frame: 9, settings: { edits: "hold", graph: "hidden", quiet: true } });
+    await page.drawn();
+    expect(items()).toEqual(["editor", "graph", "world", "issues"]);
+    page.find('[data-lrp-action="panel-graph"]').click();
+    expect(page.commands("graph")).toMatchObject([{ mode: "live" }]);
+    expect(switches().map(({ disabled }) => disabled)).toEqual([false, false]);
+    page.deliver({ type: "frame", frame: 10, settings: { lock: true } });
+    await page.drawn();
+    expect(items()).toEqual(["editor", "world", "issues"]);
+    expect(switches().map(({ disabled }) => disabled)).toEqual([true, true]);
+    expect(switches()[0]!.title).toBe("This is set for a study, and cannot be changed here.");
+    expect(switches()[0]!.getAttribute("aria-checked")).toBe("true");
+  });
+
   it("offers to run while paused, and to pause while running", async () => {
     page.find('[data-lrp-action="pause"]').click();
     page.deliver({ type: "frame", frame: 9, status: "paused" });

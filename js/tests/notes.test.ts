@@ -1,6 +1,7 @@
 // @vitest-environment happy-dom
 import { describe, expect, it, vi } from "vitest";
 import { announcer, hungNote, robotNote, unstartedNote } from "../src/parts/notes";
+import { initialState } from "../src/session/state";
 import type { Lab } from "../src/session/store";
 
 /** A note of a lab whose state changes by `show`. */
@@ -35,7 +36,8 @@ describe("the note about a block that does not return", () => {
 
   it("is announced once, not at every second", () => {
     vi.useFakeTimers();
-    const state = { active: ["a/b"], status: "hung", reason: "`b.running` has run for 2 s." };
+    const reason = "`b.running` has run for 2 s.";
+    const state = { ...initialState(), active: ["a/b"], status: "hung", reason };
     let redraw = () => {};
     let topics: string[] = [];
     const watch = (watched: string[], call: () => void) => ([topics, redraw] = [watched, call]);

@@ -18,7 +18,7 @@ from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
 from lrp_jupyter.widgets.places import path_of
-from lrp_jupyter.widgets.protocol import OnActiveEdit
+from lrp_jupyter.widgets.protocol import GraphMode, OnActiveEdit
 
 Applied = Future[Any] | None
 Ticks = Annotated[int, Between(1, 10_000)]
@@ -193,7 +193,19 @@ class HoldCommand(PageCommand, do="hold"):
     on: bool
 
     def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.hold_edits(self.on)
+        opened.study.switch(edits="hold" if self.on else "live")
+        opened.wake()
+        return None
+
+
+@dataclass(frozen=True)
+class GraphCommand(PageCommand, do="graph"):
+    """Set when the state graph is redrawn, and whether it is shown."""
+
+    mode: GraphMode
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.study.switch(graph=self.mode)
         opened.wake()
         return None
 

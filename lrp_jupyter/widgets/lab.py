@@ -38,11 +38,13 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.conditions import Conditions, given
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.hosts import is_static, is_voila
 from lrp_jupyter.widgets.kept import Version
 from lrp_jupyter.widgets.own_comm import OwnComm
 from lrp_jupyter.widgets.plain import packed, unpacked
+from lrp_jupyter.widgets.protocol import Edits, GraphMode
 
 _NAME = re.compile(r"[\w-]+")
 """The name of a program: no text is one word, because a program has parentheses."""
@@ -183,6 +185,8 @@ class Lab(Part):
     challenge : str or Challenge, optional
         The lab opens the challenge's world and shows its goal; without a text it begins with that of the
         challenge.
+    edits, graph, quiet, lock : optional
+        The conditions of a study, as in `set_conditions`; if none is given, they stay as they are.
     **options
         For the bridge: ``world="line"``.
 
@@ -215,13 +219,21 @@ class Lab(Part):
         rate: float | None = None,
         namespace: dict[str, Any] | None = None,
         challenge: str | Challenge | None = None,
+        edits: Edits | None = None,
+        graph: GraphMode | None = None,
+        quiet: bool | None = None,
+        lock: bool | None = None,
         **options: Any,
     ) -> None:
         check_type("program", program, (str, Program, Session), "a text, a Program or a Session")
         task = find_challenge(challenge) if isinstance(challenge, str) else challenge
         check_type("challenge", task, (Challenge, NoneType), "a Challenge or its name")
+        conditions = given(edits=edits, graph=graph, quiet=quiet, lock=lock)
         if isinstance(program, Session):
-            self._connect(registry.connection_of(program))
+            connection = registry.connection_of(program)
+            if conditions is not None:
+                connection.study.set(conditions)
+            self._connect(connection)
             return
         text: str | None = program.text if isinstance(program, Program) else program
         if isinstance(program, str) and registry.find(program) is not None:
@@ -232,7 +244,14 @@ class Lab(Part):
         if task is not None and not text:
             name = name or task.name.replace(" ", "-")
         connection = registry.open_program(
-            name or _name_of(text or ""), text, bridge, namespace=names, rate=rate, task=task, **options
+            name or _name_of(text or ""),
+            text,
+            bridge,
+            namespace=names,
+            rate=rate,
+            task=task,
+            conditions=conditions,
+            **options,
         )
         self._connect(connection)
 
@@ -276,6 +295,35 @@ class Lab(Part):
         Assigning sets the value between two ticks: ``lab.variables["nobump"] = True``.
         """
         return self.session.variables
+
+    @property
+    def conditions(self) -> Conditions:
+        """The conditions of a study: `edits`, `graph`, `quiet` and `lock`; see `set_conditions`."""
+        return self._connection.study.conditions
+
+    def set_conditions(
+        self, *, edits: Edits = "live", graph: GraphMode = "live", quiet: bool = False, lock: bool = False
+    ) -> None:
+        """Set all conditions of a study; those that are left out are as usual.
+
+        Every page that shows the program obeys them, also after it was loaded again.
+
+        Parameters
+        ----------
+        edits : str
+            ``"live"``: edits take effect while one types; ``"hold"``: when **Apply** is chosen.
+        graph : str
+            ``"live"``: the state graph follows the program and its run; ``"static"``: it is drawn when
+            **Redraw** is chosen, and shows nothing of the run; ``"hidden"``: there is neither a graph nor a
+            tree of machines.
+        quiet : bool
+            Whether nothing of the run is shown outside of the graph by itself: no active line, fired
+            transition or value in the text, no active state in the tree, no variables, no timeline.
+        lock : bool
+            Whether the page cannot change this. It is a lock for participants, not against them: a cell can.
+        """
+        self._connection.study.set(Conditions(edits, graph, quiet, lock))
+        self._connection.wake()
 
     @property
     def fault(self) -> str:
@@ -387,7 +435,14 @@ def _pictures(connection: PageConnection) -> dict[str, str]:
         machine = name.partition(":")[0]
         last[machine] = max(last.get(machine, (0, "")), (seen["tick"], name))
     active = [tuple(path.split("/")) for path in state["lit"]]
-    graph = draw(list(state["layouts"].values()), active, [name for _, name in last.values()])
+    layouts, arrows = list(state["layouts"].values()), [name for _, name in last.values()]
+    match state["settings"]["graph"]:
+        case "live":
+            graph = draw(layouts, active, arrows)
+        case "static":
+            graph = draw(layouts)
+        case "hidden":
+            graph = ""
     return {"image/svg+xml": _stacked(graph, _world(connection)), "text/plain": connection.texts.text}
 
 

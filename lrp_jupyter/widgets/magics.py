@@ -15,6 +15,7 @@ from IPython.core.magic import Magics, line_cell_magic, magics_class
 from IPython.display import display
 
 from lrp_jupyter import programs
+from lrp_jupyter.arguments import check_choice
 from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.codes import CODES, explain
 from lrp_jupyter.errors import LRPError, did_you_mean
@@ -23,6 +24,7 @@ from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.conditions import CHOICES, NAMES, given
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.lab import Lab, lab_of
 
@@ -30,6 +32,10 @@ _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ] [--challenge CHALLENGE]
                       run the cell's text as a program and show its lab; running the cell again
                       changes the running program; other options are the bridge's: --seed 5
+       [--edits live|hold] [--graph live|static|hidden] [--quiet] [--lock]
+                      the conditions of a study: edits wait for Apply; the graph is drawn on request,
+                      or not shown; nothing of the run is shown outside of it; the page cannot
+                      change that. A cell that names one sets all, one that names none leaves them
 %lrp                  list the programs that are open
 %lrp NAME             show the lab of a program again
 %lrp new NAME         open a bundled program
@@ -55,7 +61,8 @@ def _options(line: str) -> tuple[str, dict[str, Any]]:
         words = shlex.split(line)
     except ValueError:
         raise UsageError(f"%%lrp: A quotation mark is not closed in `{line}`. Write its partner.") from None
-    name, options = "", {}
+    name: str = ""
+    options: dict[str, Any] = {}
     while words:
         word = words.pop(0)
         key, equals, value = word[2:].partition("=")
@@ -65,16 +72,41 @@ def _options(line: str) -> tuple[str, dict[str, Any]]:
         if not (word.startswith("--") and key):
             hint = did_you_mean(word, _OPTIONS)
             raise UsageError(f"%%lrp: Unexpected `{word}`. Options begin with `--`.{hint}")
+        if key in _SWITCHES:
+            if equals:
+                raise UsageError(f"%%lrp: `--{key}` takes no value. Leave out `={value}`.")
+            options[key] = True
+            continue
         if not equals:
             if not words or words[0].startswith("--"):
                 raise UsageError(f"%%lrp: `--{key}` needs a value, as in `--{key} {_VALUES.get(key, '…')}`.")
             value = words.pop(0)
-        options[key.replace("-", "_")] = _hertz(value, "%%lrp: `--rate`") if key == "rate" else value
+        options[key.replace("-", "_")] = _value(key, value)
     return name or "program", options
 
 
-_VALUES = {"world": "line", "bridge": "sim", "rate": "20", "challenge": "square"}
-_OPTIONS = [f"--{name}" for name in _VALUES]
+_VALUES = {
+    "world": "line",
+    "bridge": "sim",
+    "rate": "20",
+    "challenge": "square",
+    "edits": "hold",
+    "graph": "static",
+}
+_SWITCHES = ("quiet", "lock")
+_OPTIONS = [f"--{name}" for name in (*_VALUES, *_SWITCHES)]
+
+
+def _value(key: str, value: str) -> object:
+    """Return the value of an option."""
+    if key == "rate":
+        return _hertz(value, "%%lrp: `--rate`")
+    if key in CHOICES:
+        try:
+            check_choice(f"--{key}", value, CHOICES[key])
+        except ValueError as error:
+            raise UsageError(f"%%lrp: {error}") from None
+    return value
 
 
 def _hertz(text: str, what: str) -> float:
@@ -116,6 +148,7 @@ class LRPMagics(Magics):
         bridge = options.pop("bridge", None)
         if "challenge" in options:
             options["task"] = challenge(options.pop("challenge"))
+        options["conditions"] = given(**{each: options.pop(each, None) for each in NAMES})
         if options.get("world") and bridge not in (None, "sim"):
             raise UsageError(f"%%lrp: `--world` is for the simulator, and the bridge is `{bridge}`.")
         return lab_of(registry.open_program(name, cell, bridge, namespace=self._names, **options))
@@ -350,6 +383,8 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
             return list(find_bridges())
         if last == "--challenge":
             return [shlex.quote(each.name) for each in challenges()]
+        if last[2:] in CHOICES:
+            return list(CHOICES[last[2:]])
         return [*(() if before else names), *_OPTIONS]
     if not before:
         return [*WORDS, *names]

@@ -20,6 +20,7 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol, get_args, get_or
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.changes import Sections
+from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
@@ -39,6 +40,7 @@ class OpenProgram(Protocol):
     saver: Saver
     layouts: Layouts
     looking: Looking
+    study: Study
 
     @property
     def session(self) -> Session:

@@ -66,6 +66,8 @@ from lrp_jupyter.widgets.changes import Sections
 
 PartName = Literal["lab", "goal", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
 OnActiveEdit = Literal["restart", "keep"]
+Edits = Literal["live", "hold"]
+GraphMode = Literal["live", "static", "hidden"]
 CriterionState = Literal["open", "so far", "met", "failed"]
 ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
 
@@ -422,9 +424,16 @@ class InkView(TypedDict):
 
 
 class SettingsView(TypedDict):
-    """Switches of the session that all its views share. `hold`: texts wait for ``apply``."""
+    """Switches of the session that all its views share.
 
-    hold: bool
+    `edits`, `graph`, `quiet` and `lock` are the `Conditions` of a study. With ``hold``, texts wait for
+    ``apply``. `lock`: the kernel refuses ``hold`` and ``graph``.
+    """
+
+    edits: Edits
+    graph: GraphMode
+    quiet: bool
+    lock: bool
     on_active_edit: OnActiveEdit
     pause_on_issue: bool
 

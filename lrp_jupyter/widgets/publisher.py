@@ -35,6 +35,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.waking import TaskEvent
 from lrp_jupyter.sim.worlds import BUNDLED
+from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking, MomentShown
@@ -227,6 +228,7 @@ class Publisher:
         saver: Saver,
         layouts: Layouts,
         looking: Looking,
+        study: Study,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
@@ -234,6 +236,7 @@ class Publisher:
         self._saver = saver
         self._layouts = layouts
         self._looking = looking
+        self._study = study
         self._report = report
         self._clock = clock
         self._lock = threading.RLock()  # of the views and what was sent to them
@@ -260,7 +263,7 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._saver, self._layouts, self.goal)
+            self._view_states = ViewStates(session, self._saver, self._layouts, self._study, self.goal)
             if self.goal is not None:
                 self.goal.attach(session, self.wake)
             for view in self._views.values():
@@ -274,7 +277,7 @@ class Publisher:
             self.goal = goal
             if goal is not None:
                 goal.attach(self.session, self.wake)
-            self._view_states = ViewStates(self.session, self._saver, self._layouts, goal)
+            self._view_states = ViewStates(self.session, self._saver, self._layouts, self._study, goal)
             for view in self._views.values():
                 self._snapshot(view)
 

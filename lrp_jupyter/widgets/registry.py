@@ -18,6 +18,7 @@ from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
+from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.goal import Goal
@@ -111,6 +112,7 @@ def open_program(
     paused: str = "",
     given_in: str = "cell",
     task: Challenge | None = None,
+    conditions: Conditions | None = None,
     **options: Any,
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
@@ -123,6 +125,7 @@ def open_program(
     `paused`: why a program that is opened does not run before its user wants it.
     `given_in`: where this text is, in a word: a cell, or a link.
     `task`: the challenge that the program is written for: its first world is loaded, its goal shown.
+    `conditions`: how the lab is used; None: as before.
     `options`: for the bridge: ``world="line"``.
     Raises BridgeError: there is no such bridge, or its robot cannot be reached.
     Raises LRPError: it is not a valid name for a program, or ``LRP_KEEP`` names no place to keep texts.
@@ -155,6 +158,8 @@ def open_program(
             connection.change_bridge(bridge, **options)
         elif options and options != connection.options:
             connection.change_bridge(connection.session.bridge.name, **options)
+    if conditions is not None:
+        connection.study.set(conditions)
     if task is not None and (connection.goal is None or connection.goal.task != task):
         connection.goal = Goal(task)
     if text:

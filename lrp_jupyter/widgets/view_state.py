@@ -25,6 +25,7 @@ from lrp_jupyter.language.program import Element, Finding, Machine, Program, Spa
 from lrp_jupyter.live.breakpoint import Breakpoint
 from lrp_jupyter.live.frame import Frame, Hit
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.finding_views import finding_id
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
@@ -73,8 +74,11 @@ class ViewStates:
     `goal`: the challenge that the program is written for.
     """
 
-    def __init__(self, session: Session, saver: Saver, layouts: Layouts, goal: Goal | None = None) -> None:
+    def __init__(
+        self, session: Session, saver: Saver, layouts: Layouts, study: Study, goal: Goal | None = None
+    ) -> None:
         self._goal = goal
+        self._study = study
         self._session = session
         self._texts = saver.texts
         self._saver = saver
@@ -97,7 +101,7 @@ class ViewStates:
 
         `waits`: whether the messages of a view wait for a cell that runs.
         """
-        session, texts = self._session, self._texts
+        session, texts, conditions = self._session, self._texts, self._study.conditions
         shown, layouts = self._layouts.current
         frame, looking = what
         now = session.frame
@@ -152,7 +156,10 @@ class ViewStates:
             "bridge": _bridge_view(session.bridge, members),
             "panel": _panel_view(session.bridge),
             "settings": {
-                "hold": texts.hold,
+                "edits": conditions.edits,
+                "graph": conditions.graph,
+                "quiet": conditions.quiet,
+                "lock": conditions.lock,
                 "on_active_edit": "keep" if session.on_active_edit == "keep" else "restart",
                 "pause_on_issue": session.on_issue == "pause",
             },

@@ -8,6 +8,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.panel import Button, Question
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.widgets.conditions import Conditions
 
 NEST = """
 (var limit := [5])
@@ -123,8 +124,32 @@ def test_policies_are_shared_by_all_views(lab, page):
     other = lab.page("other")
     assert page.do("on_active_edit", name="keep") is None
     assert page.do("pause_on_issue", on=True) is None
-    assert other.merged("settings") == {"hold": False, "on_active_edit": "keep", "pause_on_issue": True}
+    settings = other.merged("settings")
+    assert (settings["on_active_edit"], settings["pause_on_issue"]) == ("keep", True)
     assert page.do("on_active_edit", name="perhaps")
+
+
+def test_conditions_are_shared_by_all_views_and_by_those_that_come_later(lab, page):
+    other = lab.page("other")
+    assert page.do("graph", mode="static") is None
+    assert page.do("hold", on=True) is None
+    for each in (other, lab.page("loaded again")):
+        assert {**each.merged("settings"), "edits": "hold", "graph": "static"} == each.merged("settings")
+    assert "`live` or `static` or `hidden`" in page.do("graph", mode="gone")
+
+
+def test_locked_conditions_are_refused_to_a_page_and_not_to_python(lab, page):
+    locked = Conditions("hold", "static", quiet=True, lock=True)
+    lab.connection.study.set(locked)
+    for act in ({"act": "hold", "on": False}, {"act": "graph", "mode": "live"}):
+        assert page.do(**act).startswith("This lab is locked for a study: ")
+    assert lab.connection.study.conditions == locked
+    again = lab.page("loaded again").merged("settings")
+    assert {"edits": "hold", "graph": "static", "quiet": True, "lock": True}.items() <= again.items()
+    assert page.do("apply") is None
+    lab.connection.study.set(Conditions("hold"))
+    assert page.do("hold", on=False) is None
+    assert page.latest("settings")["edits"] == "live"
 
 
 def test_the_pose_and_the_world_can_be_reset(lab, page):

@@ -12,6 +12,7 @@ import lrp_jupyter
 from lrp_jupyter import Editor, Lab, LRPError, Session, SimView, StateGraph, UnknownElementError, parse
 from lrp_jupyter.bridges.bridge import Bridge, BridgeError
 from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.lab import Part, lab_of
 
 PROGRAM = """
@@ -70,6 +71,36 @@ def test_every_face_is_the_same_widget_with_another_view(make):
     assert StateGraph(lab).session is StateGraph("m").session is lab.session
     with pytest.raises(UnknownElementError, match=r"No program `x` is open\. Open programs: `m`\."):
         StateGraph("x")
+
+
+def test_a_study_is_set_up_in_python(make):
+    lab = make(PROGRAM, edits="hold", quiet=True)
+    assert lab.conditions == Conditions("hold", quiet=True)
+    assert make("m").conditions == lab.conditions  # of the same program
+    assert make(lab.session, graph="static", lock=True).conditions == Conditions(graph="static", lock=True)
+    lab.set_conditions(edits="hold")
+    assert lab.conditions == Conditions("hold")
+    with pytest.raises(ValueError, match=r"`graph` must be .*, not `off`\."):
+        lab.set_conditions(graph="off")
+    with pytest.raises(TypeError, match=r"`quiet` must be True or False, not int\."):
+        make(PROGRAM, quiet=1)
+    assert lab.conditions == Conditions("hold")
+
+
+def test_the_stored_picture_shows_what_the_lab_shows(make):
+    lab = make(PROGRAM, rate=100)
+    lab.session.wait_for("x", 60)
+
+    def picture():
+        return lab._repr_mimebundle_()[0]["image/svg+xml"]
+
+    assert 'data-active=""' in picture()
+    lab.set_conditions(graph="static")
+    assert 'data-active=""' not in picture()
+    assert 'data-lrp-state="m/a"' in picture()
+    lab.set_conditions(graph="hidden")
+    assert 'data-lrp="graph"' not in picture()
+    assert "World line" in picture()
 
 
 def test_variables_are_read_and_written_by_name_or_path(make):

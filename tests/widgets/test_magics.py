@@ -9,6 +9,7 @@ from traitlets.config import Config
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.lab import Lab
 from lrp_jupyter.widgets.magics import WORDS
 
@@ -239,6 +240,11 @@ def test_mistakes_are_reported_in_a_sentence(shell, line, sentence):
         ("../mine", "not a valid name for a program"),
         ("mine 'half", "A quotation mark is not closed in `mine 'half`."),
         ("mine --bridge none --world line", "`--world` is for the simulator, and the bridge is `none`."),
+        ("mine --edits later", "%%lrp: `--edits` must be `live` or `hold`, not `later`."),
+        ("mine --graph hiden", "`--graph` must be `live` or `static` or `hidden`, not `hiden`. Did you mean"),
+        ("mine --graph --quiet", "`--graph` needs a value, as in `--graph static`."),
+        ("mine --quiet=no", "`--quiet` takes no value. Leave out `=no`."),
+        ("mine --lock on", "Unexpected `on`"),
     ],
 )
 def test_mistakes_in_the_head_of_a_cell_are_reported_in_a_sentence(shell, line, sentence):
@@ -279,13 +285,32 @@ def test_words_names_and_options_complete(shell):
     assert "follower" in complete("%lrp new ")
     assert "maze" in complete("%%lrp mine --world ")
     assert "sim" in complete("%%lrp mine --bridge s")
-    assert "--rate" in complete("%%lrp mine ")
+    assert {"--rate", "--graph", "--quiet"} <= complete("%%lrp mine ")
+    assert {"static", "hidden"} <= complete("%%lrp mine --graph ")
 
 
 def test_help_lists_every_word(shell, run):
     output = run("help")
     assert all(word in output for word in WORDS.keys() - {"show"})
     assert "%lrp rate HZ" in shell.find_line_magic("lrp").__doc__
+
+
+def test_a_cell_sets_up_a_study_which_stays_until_a_cell_sets_another(shell):
+    lab = cell(shell, "mine --edits hold --graph hidden --quiet --lock", A)
+    study = Conditions("hold", "hidden", quiet=True, lock=True)
+    assert lab.conditions == study
+    cell(shell, "mine", B)  # which a participant may run
+    assert lab.conditions == study
+    assert (lab.text, lab.session.program.text) == (B, A)  # it is held
+    with pytest.raises(UsageError):
+        cell(shell, "mine --graph statc", A)
+    assert lab.conditions == study
+    lab.close()  # as when the kernel is restarted
+    lab = cell(shell, "mine --edits hold --graph hidden --quiet --lock", B)
+    assert lab.conditions == study
+    assert lab.session.program.text == B
+    cell(shell, "mine --graph static", B)
+    assert lab.conditions == Conditions(graph="static")
 
 
 def test_a_cell_for_a_challenge_opens_its_world_and_shows_its_goal(shell):

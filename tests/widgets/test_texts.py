@@ -233,7 +233,7 @@ def test_held_texts_wait_and_the_difference_is_shown(bench):
     lab = bench(A)
     page = lab.page()
     assert page.do("hold", on=True) is None
-    assert page.latest("settings")["hold"]
+    assert page.latest("settings")["edits"] == "hold"
     answer = page.type(B)
     assert (answer["accepted"], answer["applied"]) == (True, False)
     assert answer["pending"] == {"added": ["state `m/b`"], "removed": [], "changed": [], "moved": []}

@@ -9,6 +9,7 @@ import {
 } from "@codemirror/autocomplete";
 import type { Extension } from "@codemirror/state";
 import { outlineOf } from "../language/lrp";
+import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { shortened } from "../ui/cut";
 import { h, prose } from "../ui/dom";
@@ -56,7 +57,7 @@ function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeo
       return keywords(place.form);
     case "event":
       return found.inScope("event", place.scope).map(({ name, path }) => {
-        const value = lab.store.state.events[path];
+        const value = besideGraph(lab.store.state).events[path];
         return {
           label: name,
           type: "property",
@@ -69,7 +70,7 @@ function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeo
       return found.statesOf(place.machine).map(({ name, path }) => ({
         label: name,
         type: "class",
-        detail: lab.store.state.lit.includes(path) ? "active" : "",
+        detail: besideGraph(lab.store.state).lit.includes(path) ? "active" : "",
       }));
     case "machine":
       return spawnable(context.state, context.pos, place.scope).map((path) => ({

@@ -103,7 +103,7 @@ export class Editor implements Typist {
     });
     store.watch(["breakpoints"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());
-    store.watch(["lit", "fired", "variables", "events", "program"], () => this.update());
+    store.watch(["lit", "fired", "variables", "events", "program", "settings"], () => this.update());
   }
 
   private extensions(startVersion = 0): Extension {

@@ -15,7 +15,7 @@ import {
 } from "@codemirror/view";
 import { lastFired } from "../graph/marks";
 import type { Outline } from "../language/outline";
-import type { LabState } from "../session/state";
+import { besideGraph, type LabState } from "../session/state";
 import { shortened } from "../ui/cut";
 import { h } from "../ui/dom";
 import { testedEvents } from "./tested";
@@ -63,7 +63,8 @@ const activeLine = Decoration.line({ class: "lrp-line-active" });
 const firedMark = Decoration.mark({ class: "lrp-text-fired" });
 
 /** The part of the state that determines the marks, without the values. */
-export function marksOf({ lit, fired }: LabState): string {
+export function marksOf(state: LabState): string {
+  const { lit, fired } = besideGraph(state);
   return [...lit, ...lastFired(fired).values()].join(" ");
 }
 
@@ -93,15 +94,16 @@ export function live(state: LabState, values: () => boolean): Extension {
 function decorate(editor: EditorState, found: Outline, lab: LabState, values: boolean): DecorationSet {
   const marks: Range<Decoration>[] = [];
   const lines = new Set<number>();
-  for (const path of lab.lit) {
+  const { lit, fired } = besideGraph(lab);
+  for (const path of lit) {
     const item = found.find("state", path);
     if (!item) continue;
-    const innermost = !lab.lit.some((other) => other.startsWith(`${path}/`));
+    const innermost = !lit.some((other) => other.startsWith(`${path}/`));
     const last = innermost ? editor.doc.lineAt(item.to).number : editor.doc.lineAt(item.nameTo).number;
     for (let line = editor.doc.lineAt(item.from).number; line <= last; line++) lines.add(line);
   }
   for (const line of lines) marks.push(activeLine.range(editor.doc.line(line).from));
-  for (const path of lastFired(lab.fired).values()) {
+  for (const path of lastFired(fired).values()) {
     const item = found.find("transition", path);
     if (item) marks.push(firedMark.range(item.from, item.to));
   }
@@ -137,11 +139,15 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
 
 function shownValue(kind: string, path: string, lab: LabState): string | null {
   const text =
-    kind === "variable" ? lab.variables[path]?.text : kind === "event" ? eventText(lab, path) : undefined;
+    kind === "variable"
+      ? besideGraph(lab).variables[path]?.text
+      : kind === "event"
+        ? eventText(lab, path)
+        : undefined;
   return text === undefined ? null : shortened(text, LONGEST);
 }
 
 function eventText(lab: LabState, path: string): string | undefined {
-  const value = lab.events[path];
+  const value = besideGraph(lab).events[path];
   return value === undefined || value === null ? undefined : value ? "True" : "False";
 }

@@ -1,7 +1,7 @@
 /** Marks of the run on the drawing: active states, the last fired transition, and visits too short to see. */
 
 import type { CountView } from "../protocol";
-import type { LabState } from "../session/state";
+import { inGraph, type LabState } from "../session/state";
 import { setAttribute } from "../ui/dom";
 import type { Layers } from "./draw";
 
@@ -23,28 +23,29 @@ export class Marks {
   /** Update the marks from the state; a watcher of the store. */
   readonly update = (): void => {
     const { layers, state } = this;
+    const { lit, entered, fired } = inGraph(state);
     const fresh = state.machine !== this.machine; // another drawing: nothing that was before glows
     this.machine = state.machine;
     for (const node of layers.root.querySelectorAll("[data-lrp-state]")) {
       const path = node.getAttribute("data-lrp-state") ?? "";
-      const active = state.lit.includes(path);
+      const active = lit.includes(path);
       setAttribute(node, "data-active", active);
       setAttribute(node, "aria-current", active ? "true" : null);
-      if (!fresh && !active && this.grown(state.entered[path], this.entered[path])) this.glow(node);
+      if (!fresh && !active && this.grown(entered[path], this.entered[path])) this.glow(node);
       setAttribute(node, "data-chosen", path === state.chosen);
     }
-    const last = new Set(lastFired(state.fired).values());
+    const last = new Set(lastFired(fired).values());
     for (const arrow of layers.root.querySelectorAll(".lrp-transition")) {
       const id = arrow.getAttribute("data-of") ?? "";
       setAttribute(arrow, "data-fired", last.has(id));
-      if (!fresh && this.grown(state.fired[id], this.fired[id])) this.glow(arrow);
+      if (!fresh && this.grown(fired[id], this.fired[id])) this.glow(arrow);
       setAttribute(arrow, "data-chosen", id === state.chosen);
     }
     for (const label of layers.root.querySelectorAll(".lrp-label")) {
       setAttribute(label, "data-chosen", label.getAttribute("data-of") === state.chosen);
     }
-    this.entered = state.entered;
-    this.fired = state.fired;
+    this.entered = entered;
+    this.fired = fired;
     this.tick = state.tick;
   };
 

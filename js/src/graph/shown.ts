@@ -18,8 +18,8 @@ export function showMachine(store: Store, path: string): void {
 export function showTyped({ store }: Lab): Extension {
   let typed = "";
   const show = () => {
-    const { program, machine, layouts } = store.state;
-    if (!program.machines.some(({ path }) => path === typed)) return;
+    const { program, machine, layouts, settings } = store.state;
+    if (settings.graph !== "live" || !program.machines.some(({ path }) => path === typed)) return;
     if (!isDrawnIn(typed, machine, layouts)) showMachine(store, typed);
     typed = "";
   };

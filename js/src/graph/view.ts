@@ -2,8 +2,10 @@
 
 import { nameOf, parentOf } from "../language/paths";
 import { breakpointItems } from "../parts/breakpoints";
+import { showLock } from "../parts/study";
 import { askWhy } from "../parts/why";
-import type { Layout, StateShape } from "../protocol";
+import type { GraphMode, Layout, StateShape } from "../protocol";
+import { inGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, s, setAttribute } from "../ui/dom";
@@ -22,7 +24,7 @@ import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
 import { showMachine } from "./shown";
 
-type Mode = "live" | "static" | "hidden";
+const MODES = "Live: redraw after every edit, and show the run. Static: redraw on request.";
 const RESIZED_FOR = 150; // ms without another size before the kernel gets it
 const ACTIVE_FOR = 300; // ms that a state is active before it is brought into view
 
@@ -34,7 +36,7 @@ export function graphView(lab: Lab): HTMLElement {
   let camera = new Camera();
   let shown: Layout | null = null;
   let drawn: Layout[] = []; // that of the machine shown, then those inside its states
-  let mode: Mode = "live";
+  const mode = () => store.state.settings.graph;
 
   const place = () => {
     setAttribute(layers.root, "transform", camera.transform);
@@ -53,15 +55,15 @@ export function graphView(lab: Lab): HTMLElement {
   };
   /** The state that must be in view: the active one, or where the machine starts. */
   const focus = (): Box | null =>
-    boxOf(({ id }) => store.state.lit.includes(id)) ?? boxOf(({ start }) => start);
+    boxOf(({ id }) => inGraph(store.state).lit.includes(id)) ?? boxOf(({ start }) => start);
   const boxOf = (isMeant: (shape: StateShape) => unknown): Box | null => {
     const shape = shown?.states.find(isMeant);
     return shape ? around(shape) : null;
   };
   const redraw = (force = false) => {
     const layout = store.state.layouts[store.state.machine] ?? null;
-    svg.toggleAttribute("hidden", mode === "hidden");
-    if (mode === "hidden" || !layout) {
+    svg.toggleAttribute("hidden", mode() === "hidden");
+    if (mode() === "hidden" || !layout) {
       if (!layout) layers.root.setAttribute("visibility", "hidden");
       return;
     }
@@ -70,7 +72,9 @@ export function graphView(lab: Lab): HTMLElement {
     const parts = layoutsIn(layout.machine, store.state.layouts);
     const isSame = parts.length === drawn.length && parts.every((part, index) => part === drawn[index]);
     if (isSame && !force) return;
-    if (mode === "static" && !other && !force) {
+    const isChosen =
+      other && (!shown || store.state.program.machines.some(({ path }) => path === shown?.machine));
+    if (mode() === "static" && !isChosen && !force) {
       element.dataset.stale = "";
       return;
     }
@@ -97,14 +101,14 @@ export function graphView(lab: Lab): HTMLElement {
     {
       class: "lrp-select",
       "aria-label": "When the graph is redrawn",
-      title: "Live: redraw after every edit. Static: redraw on request.",
-      onchange: () => {
-        mode = modes.value as Mode;
-        element.dataset.mode = mode;
-        redraw(true);
-      },
+      title: MODES,
+      "data-lrp-action": "graph-mode",
+      onchange: () => void lab.act({ do: "graph", mode: modes.value as GraphMode }),
     },
-    ...["live", "static", "hidden"].map((name) => h("option", { value: name }, name)),
+    // a hidden one is shown again by the menu, which only a whole lab has
+    ...["live", "static", ...(lab.root.dataset.part === "lab" ? ["hidden"] : [])].map((name) =>
+      h("option", { value: name }, name),
+    ),
   );
   const zoom = (factor: number) => {
     fitting.stop();
@@ -176,11 +180,18 @@ export function graphView(lab: Lab): HTMLElement {
   );
 
   store.watch(["layouts", "machine", "snapshot"], () => redraw());
-  store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen"], marks.update);
+  let before = mode();
+  store.watch(["settings"], () => {
+    modes.value = element.dataset.mode = mode();
+    showLock(modes, store.state.settings, MODES);
+    if (mode() !== before) redraw(true);
+    before = mode();
+  });
+  store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen", "settings"], marks.update);
   store.watch(["breakpoints"], () => drawDots(layers.root, store.state));
   let isWaiting = false;
   store.watch(["lit", "follow"], () => {
-    if (isWaiting || !store.state.follow) return;
+    if (isWaiting || !store.state.follow || mode() !== "live") return;
     isWaiting = true;
     setTimeout(() => {
       isWaiting = false;

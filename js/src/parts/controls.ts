@@ -10,10 +10,12 @@ import { openMenu } from "../ui/menu";
 import { askToArm } from "./arming";
 import { type Choices, labMenu } from "./menu";
 import { showReach, whyLate } from "./reach";
+import { showLock } from "./study";
 
 const ON_ITS_WAY = 1000; // ms in which the kernel may still report the value before the one chosen here
 const RUNS = "Run or pause the program";
 const STOPS = "Stop all motors, then pause";
+const HOLDS = "Edits take effect only when you choose Apply (Ctrl+Enter)";
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 
 export function controls(lab: Lab, choices: Choices): HTMLElement {
@@ -65,13 +67,12 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
       openMenu(lab.root, { x: frame.left, y: frame.bottom + 4 }, labMenu(lab, choices), "Lab");
     },
   });
-  const hold = toggle(
-    "Hold edits",
-    "Edits take effect only when you choose Apply (Ctrl+Enter)",
-    "hold",
-    (on) => void lab.act({ do: "hold", on }),
-  );
-  store.watch(["settings"], () => setSwitch(hold, store.state.settings.hold));
+  const hold = toggle("Hold edits", HOLDS, "hold", (on) => void lab.act({ do: "hold", on }));
+  store.watch(["settings"], () => {
+    const { settings } = store.state;
+    setSwitch(hold, settings.edits === "hold");
+    showLock(hold, settings, HOLDS);
+  });
   const running: Topic[] = ["status"];
   store.watch(running, () => {
     const { status } = store.state;

@@ -1,7 +1,7 @@
 /** The lab's menu, for settings that are rarely changed. */
 
 import type { Lab } from "../session/store";
-import type { Layout, Panels } from "../ui/layout";
+import { type Layout, type Panels, WITHHELD } from "../ui/layout";
 import type { MenuItem } from "../ui/menu";
 import { askWhy } from "./why";
 
@@ -32,12 +32,19 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   const panels = layout
     ? Object.entries(layout.panels)
         .filter(([name]) => name !== "goal" || lab.store.state.goal)
-        .map(([name, { hidden }]) => ({
-          label: `Show ${name}`,
-          action: `panel-${name}`,
-          checked: !hidden,
-          run: () => layout.show(name as keyof Panels, hidden),
-        }))
+        .filter(([name, panel]) => !panel.hasAttribute(WITHHELD) || (name === "graph" && !settings.lock))
+        .map(([name, panel]) => {
+          const shown = !panel.hidden && !panel.hasAttribute(WITHHELD);
+          return {
+            label: `Show ${name}`,
+            action: `panel-${name}`,
+            checked: shown,
+            run: () => {
+              layout.show(name as keyof Panels, !shown);
+              if (panel.hasAttribute(WITHHELD)) void lab.act({ do: "graph", mode: "live" });
+            },
+          };
+        })
     : [];
   const programs = known.programs.map((name) => ({
     label: `Open ${name}…`,

@@ -1,6 +1,7 @@
 /** The lab's notes (lost kernel or robot, held edits, conflicting texts, hung block), and announcements for screen readers. */
 
 import type { Difference } from "../protocol";
+import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { copyText } from "../ui/clipboard";
@@ -188,7 +189,8 @@ export function announcer(lab: Lab): HTMLElement {
   let isWaiting = false;
   let announced = "";
   const speak = () => {
-    const { active, status, reason } = lab.store.state;
+    const { status, reason } = lab.store.state;
+    const { active } = besideGraph(lab.store.state);
     const states = active.map((path) =>
       path
         .split("/")

@@ -3,10 +3,11 @@
 import { showMachine } from "../graph/shown";
 import { nameOf } from "../language/paths";
 import type { MachineItem } from "../protocol";
+import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { panel, setSwitch, toggle } from "../ui/button";
 import { setName } from "../ui/cut";
-import { h, reconcile, setAttribute } from "../ui/dom";
+import { h, reconcile, setAttribute, setHidden } from "../ui/dom";
 
 export function treeView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -31,7 +32,8 @@ export function treeView(lab: Lab): HTMLElement {
       h("span", { class: "lrp-tree-state" }),
     );
   const update = (item: Element, machine: MachineItem) => {
-    const { lit, machine: selected } = store.state;
+    const { machine: selected } = store.state;
+    const { lit } = besideGraph(store.state);
     const depth = machine.path.split("/").length;
     const active = machine.states.find(({ path }) => lit.includes(path))?.path;
     const [, around, name, state] = item.children;
@@ -45,9 +47,10 @@ export function treeView(lab: Lab): HTMLElement {
     setAttribute(item, "tabindex", machine.path === selected ? "0" : "-1");
     setAttribute(item, "data-active", Boolean(active));
   };
-  store.watch(["program", "lit", "machine", "snapshot"], () => {
+  store.watch(["program", "lit", "machine", "snapshot", "settings"], () => {
     reconcile(list, store.state.program.machines, ({ path }) => path, make, update);
   });
+  store.watch(["settings"], () => setHidden(follow, store.state.settings.quiet));
   store.watch(["follow"], () => setSwitch(follow, store.state.follow));
   list.addEventListener("keydown", (event) => {
     const items = [...list.querySelectorAll<HTMLElement>("[role=treeitem]")];

@@ -40,6 +40,21 @@ export interface LabState extends ViewState {
   whatIf: WhatIfView | null;
 }
 
+/** What is shown of the run by itself. */
+type Run = Pick<ViewState, "active" | "lit" | "entered" | "fired" | "variables" | "events">;
+
+const NOTHING: Run = { active: [], lit: [], entered: {}, fired: {}, variables: {}, events: {} };
+
+/** The run as the graph shows it: a static one shows nothing of it. */
+export function inGraph(state: LabState): Run {
+  return state.settings.graph === "live" ? state : NOTHING;
+}
+
+/** The run as everything else shows it by itself: in a quiet lab, nothing. */
+export function besideGraph(state: LabState): Run {
+  return state.settings.quiet ? NOTHING : state;
+}
+
 export type Topic = keyof LabState | "snapshot";
 
 export function initialState(): LabState {
@@ -149,7 +164,8 @@ function showAnother(state: LabState): boolean {
 /** Show the machine of the innermost active state. */
 function followActive(state: LabState): boolean {
   let deepest = "";
-  for (const path of state.lit) if (path.split("/").length > deepest.split("/").length) deepest = path;
+  for (const path of besideGraph(state).lit)
+    if (path.split("/").length > deepest.split("/").length) deepest = path;
   const machine = deepest.slice(0, Math.max(0, deepest.lastIndexOf("/")));
   if (!machine || machine === state.machine || isDrawnIn(machine, state.machine, state.layouts)) return false;
   state.machine = machine;

@@ -26,6 +26,7 @@ export class Looking {
 
   /** Show a moment; of several that come quickly, the last one. Resolves to whether it is shown. */
   at(moment: Moment): Promise<boolean> {
+    if (this.lab.store.state.settings.quiet) return Promise.resolve(false); // it has no timeline
     this.next = this.wanted = moment;
     this.moved();
     this.going ??= this.go();

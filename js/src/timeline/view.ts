@@ -429,6 +429,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   /* ---------------------------------------------------------------- what changes it */
 
+  store.watch(["settings"], () => {
+    const { quiet } = store.state.settings;
+    if (quiet && !body.hidden) open(false);
+    else if (!quiet && element.hidden) open(isOn(OPEN, lab.root.clientWidth > NARROW));
+    setHidden(element, quiet);
+  });
   store.watch(["snapshot"], () => {
     happened = new Happened();
     const names: unknown = JSON.parse(kept(PLOTS + store.state.name) ?? "[]");
@@ -458,7 +464,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     redraw();
   });
   new ResizeObserver(() => {
-    if (body.hasAttribute("data-new") && lab.root.clientWidth) {
+    if (body.hasAttribute("data-new") && !element.hidden && lab.root.clientWidth) {
       body.removeAttribute("data-new");
       open(isOn(OPEN, lab.root.clientWidth > NARROW));
     }

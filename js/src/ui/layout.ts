@@ -119,6 +119,8 @@ const HIDDEN = "hidden-";
 const SHARE = "share-";
 /** Set by the goal's panel while the program is written for no challenge. */
 export const GOALLESS = "data-goalless";
+/** Set while the conditions of a study withhold a panel. */
+export const WITHHELD = "data-withheld";
 const WORLDLESS = "data-worldless"; // set by the world's panel while it shows a real robot
 
 export type Panels = Record<
@@ -154,6 +156,13 @@ export class Layout {
     if (on) forget(HIDDEN + name);
     else keep(HIDDEN + name, "");
     this.maximise(null);
+  }
+
+  /** Withhold these panels, and no others, whatever the user has chosen. */
+  withhold(names: readonly string[]): void {
+    for (const [name, panel] of Object.entries(this.panels))
+      panel.toggleAttribute(WITHHELD, names.includes(name));
+    this.maximise(this.alone?.hasAttribute(WITHHELD) ? null : this.alone);
   }
 
   /** The panel that is shown alone. */
@@ -224,5 +233,7 @@ function isVisible(place: HTMLElement): boolean {
   const panels = place.matches(".lrp-panel")
     ? [place]
     : [...place.querySelectorAll<HTMLElement>(".lrp-panel")];
-  return panels.some((panel) => !panel.hidden && !panel.hasAttribute(GOALLESS));
+  return panels.some(
+    (panel) => !panel.hidden && !panel.hasAttribute(GOALLESS) && !panel.hasAttribute(WITHHELD),
+  );
 }

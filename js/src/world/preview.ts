@@ -60,8 +60,14 @@ export class Preview {
   }
 
   private get isWanted(): boolean {
-    const { looking, world, status } = this.lab.store.state;
-    return this.isOn && !looking && world !== null && (status === "running" || status === "paused");
+    const { looking, world, status, settings } = this.lab.store.state;
+    return (
+      this.isOn &&
+      !settings.quiet &&
+      !looking &&
+      world !== null &&
+      (status === "running" || status === "paused")
+    );
   }
 
   private async foretell(): Promise<void> {

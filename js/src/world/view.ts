@@ -3,6 +3,7 @@
 import { saveForm } from "../parts/save";
 import { askWhy } from "../parts/why";
 import type { FromKernel } from "../protocol";
+import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import type { Looking } from "../timeline/looking";
 import { button, panel } from "../ui/button";
@@ -356,7 +357,8 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       if (message.ink) stage.draw(message.ink.first, message.ink.strokes);
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);
       if (!poses) return;
-      const { time: now, lit } = store.state;
+      const { time: now } = store.state;
+      const { lit } = besideGraph(store.state);
       stage.move({ ...poses, time: now }, performance.now(), trailState(lit)); // a world has a time of its own
       preview.check(poses.robots[0]?.pose);
       colours.refresh();

@@ -1,0 +1,72 @@
+"""The conditions of a study: how live a lab is, what it shows, and whether a page can change that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Any, get_args
+
+from lrp_jupyter.arguments import check_choice, check_switch
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.widgets.protocol import Edits, GraphMode
+from lrp_jupyter.widgets.texts import Texts
+
+CHOICES: dict[str, tuple[str, ...]] = {"edits": get_args(Edits), "graph": get_args(GraphMode)}
+"""The words of those conditions that are no switches."""
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """See :meth:`Lab.set_conditions <lrp_jupyter.widgets.lab.Lab.set_conditions>`."""
+
+    edits: Edits = "live"
+    graph: GraphMode = "live"
+    quiet: bool = False
+    lock: bool = False
+
+    def __post_init__(self) -> None:
+        for name, words in CHOICES.items():
+            check_choice(name, getattr(self, name), words)
+        check_switch("quiet", self.quiet)
+        check_switch("lock", self.lock)
+
+
+NAMES = tuple(field.name for field in fields(Conditions))
+
+
+def given(**named: Any) -> Conditions | None:
+    """Return the conditions of which some are named: the others are as usual. None: none is named."""
+    known = {name: value for name, value in named.items() if value is not None}
+    return Conditions(**known) if known else None
+
+
+class Study:
+    """The conditions of one program, which all its views share. From any thread.
+
+    `texts`: they hold edits back, or not.
+    """
+
+    def __init__(self, texts: Texts) -> None:
+        self._texts = texts
+        self._conditions = Conditions()
+
+    @property
+    def conditions(self) -> Conditions:
+        """The present ones."""
+        return self._conditions
+
+    def set(self, conditions: Conditions) -> None:
+        """Change them, as Python does."""
+        self._texts.hold_edits(conditions.edits == "hold")
+        self._conditions = conditions
+
+    def switch(self, **changes: Any) -> None:
+        """Change some of them, as a page does.
+
+        Raises LRPError: they are locked.
+        """
+        if self._conditions.lock:
+            raise LRPError(
+                "This lab is locked for a study: whether edits are held, and what is shown of the run, "
+                "cannot be changed in the page."
+            )
+        self.set(replace(self._conditions, **changes))
