@@ -15,7 +15,7 @@ import type { Choices } from "./parts/menu";
 import { announcer } from "./parts/notes";
 import { openForm } from "./parts/open";
 import { saveForm } from "./parts/save";
-import { withheld } from "./parts/study";
+import { looked, watchPointer, withheld } from "./parts/study";
 import { textItems } from "./parts/text";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
@@ -76,6 +76,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     },
     send: (act) => connection.send(act),
     ask: (question): Promise<ReplyMessage> => connection.ask(question),
+    tell: (looked) => connection.tell({ type: "looked", ...looked }),
     goTo(kind, path) {
       if (editor) editor.goTo(kind, path);
       else elsewhere.send({ goTo: { kind, path } });
@@ -220,6 +221,8 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
         panel?.toggleAttribute(WITHHELD, away.includes(name));
     if (layout) past.toggleAttribute(WITHHELD, !settings.quiet); // the timeline has one
   });
+  if (layout) layout.told = (panel, on) => looked(lab, "panel", panel, on);
+  watchPointer(lab);
   reportChanges(model, lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;

@@ -62,6 +62,18 @@ export interface CursorMessage {
   meant: boolean;
 }
 
+export type Looked = "why" | "hover" | "inspect" | "explain" | "panel" | "redraw" | "page";
+
+/** A person begins, or ends, to look at something; sent only while that is recorded. Not answered. */
+export interface LookedMessage {
+  view: string;
+  frame?: number;
+  type: "looked";
+  what: Looked;
+  about: string;
+  on: boolean;
+}
+
 /** Frames have arrived, and there is nothing else to say. */
 export interface CreditMessage {
   view: string;
@@ -1139,6 +1151,7 @@ export interface SettingsView {
   graph: GraphMode;
   quiet: boolean;
   lock: boolean;
+  log: string;
   on_active_edit: OnActiveEdit;
   pause_on_issue: boolean;
 }
@@ -1587,6 +1600,7 @@ export type FromPage =
   | ByeMessage
   | TextMessage
   | CursorMessage
+  | LookedMessage
   | CreditMessage
   | CompleteRequest
   | HoverRequest
@@ -1699,6 +1713,7 @@ export const EMPTY_VIEW_STATE: ViewState = {
     graph: "live",
     quiet: false,
     lock: false,
+    log: "",
     on_active_edit: "restart",
     pause_on_issue: false,
   },

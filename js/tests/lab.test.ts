@@ -592,6 +592,40 @@ describe("the page", () => {
     expect(switches()[0]!.getAttribute("aria-checked")).toBe("true");
   });
 
+  it("reports what its user looks at only while that is recorded, and says so", async () => {
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
+    const mark = page.find('[data-lrp="recorded"]');
+    const look = () => {
+      page.find('[data-lrp-action="timeline"]').click();
+      const state = page.find('[data-lrp-state="follower/looking"]');
+      state.dispatchEvent(new Event("pointerover", { bubbles: true }));
+      vi.advanceTimersByTime(1000);
+      page.find('[data-lrp-action="menu"]').click();
+      page.find('[data-lrp-action="panel-world"]').click();
+      page.find(".lrp-controls").dispatchEvent(new Event("pointerover", { bubbles: true }));
+      state.dispatchEvent(new KeyboardEvent("keydown", { key: "?", bubbles: true }));
+      page.find('[data-lrp-action="close-why"]').click();
+      return page.of("looked").map(({ what, about, on }) => [what, about, on]);
+    };
+    expect(mark.hidden).toBe(true);
+    expect(look()).toEqual([]);
+    page.deliver({ type: "frame", frame: 9, settings: { log: "p.lrplog" } });
+    vi.useRealTimers();
+    await page.drawn();
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
+    expect(mark.hidden).toBe(false);
+    expect(mark.title).toContain("written into the file p.lrplog,");
+    expect(look()).toEqual([
+      ["panel", "timeline", false],
+      ["hover", "state follower/looking", true],
+      ["panel", "world", true],
+      ["hover", "state follower/looking", false],
+      ["why", "state follower/looking", true],
+      ["why", "state follower/looking", false],
+    ]);
+    vi.useRealTimers();
+  });
+
   it("offers to run while paused, and to pause while running", async () => {
     page.find('[data-lrp-action="pause"]').click();
     page.deliver({ type: "frame", frame: 9, status: "paused" });

@@ -374,6 +374,26 @@ def why(
 
 
 @command()
+def looks(
+    file: Log,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the table as `.csv` instead of printing it.")
+    ] = None,
+) -> None:
+    """List what a person looked at and did, if that was recorded: `%%lrp NAME --log FILE`.
+
+    Each row has the seconds since the recording began (`wall`), the time and the tick of the run, what it was
+    (`why`, `hover`, `playhead`, `panel`, `command`, `input` …) and about what, and whether it began or ended.
+    Inputs are what changed the run: edits and the like. Nothing of the recording runs.
+
+    **Exit code**: 0, or 2 when a file cannot be read or written.
+    """
+    from lrp_jupyter.cli.recordings import looks_file
+
+    raise typer.Exit(looks_file(file, out))
+
+
+@command()
 def check(
     files: Annotated[
         list[str],

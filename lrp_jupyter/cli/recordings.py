@@ -1,10 +1,11 @@
-"""``lrp replay | why``: run a recording again, and ask it why."""
+"""``lrp replay | why | looks``: run a recording again, ask it why, list what its user looked at."""
 
 from __future__ import annotations
 
 import pydoc
 import sys
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import NoReturn
 
 import typer
@@ -13,20 +14,25 @@ from rich.text import Text
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.events import EventPrinter
 from lrp_jupyter.cli.excerpt import excerpt, finding_text
-from lrp_jupyter.cli.options import Assignment, with_initials
+from lrp_jupyter.cli.options import Assignment, check_outputs, with_initials
 from lrp_jupyter.cli.source import read_source
 from lrp_jupyter.errors import LRPError, UnknownElementError, printable
+from lrp_jupyter.files import write_file
+from lrp_jupyter.grading.marks import csv_text
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Input
+from lrp_jupyter.live.looks import Look
 from lrp_jupyter.live.recording import Recording, read_recording
 from lrp_jupyter.live.reproduction import Reproduction, reproduce
 
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s
+_OF_THE_RUN = {("input", "rest"), ("input", "hold")}
+"""Inputs that come from no person: the run ended, commands were held back."""
 _SETS = (
     "If it walks over a set of texts: Python puts these into another order in every process. Set the "
     "variable `PYTHONHASHSEED` to one number for the run and for its replay."
@@ -94,6 +100,26 @@ def why_file(file: str, name: str, at: float | None, program: str | None, truste
             for row in excerpt(source, line, 1)[:1]:
                 console.print(Text(row))
         return 0
+
+
+def looks_file(file: str, out: Path | None) -> int:
+    """Print, or write, what a person looked at and did; return the exit code."""
+    if out is not None:
+        check_outputs([out], (".csv",))
+    recording = read_recording(file, prepared)
+    found = [each for each in recording.looks if (each.what, each.about) not in _OF_THE_RUN]
+    looks = sorted(found, key=lambda each: each.wall)
+    if out is not None:
+        write_file(out, csv_text(Look._fields, looks))
+        return 0
+    console = plain_console()
+    for tick, time, wall, what, about, on in looks:
+        row = f"{wall:9.2f} s  {time:8.2f} s  tick {tick:<6} {what:8} {printable(about)}"
+        console.print(Text(row if on else f"{row}, ended"))
+    if not looks:
+        name = recording.name
+        console.print(f"`{name}` does not say what its user looked at. `%%lrp NAME --log FILE` records it.")
+    return 0
 
 
 def _read(file: str, trusted: bool) -> Recording:

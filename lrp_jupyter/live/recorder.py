@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from inspect import Parameter
+from time import monotonic
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -14,6 +16,7 @@ from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.live.checkpoints import COPIED
 from lrp_jupyter.live.input_lines import input_line, literal
 from lrp_jupyter.live.inputs import Input, RunEnded
+from lrp_jupyter.live.looks import Look
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.plain import plain
 from lrp_jupyter.live.randomness import random_module
@@ -31,10 +34,20 @@ class Recorder(Trace):
 
     `loop`: before its first tick.
     `write`: receives every line, with its newline.
+    `looking`: whether it also has what a person looked at, and the wall time of that and of inputs.
     """
 
-    def __init__(self, loop: Loop, write: Callable[[str], object], start: RunStart | None = None) -> None:
+    def __init__(
+        self,
+        loop: Loop,
+        write: Callable[[str], object],
+        start: RunStart | None = None,
+        looking: bool = False,
+    ) -> None:
         super().__init__(write)
+        self._begun = monotonic()
+        self._looking = looking
+        self._looks: deque[Look] = deque()
         self._loop = loop
         self._failure: Exception | None = None
         self._code = None if start is None else RecordedCode()
@@ -57,6 +70,7 @@ class Recorder(Trace):
         Raises FileError: the recording failed before.
         """
         self._unobserve()
+        self.write_looks()
         loop = self._loop
         self._input(Input(0, loop.interpreter.tick, loop.timing.now, RunEnded()))
         loop.record.written = None
@@ -68,8 +82,25 @@ class Recorder(Trace):
         """Write one event."""
         self._keep(lambda: as_dict(event))
 
+    @property
+    def _wall(self) -> float:
+        """The seconds since it began."""
+        return round(monotonic() - self._begun, 3)
+
+    def look(self, what: str, about: str, on: bool) -> None:
+        """Note what a person looks at, to be written later. From any thread."""
+        loop = self._loop
+        self._looks.append(Look(loop.interpreter.tick, loop.timing.now, self._wall, what, about, on))
+
+    def write_looks(self) -> None:
+        """Write what was noted."""
+        while self._looks:
+            self._keep(self._looks.popleft().line)
+
     def _input(self, entry: Input) -> None:
-        self._keep(lambda: {"tick": entry.tick, "time": entry.time, **input_line(entry.what, self._loop)})
+        wall = {"wall": self._wall} if self._looking else {}
+        when = {"tick": entry.tick, "time": entry.time, **wall}
+        self._keep(lambda: {**when, **input_line(entry.what, self._loop)})
 
     def _tick(self) -> None:
         self._keep(self._readings)

@@ -18,6 +18,11 @@ Every tick has its readings, and what followed are the lines of a trace (``trace
      "block":"looking.running","line":12}
     {"tick":13,"time":1.2,"readings":{"light.data":255}}
 
+If that was wanted, inputs have the seconds since the recording began, which go on while the run stands still,
+and there are lines about what a person looked at and did. No replay needs them::
+
+    {"tick":12,"time":1.13,"wall":71.4,"look":"why","about":"transition follower:tlooking","on":true}
+
 With a simulated robot, or none, the inputs reproduce the run bit for bit (in another process the order of a
 set of texts is another one, unless ``PYTHONHASHSEED`` is the same number); what followed is compared, and the
 first difference is told. The readings of a real robot are fed to the program again. What follows from a tick
@@ -49,6 +54,7 @@ from lrp_jupyter.language.program import Program
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.input_lines import input_of
 from lrp_jupyter.live.inputs import Input
+from lrp_jupyter.live.looks import Look, look_of
 from lrp_jupyter.live.plain import unplain
 from lrp_jupyter.live.recorded_code import RecordedCode
 from lrp_jupyter.live.replay import Entry, Ticked
@@ -162,6 +168,8 @@ class Recording:
         What followed from them.
     cut : bool
         Whether the file ended in the middle of a line, or of its compressed data.
+    looks : tuple of Look
+        What a person looked at, if that was recorded, and the inputs, in order.
     is_own : bool
         Whether this user recorded its programs and expressions, which :func:`reproduce
         <lrp_jupyter.live.reproduction.reproduce>` runs.
@@ -173,6 +181,7 @@ class Recording:
     followed: tuple[Line, ...]
     cut: bool = False
     is_own: bool = False
+    looks: tuple[Look, ...] = ()
 
     @property
     def ticks(self) -> int:
@@ -215,6 +224,7 @@ def read_recording(
     start: RunStart | None = None
     entries: list[Entry] = []
     followed: list[Line] = []
+    looks: list[Look] = []
     complete, latest, memory, cut, code = 0, 0.0, 0, False, RecordedCode()
     for number, raw in enumerate(read_log(path), 1):
         if not raw.endswith(b"\n"):
@@ -233,7 +243,12 @@ def read_recording(
             if start.world is not None and time > latest + _LONGEST_WAIT:
                 raise FileError(f"`time` is {time:g}, and it is {latest:g} in the line before.")
             latest = time
+            if "look" in line:
+                looks.append(look_of(line, tick, time))
+                continue
             if "input" in line:
+                if "wall" in line:
+                    looks.append(Look(tick, time, float(line["wall"]), "input", str(line["input"])))
                 what = input_of(line, partial(_program, start=start, prepared=prepared))
                 entries.append(Input(number, tick, time, what))
                 if not isinstance(what, CommandsHeld):  # which stands in the middle of its tick
@@ -248,7 +263,9 @@ def read_recording(
             raise at_line(name, number, _mistake(error)) from None
     if start is None:
         raise FileError(f"`{name}` is not a recording: it contains no complete line.")
-    return Recording(name, start, tuple(entries), tuple(followed[:complete]), cut, code.is_own())
+    return Recording(
+        name, start, tuple(entries), tuple(followed[:complete]), cut, code.is_own(), tuple(looks)
+    )
 
 
 def _memory_of(raw: bytes) -> int:

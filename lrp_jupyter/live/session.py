@@ -48,7 +48,7 @@ import weakref
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Future
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
@@ -63,12 +63,13 @@ from lrp_jupyter.bridges.discovery import check_options, make_bridge
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.errors import (
     BridgeError,
+    FileError,
     LRPError,
     SessionClosedError,
     SessionTimeoutError,
     sentence_of,
 )
-from lrp_jupyter.files import read_text, write_file
+from lrp_jupyter.files import read_text, shown, write_file
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
@@ -217,6 +218,10 @@ class Session:
         self._checked: tuple[Program | None, RobotMembers | None, tuple[Finding, ...]] = None, None, ()
         self._text = program.text
         self._journal = journal
+        self.log = ""
+        """The file into which a recording writes what a person looks at; empty: none does."""
+        self._watched_by: Recorder | None = None
+        self._until_closed = ExitStack()
         self._script: deque[Entry] = deque()  # what was recorded, and is repeated when it runs
         self.bridge = make_bridge(bridge, **options)
         self._members: tuple[object, RobotMembers] = self.bridge.nodes.table, members_of(self.bridge)
@@ -408,6 +413,10 @@ class Session:
     def close(self) -> None:
         """Stop, and disconnect the robot. A second call does nothing."""
         self._end("closed")
+        try:
+            self._until_closed.close()
+        except FileError as error:
+            self.output.print(f"{error}\n")
         self.bridge.close()
         self._dropped.detach()
         _open_sessions.discard(self)
@@ -927,7 +936,7 @@ class Session:
     # -- recording -------------------------------------------------------------------------------
 
     @contextmanager
-    def record(self, path: str | os.PathLike[str]) -> Iterator[None]:
+    def record(self, path: str | os.PathLike[str], *, looking: bool = False) -> Iterator[None]:
         """Write a recording of this session into a file, as long as the ``with`` block lasts.
 
         The session can be reproduced from it in another process: see
@@ -937,6 +946,9 @@ class Session:
         ----------
         path : str or path
             ``run.lrplog``; compressed as ``run.lrplog.gz``.
+        looking : bool
+            Whether the recording also has what a person looks at in the pages that show the session, and the
+            wall time of that and of inputs.
 
         Raises
         ------
@@ -947,20 +959,44 @@ class Session:
         """
         self._driver.refuse_inside("record")
         with open_log(path) as stream:
-            recorder: Recorder = self.call(lambda: self.recorder(stream.write))
+            recorder: Recorder = self.call(lambda: self.recorder(stream.write, looking=looking))
+            if looking:
+                self._watched_by, self.log = recorder, shown(path)
             try:
                 yield
             finally:
+                self._watched_by, self.log = None, ""
                 if self.status == "closed":
                     recorder.end()  # nothing ticks any more
                 else:
                     self.call(recorder.end)
+
+    def record_until_closed(self, path: str | os.PathLike[str]) -> None:
+        """Write a recording, with what a person looks at, until the session is closed: see `record`."""
+        self._until_closed.enter_context(self.record(path, looking=True))
+
+    def looked(self, what: str, about: str = "", on: bool = True) -> None:
+        """Write into the recording that a person looks at something, or does something, if that is wanted.
+
+        Parameters
+        ----------
+        what, about : str
+            Its kind and subject.
+        on : bool
+            Whether that begins.
+        """
+        recorder = self._watched_by
+        if recorder is not None:
+            recorder.look(what, about, on)
+            with suppress(SessionClosedError):
+                self.ask(do.Call(recorder.write_looks))
 
     def recorder(
         self,
         write: Callable[[str], object],
         seed: int | None = None,
         initials: Mapping[str, str] | None = None,
+        looking: bool = False,
     ) -> Recorder:
         """Begin a recording; on the loop's thread, or before it is started.
 
@@ -972,11 +1008,13 @@ class Session:
             That of Python's random numbers, if the caller has seeded them.
         initials : mapping of str to str, optional
             The expressions that replace initial values of the text.
+        looking : bool
+            See `record`.
         """
         if self._loop.interpreter.tick or self._loop.record.inputs:
             raise ValueError("The session has run already. A recording begins before the first tick.")
         self.bridge.open()
-        return Recorder(self._loop, write, start_of(self._loop, self.bridge, seed, initials))
+        return Recorder(self._loop, write, start_of(self._loop, self.bridge, seed, initials), looking)
 
     # -- the past, and what if -------------------------------------------------------------------
 

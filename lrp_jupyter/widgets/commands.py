@@ -267,6 +267,8 @@ class KeepCommand(PageCommand, do="keep"):
 class RecoverCommand(PageCommand, do="recover"):
     """Ask about a text that was typed in a view whose kernel had ended."""
 
+    is_automatic: ClassVar[bool] = True
+
     text: str
 
     def apply(self, opened: OpenProgram) -> Applied:
@@ -408,6 +410,8 @@ class PinCommand(PageCommand, do="pin"):
 @dataclass(frozen=True)
 class FitCommand(PageCommand, do="fit"):
     """Choose places for new states so that the graph fits into a panel of this size, in px."""
+
+    is_automatic: ClassVar[bool] = True
 
     width: float
     height: float

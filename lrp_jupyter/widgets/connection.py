@@ -12,6 +12,7 @@ Every handler and both threads are guarded. A fault of the lab is reported in th
 from __future__ import annotations
 
 import contextvars
+import os
 import threading
 import traceback
 from collections.abc import Callable, Mapping
@@ -41,6 +42,7 @@ from lrp_jupyter.widgets.messages import (
     ByeMessage,
     CursorMessage,
     HelloMessage,
+    LookedMessage,
     MessageError,
     PageCommand,
     PageRequest,
@@ -79,6 +81,8 @@ class PageConnection:
         self.layouts = Layouts()
         self.looking = Looking()
         self.study = Study(self.texts)
+        self.log: str | os.PathLike[str] | None = None
+        """The file that was named for the recording of its sessions."""
         self.options = dict(options or {})
         self._reopen = reopen
         self._free_name = free_name
@@ -123,6 +127,8 @@ class PageConnection:
                 self._publisher.welcome(message.view, message.part, send, known, message.seq)
                 self.start()
             elif isinstance(message, PageCommand):  # also of a view that was forgotten: stop means stop
+                if not message.is_automatic:
+                    self.session.looked(*message.look)
                 if message.is_present:
                     self.looking.back(self.session)
                 self._reply(
@@ -135,6 +141,8 @@ class PageConnection:
                 return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
                 self._publisher.forget(message.view)
+            elif isinstance(message, LookedMessage):
+                self.session.looked(message.what, message.about, message.on)
             elif isinstance(message, TextMessage):
                 self._type(message)
             elif isinstance(message, CursorMessage):

@@ -187,6 +187,10 @@ class Lab(Part):
         challenge.
     edits, graph, quiet, lock : optional
         The conditions of a study, as in `set_conditions`; if none is given, they stay as they are.
+    log : str or path, optional
+        A file, such as ``"participant-07.lrplog"``: the session is recorded in it until it is closed, and
+        also what a person looks at in the pages that show it, which say so. If it exists, the name gets a
+        number.
     **options
         For the bridge: ``world="line"``.
 
@@ -223,6 +227,7 @@ class Lab(Part):
         graph: GraphMode | None = None,
         quiet: bool | None = None,
         lock: bool | None = None,
+        log: str | os.PathLike[str] | None = None,
         **options: Any,
     ) -> None:
         check_type("program", program, (str, Program, Session), "a text, a Program or a Session")
@@ -230,6 +235,8 @@ class Lab(Part):
         check_type("challenge", task, (Challenge, NoneType), "a Challenge or its name")
         conditions = given(edits=edits, graph=graph, quiet=quiet, lock=lock)
         if isinstance(program, Session):
+            if log is not None:
+                program.record_until_closed(log)
             connection = registry.connection_of(program)
             if conditions is not None:
                 connection.study.set(conditions)
@@ -251,6 +258,7 @@ class Lab(Part):
             rate=rate,
             task=task,
             conditions=conditions,
+            log=log,
             **options,
         )
         self._connect(connection)

@@ -36,6 +36,7 @@ _HELP = """\
                       the conditions of a study: edits wait for Apply; the graph is drawn on request,
                       or not shown; nothing of the run is shown outside of it; the page cannot
                       change that. A cell that names one sets all, one that names none leaves them
+       [--log FILE]   record the session, and what its user looks at, in a file of this computer
 %lrp                  list the programs that are open
 %lrp NAME             show the lab of a program again
 %lrp new NAME         open a bundled program
@@ -92,6 +93,7 @@ _VALUES = {
     "challenge": "square",
     "edits": "hold",
     "graph": "static",
+    "log": "participant-07.lrplog",
 }
 _SWITCHES = ("quiet", "lock")
 _OPTIONS = [f"--{name}" for name in (*_VALUES, *_SWITCHES)]

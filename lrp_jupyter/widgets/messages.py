@@ -24,7 +24,7 @@ from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
-from lrp_jupyter.widgets.protocol import ElementKind, PartName, ViewState
+from lrp_jupyter.widgets.protocol import ElementKind, Looked, PartName, ViewState
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
@@ -137,6 +137,18 @@ class CursorMessage(PageMessage, type="cursor"):
 
 
 @dataclass(frozen=True)
+class LookedMessage(PageMessage, type="looked"):
+    """A person begins, or ends, to look at something; sent only while that is recorded. Not answered.
+
+    `about`: the element, the panel; empty: the page itself, which may be in the background.
+    """
+
+    what: Looked
+    about: str
+    on: bool
+
+
+@dataclass(frozen=True)
 class CreditMessage(PageMessage, type="credit"):
     """Frames have arrived, and there is nothing else to say."""
 
@@ -169,6 +181,14 @@ class PageCommand(PageMessage, ABC, type="command"):
 
     changes_world: ClassVar[bool] = False
     """Whether a page shows what it does until the world is described; the reply follows the description."""
+
+    is_automatic: ClassVar[bool] = False
+    """Whether the page sends it by itself."""
+
+    @property
+    def look(self) -> tuple[str, str]:
+        """What the recording of what a person does says about it: a kind and a subject."""
+        return "command", self.named
 
     @abstractmethod
     def apply(self, opened: OpenProgram) -> Future[Any] | None:

@@ -66,6 +66,7 @@ from lrp_jupyter.widgets.changes import Sections
 
 PartName = Literal["lab", "goal", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
 OnActiveEdit = Literal["restart", "keep"]
+Looked = Literal["why", "hover", "inspect", "explain", "panel", "redraw", "page"]
 Edits = Literal["live", "hold"]
 GraphMode = Literal["live", "static", "hidden"]
 CriterionState = Literal["open", "so far", "met", "failed"]
@@ -427,13 +428,15 @@ class SettingsView(TypedDict):
     """Switches of the session that all its views share.
 
     `edits`, `graph`, `quiet` and `lock` are the `Conditions` of a study. With ``hold``, texts wait for
-    ``apply``. `lock`: the kernel refuses ``hold`` and ``graph``.
+    ``apply``. `lock`: the kernel refuses ``hold`` and ``graph``. `log`: the file into which is recorded what
+    a person looks at, reported by ``looked``; empty: nothing is.
     """
 
     edits: Edits
     graph: GraphMode
     quiet: bool
     lock: bool
+    log: str
     on_active_edit: OnActiveEdit
     pause_on_issue: bool
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import atexit
 import os
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -113,6 +114,7 @@ def open_program(
     given_in: str = "cell",
     task: Challenge | None = None,
     conditions: Conditions | None = None,
+    log: str | os.PathLike[str] | None = None,
     **options: Any,
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
@@ -126,9 +128,12 @@ def open_program(
     `given_in`: where this text is, in a word: a cell, or a link.
     `task`: the challenge that the program is written for: its first world is loaded, its goal shown.
     `conditions`: how the lab is used; None: as before.
+    `log`: the file into which the session is recorded from its beginning, with what a person looks at; if
+        it is there, one with a number.
     `options`: for the bridge: ``world="line"``.
     Raises BridgeError: there is no such bridge, or its robot cannot be reached.
     Raises LRPError: it is not a valid name for a program, or ``LRP_KEEP`` names no place to keep texts.
+    Raises LRPError: it is open and not recorded in that file.
     """
     text = text if text and text.strip() else None
     if task is not None:
@@ -146,14 +151,22 @@ def open_program(
         first, *later = _first_texts(texts, kept, text) or [""]
         if kept is not None and kept.read(".hung") in (first, *later):
             paused = _HAS_HUNG
+        path = None if log is None else FilePath(here) / log
         session = _open_session(
-            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, paused
+            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, paused, path
         )
-        connection = _add(PageConnection(session, saver, _reopen, options, free_name=_free_name))
+        reopen = partial(_reopen, log=path)
+        connection = _add(PageConnection(session, saver, reopen, options, free_name=_free_name))
+        connection.log = log
         for each in (first, *later):
             if each != texts.text:
                 texts.write(each)
     else:
+        if log not in (None, connection.log):
+            raise LRPError(
+                f"`{name}` is open, and a recording begins before its first tick. End the program with "
+                f'`lrp_jupyter.Lab("{name}").close()`, then open it again.'
+            )
         if bridge is not None and bridge != connection.session.bridge.name:
             connection.change_bridge(bridge, **options)
         elif options and options != connection.options:
@@ -193,6 +206,7 @@ def _open_session(
     rate: float,
     options: dict[str, Any],
     paused: str = "",
+    log: FilePath | None = None,
 ) -> Session:
     program, _ = scan(text, f"<lrp {name}>")
     robot = make_bridge(bridge, **options)
@@ -205,6 +219,8 @@ def _open_session(
         dead_man=DEAD_MAN if robot.hardware else None,
     )
     try:
+        if log is not None:
+            session.record_until_closed(_unused(log))
         session.start(bool(paused))
         if paused:
             session.pause(paused)
@@ -214,8 +230,18 @@ def _open_session(
     return session
 
 
-def _reopen(old: Session, bridge: str, **options: Any) -> Session:
-    return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options)
+def _reopen(old: Session, bridge: str, log: FilePath | None = None, **options: Any) -> Session:
+    return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options, log=log)
+
+
+def _unused(file: FilePath) -> FilePath:
+    """Return a file that is not there: this one, or this one with a number: no recording is overwritten."""
+    name, ending, rest = file.name.partition(".lrplog")
+    free, count = file, 1
+    while free.exists():
+        count += 1
+        free = file.with_name(f"{name} ({count}){ending}{rest}")
+    return free
 
 
 def _first_texts(texts: Texts, kept: Kept | None, cell: str | None) -> list[str]:

@@ -54,6 +54,13 @@ class LookCommand(PageCommand, do="look"):
     tick: int | None = None
     time: float | None = None
 
+    @property
+    def look(self) -> tuple[str, str]:
+        """See the base class."""
+        if self.tick is not None:
+            return "playhead", f"tick {self.tick}"
+        return "playhead", "now" if self.time is None else f"{self.time:g} s"
+
     def apply(self, opened: OpenProgram) -> Applied:
         """See the base class."""
         at: int | float | None = self.tick

@@ -160,6 +160,7 @@ class ViewStates:
                 "graph": conditions.graph,
                 "quiet": conditions.quiet,
                 "lock": conditions.lock,
+                "log": session.log,
                 "on_active_edit": "keep" if session.on_active_edit == "keep" else "restart",
                 "pause_on_issue": session.on_issue == "pause",
             },

@@ -10,7 +10,13 @@ from typer.main import get_command
 from lrp_jupyter.cli import app
 
 COMMANDS = get_command(app).commands
-NEEDED = {"run": ["follower"], "why": ["run.lrplog", "a"], "replay": ["run.lrplog"], "sweep": ["follower"]}
+NEEDED = {
+    "run": ["follower"],
+    "why": ["run.lrplog", "a"],
+    "replay": ["run.lrplog"],
+    "looks": ["run.lrplog"],
+    "sweep": ["follower"],
+}
 
 
 def options():

@@ -1,8 +1,11 @@
-"""`lrp run --record`, `lrp replay` and `lrp why`."""
+"""`lrp run --record`, `lrp replay`, `lrp why` and `lrp looks`."""
 
+import csv
 import json
 
 import pytest
+
+from lrp_jupyter.live.session import Session
 
 TEXT = """; world: line
 (var limit := [100])
@@ -366,3 +369,50 @@ def test_at_a_terminal_it_is_asked_and_can_be_read_before_it_runs(terminal, fore
     asked.wait_for("The run matches the recording.")
     assert asked.end() == 0
     assert acted.exists()
+
+
+@pytest.fixture
+def watched(tmp_path):
+    """The recording of a session whose user looked at something."""
+    path = tmp_path / "participant-07.lrplog"
+    with Session(TEXT, bridge="sim", world="line") as session:
+        session.record_until_closed(path)
+        session.run(1)
+        session.looked("why", "transition m:bright")
+        session.edit(TEXT.replace("[100]", "[90]"))
+        session.looked("why", "transition m:bright", on=False)
+        session.run(1)
+        assert session.log == str(path)
+    assert session.log == ""
+    return path
+
+
+def test_what_a_user_looked_at_is_listed_and_the_run_is_the_same_again(lrp, watched, tmp_path):
+    assert "The run matches the recording." in lrp("replay", watched).stdout
+    listed = [line.split("tick ")[1].split(maxsplit=1) for line in lrp("looks", watched).stdout.splitlines()]
+    assert [
+        (int(tick), " ".join(what.split())) for tick, what in listed if "why" in what or "edit" in what
+    ] == [
+        (10, "why transition m:bright"),
+        (10, "input edit"),
+        (10, "why transition m:bright, ended"),
+    ]
+    table = tmp_path / "looks.csv"
+    assert lrp("looks", watched, "--out", table).exit_code == 0
+    rows = list(csv.DictReader(table.read_text("utf-8-sig").splitlines()))
+    assert [(row["about"], row["on"]) for row in rows if row["what"] == "why"] == [
+        ("transition m:bright", "True"),
+        ("transition m:bright", "False"),
+    ]
+    walls = [float(row["wall"]) for row in rows]
+    assert walls == sorted(walls)
+
+
+def test_a_recording_without_what_was_looked_at_says_how_to_make_one(lrp, recorded, watched, tmp_path):
+    assert "does not say what its user looked at" in lrp("looks", recorded()).stdout
+    assert lrp("looks", watched, "--out", tmp_path / "looks.txt").exit_code == 2
+    text = watched.read_text().replace('"about":"transition', '"about":5,"was":"transition')
+    watched.write_text(text)
+    done = lrp("looks", watched)
+    assert done.exit_code == 2
+    assert "The field `about` is wrong: it is 5." in done.stderr

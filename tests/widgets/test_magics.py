@@ -8,6 +8,8 @@ from traitlets.config import Config
 
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.grading.challenges import challenge
+from lrp_jupyter.live.recording import read_recording
+from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.lab import Lab
@@ -15,6 +17,17 @@ from lrp_jupyter.widgets.magics import WORDS
 
 A = "(machine m (state a)) (spawn m a)\n"
 B = "(machine m (state a) (state b)) (spawn m a)\n"
+
+
+class Page:
+    """A view in a page."""
+
+    def __init__(self, connection):
+        self.connection = connection
+        self.send("hello", part="lab")
+
+    def send(self, kind, /, **fields):
+        self.connection.receive(lambda *_: None, {"type": kind, "view": "page", **fields})
 
 
 @pytest.fixture(scope="module")
@@ -311,6 +324,54 @@ def test_a_cell_sets_up_a_study_which_stays_until_a_cell_sets_another(shell):
     assert lab.session.program.text == B
     cell(shell, "mine --graph static", B)
     assert lab.conditions == Conditions(graph="static")
+
+
+def test_a_session_is_recorded_with_what_its_user_looks_at_and_no_recording_is_overwritten(shell, tmp_path):
+    for name in ("p.lrplog", "p (2).lrplog"):
+        lab = cell(shell, "mine --log p.lrplog", A)
+        view = Page(lab._connection)
+        view.send("looked", what="hover", about="state m/a", on=True)
+        view.send("command", id=1, do="look", tick=0)
+        view.send("command", id=2, do="fit", width=300, height=200)
+        view.send("command", id=3, do="pause")
+        assert cell(shell, "mine --log p.lrplog", A) is lab
+        assert lab._connection.view_state()["settings"]["log"] == str(tmp_path / name)
+        with pytest.raises(
+            UsageError, match=r"`mine` is open, and a recording begins before its first tick\."
+        ):
+            cell(shell, "mine --log other.lrplog", A)
+        lab.close()
+        recording = read_recording(tmp_path / name)
+        assert [each[3:] for each in recording.looks if each.what != "input"] == [
+            ("hover", "state m/a", True),
+            ("playhead", "tick 0", True),
+            ("command", "pause", True),
+        ]
+        assert reproduce(recording).difference is None
+    assert sorted(file.name for file in tmp_path.glob("*.lrplog")) == ["p (2).lrplog", "p.lrplog"]
+
+
+def test_without_a_log_nothing_is_written(shell, tmp_path):
+    lab = cell(shell, "mine", A)
+    Page(lab._connection).send("looked", what="hover", about="state m/a", on=True)
+    assert lab.session.log == ""
+    assert not [*tmp_path.glob("*.lrplog*")]
+    assert lab.fault == ""
+
+
+def test_a_log_that_cannot_be_written_opens_nothing(shell):
+    with pytest.raises(UsageError, match="nowhere"):
+        cell(shell, "mine --log nowhere/p.lrplog", A)
+    assert registry.names() == []
+
+
+def test_another_bridge_is_recorded_in_another_file(shell, tmp_path):
+    lab = cell(shell, "mine --log p.lrplog", A)
+    lab._connection.change_bridge("none")
+    assert lab.session.log == str(tmp_path / "p (2).lrplog")
+    lab.close()
+    bridges = [read_recording(tmp_path / name).start.bridge for name in ("p.lrplog", "p (2).lrplog")]
+    assert bridges == ["sim", "none"]
 
 
 def test_a_cell_for_a_challenge_opens_its_world_and_shows_its_goal(shell):

@@ -3,6 +3,7 @@
 import type { Extension } from "@codemirror/state";
 import { hoverTooltip } from "@codemirror/view";
 import { outlineOf, treeOf } from "../language/lrp";
+import { lookedAt } from "../parts/study";
 import type { HoverView } from "../protocol";
 import type { Lab } from "../session/store";
 import { h, prose } from "../ui/dom";
@@ -20,7 +21,12 @@ export function hover(lab: Lab): Extension {
           ? await ofPython(lab, chain.text, place.scope)
           : await withReason(lab, ofProgram(lab, view.state, chain));
       if (!card) return null;
-      return { pos: chain.from, end: chain.to, above: true, create: () => ({ dom: cardOf(card) }) };
+      return {
+        pos: chain.from,
+        end: chain.to,
+        above: true,
+        create: () => ({ dom: cardOf(card), destroy: lookedAt(lab, card.title) }),
+      };
     },
     { hoverTime: 350 },
   );

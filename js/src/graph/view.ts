@@ -2,7 +2,7 @@
 
 import { nameOf, parentOf } from "../language/paths";
 import { breakpointItems } from "../parts/breakpoints";
-import { showLock } from "../parts/study";
+import { looked, showLock } from "../parts/study";
 import { askWhy } from "../parts/why";
 import type { GraphMode, Layout, StateShape } from "../protocol";
 import { inGraph } from "../session/state";
@@ -162,7 +162,10 @@ export function graphView(lab: Lab): HTMLElement {
         label: "Redraw",
         title: "Draw the graph of the program as it is now",
         action: "redraw",
-        onclick: () => redraw(true),
+        onclick: () => {
+          looked(lab, "redraw", store.state.machine, true);
+          redraw(true);
+        },
       }),
       modes,
       button({

@@ -4,6 +4,7 @@ import type { ExplanationView } from "../protocol";
 import type { Lab } from "../session/store";
 import { below, openCard, type Point } from "../ui/card";
 import { h, prose } from "../ui/dom";
+import { looked } from "./study";
 
 /** A code as a button that explains it. */
 export function codeButton(lab: Lab, code: string, text = code): HTMLButtonElement {
@@ -43,5 +44,6 @@ function show(lab: Lab, { code, title, ...parts }: ExplanationView, at: Point): 
       h("a", { href: parts.address, target: "_blank", rel: "noopener" }, "In the documentation"),
   );
   const heading = [h("span", {}, ...prose(title)), h("span", { class: "lrp-faint" }, ` ${code}`)];
-  openCard(lab, at, "close-explanation", heading, [body]);
+  looked(lab, "explain", code, true);
+  openCard(lab, at, "close-explanation", heading, [body], () => looked(lab, "explain", code, false));
 }

@@ -5,6 +5,7 @@ import { h, prose, setAttribute, setHidden, setText, unmarked } from "../ui/dom"
 import { ELEMENT_OF } from "./breakpoints";
 import { notes } from "./notes";
 import { restarts } from "./restarts";
+import { recorded } from "./study";
 
 /** `forms` are shown in the place of the notes. */
 export function foot(lab: Lab, text: () => string, ...forms: HTMLElement[]): HTMLElement {
@@ -15,6 +16,7 @@ export function foot(lab: Lab, text: () => string, ...forms: HTMLElement[]): HTM
     h("div", { class: "lrp-notes" }, ...forms, notes(lab, text), notice),
     counter,
     pausedBy(lab),
+    recorded(lab),
     statusLine(lab),
   );
 }

@@ -6,6 +6,7 @@ import { button } from "../ui/button";
 import { h, reconcile, returnFocus, setHidden, setText } from "../ui/dom";
 import { focusedAround } from "../ui/root";
 import { partInSight } from "../ui/sight";
+import { looked } from "./study";
 
 const INTERVAL = 500; // ms between two requests while the program runs
 const AROUND = 8; // px between the inspector and the edge of what is in sight
@@ -27,7 +28,12 @@ export function inspector(lab: Lab): Inspector {
   const way = h("nav", { class: "lrp-way", "aria-label": "Path into the value" });
   const error = h("p", { class: "lrp-error", hidden: true });
   const body = h("div", { class: "lrp-inspect-body" }, error);
+  const tell = (on: boolean) => {
+    const { inspected } = store.state;
+    if (inspected) looked(lab, "inspect", `${inspected.kind} ${inspected.path}`.trim(), on);
+  };
   const close = () => {
+    tell(false);
     store.set("inspected", null);
     element.hidden = true;
     returnFocus(before, lab.root);
@@ -91,7 +97,9 @@ export function inspector(lab: Lab): Inspector {
     open(kind, path) {
       if (element.hidden) before = focusedAround(lab.root);
       into = [];
+      tell(false);
       store.set("inspected", { kind, path });
+      tell(true);
       const { top, bottom } = partInSight(lab.root);
       const below = Math.max(top + AROUND, CONTROLS);
       element.style.top = `${below}px`;

@@ -6,6 +6,7 @@ import type { Lab } from "../session/store";
 import { openCard, type Point } from "../ui/card";
 import { h, prose } from "../ui/dom";
 import { codeButton } from "./explain";
+import { looked } from "./study";
 
 const INTERVAL = 500; // ms between two questions while the program runs
 
@@ -68,9 +69,12 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: Point): vo
       place();
     },
   );
+  const subject = `${kind} ${path}`.trim();
+  looked(lab, "why", subject, true);
   const { card, place } = openCard(lab, at, "close-why", [title, when], [sentence, lines, meaning], () => {
     isOpen = false;
     unwatch();
+    looked(lab, "why", subject, false);
   });
   const unwatch = lab.store.watch(["tick", "status", "program", "looking"], ask);
 }

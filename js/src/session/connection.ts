@@ -11,6 +11,7 @@ import type {
   FrameMessage,
   FromKernel,
   FromPage,
+  LookedMessage,
   PartName,
   ReplyMessage,
   SnapshotMessage,
@@ -160,6 +161,11 @@ export class Connection {
   /** Send a command without a reply, because only the newest counts: a drag, a slider. */
   send(act: Act): void {
     this.post({ type: "command", view: this.view, id: 0, ...act });
+  }
+
+  /** Say what the kernel does not answer. */
+  tell(looked: Without<LookedMessage, "view">): void {
+    this.post({ view: this.view, ...looked });
   }
 
   ask(question: Question): Promise<ReplyMessage> {

@@ -1,7 +1,7 @@
 /** The state of one view, and its watchers, which are called at most once per animation frame. */
 
 import type { Pen } from "../editor/pen";
-import type { ElementKind, ReplyMessage, TextRange } from "../protocol";
+import type { ElementKind, Looked, ReplyMessage, TextRange } from "../protocol";
 import type { Act, Question } from "./connection";
 import { initialState, type LabState, type Topic } from "./state";
 
@@ -60,6 +60,8 @@ export interface Lab {
   /** Send a command without a reply. */
   send(act: Act): void;
   ask(question: Question): Promise<ReplyMessage>;
+  /** See `looked` in `parts/study.ts`. */
+  tell(looked: { what: Looked; about: string; on: boolean }): void;
   /** Show the source of an element. */
   goTo(kind: ElementKind, path: string): void;
   goToRange(range: TextRange, ofRunning: boolean): void;

@@ -1,6 +1,7 @@
 /** The timeline below the panels: what happened, a playhead that takes the whole lab back, and what if. */
 
 import { nameOf } from "../language/paths";
+import { looked } from "../parts/study";
 import { askWhy } from "../parts/why";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
@@ -103,7 +104,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     setHidden(body, !on);
     setHidden(tools, !on);
     setAttribute(opener, "aria-expanded", String(on));
-    if (chosen) keepOn(OPEN, on);
+    if (chosen) {
+      keepOn(OPEN, on);
+      looked(lab, "panel", "timeline", on);
+    }
     if (on) askNow();
   };
 

@@ -133,6 +133,8 @@ export class Layout {
   /** What has a place of its own: a panel, or the tree and the graph together. */
   private readonly places: Map<string, HTMLElement>;
   private readonly bars = new Map<Division, ReturnType<typeof splitter>>();
+  /** Called when the user shows or hides a panel, or shows it alone. */
+  told: (about: string, on: boolean) => void = () => {};
   private alone: HTMLElement | null = null;
   private readonly observer = new ResizeObserver(() => {
     if (this.element.clientWidth) this.update(); // in a tab that is not shown, everything stays as it is
@@ -155,6 +157,7 @@ export class Layout {
     this.panels[name].hidden = !on;
     if (on) forget(HIDDEN + name);
     else keep(HIDDEN + name, "");
+    this.told(name, on);
     this.maximise(null);
   }
 
@@ -171,6 +174,10 @@ export class Layout {
   }
 
   maximise(panel: HTMLElement | null): void {
+    for (const [name, each] of Object.entries(this.panels)) {
+      if (panel !== this.alone && (each === panel || each === this.alone))
+        this.told(`${name} alone`, each === panel);
+    }
     if (this.alone) mark(this.alone, false);
     this.alone = panel;
     if (panel) mark(panel, true);

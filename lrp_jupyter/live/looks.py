@@ -1,0 +1,51 @@
+"""What a person looked at and did, in a recording: no inputs of the run, so a replay leaves them out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from lrp_jupyter.errors import FileError
+from lrp_jupyter.interpreter.rendering import short
+
+_TYPES: dict[str, type | tuple[type, ...]] = {"wall": (int, float), "look": str, "about": str, "on": bool}
+
+
+class Look(NamedTuple):
+    """A person began or ended to look at something, or did something.
+
+    `tick`, `time`: of the run, which may stand still meanwhile.
+    `wall`: seconds since the recording began.
+    `what`: its kind: ``why``, ``hover``, ``playhead``, ``command``, …
+    `about`: its subject.
+    `on`: whether it began.
+    """
+
+    tick: int
+    time: float
+    wall: float
+    what: str
+    about: str
+    on: bool = True
+
+    def line(self) -> dict[str, Any]:
+        """Return its line of a recording."""
+        return {
+            "tick": self.tick,
+            "time": self.time,
+            "wall": self.wall,
+            "look": self.what,
+            "about": self.about,
+            "on": self.on,
+        }
+
+
+def look_of(line: Mapping[str, Any], tick: int, time: float) -> Look:
+    """Return the look of a line.
+
+    Raises FileError: a field has a wrong type.
+    """
+    for name, kinds in _TYPES.items():
+        if not isinstance(line[name], kinds):
+            raise FileError(f"The field `{name}` is wrong: it is {short(line[name])}.")
+    return Look(tick, time, float(line["wall"]), line["look"], line["about"], line["on"])
