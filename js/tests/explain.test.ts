@@ -3,7 +3,7 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { codeButton } from "../src/parts/explain";
 import type { ExplanationView, ReplyMessage } from "../src/protocol";
-import type { Lab } from "../src/session/store";
+import { type Lab, Store } from "../src/session/store";
 
 const UNKNOWN: ExplanationView = {
   code: "LRP301",
@@ -23,6 +23,7 @@ describe("a code", () => {
   const open = async (reply: Partial<ReplyMessage>) => {
     const lab = {
       root,
+      store: new Store(),
       notify: (text: string) => told.push(text),
       ask: async (question: unknown) => {
         asked.push(question);

@@ -594,7 +594,7 @@ describe("the page", () => {
 
   it("reports what its user looks at only while that is recorded, and says so", async () => {
     vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
-    const mark = page.find('[data-lrp="recorded"]');
+    const mark = page.find(".lrp-recorded");
     const look = () => {
       page.find('[data-lrp-action="timeline"]').click();
       const state = page.find('[data-lrp-state="follower/looking"]');

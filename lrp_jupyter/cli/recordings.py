@@ -31,8 +31,6 @@ from lrp_jupyter.live.reproduction import Reproduction, reproduce
 
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s
-_OF_THE_RUN = {("input", "rest"), ("input", "hold")}
-"""Inputs that come from no person: the run ended, commands were held back."""
 _SETS = (
     "If it walks over a set of texts: Python puts these into another order in every process. Set the "
     "variable `PYTHONHASHSEED` to one number for the run and for its replay."
@@ -107,8 +105,7 @@ def looks_file(file: str, out: Path | None) -> int:
     if out is not None:
         check_outputs([out], (".csv",))
     recording = read_recording(file, prepared)
-    found = [each for each in recording.looks if (each.what, each.about) not in _OF_THE_RUN]
-    looks = sorted(found, key=lambda each: each.wall)
+    looks = sorted(recording.looks, key=lambda each: each.wall)
     if out is not None:
         write_file(out, csv_text(Look._fields, looks))
         return 0

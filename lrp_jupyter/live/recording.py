@@ -75,6 +75,9 @@ _LONGEST_PROGRAM = 1_000_000  # characters
 
 Line = dict[str, Any]
 
+_OF_THE_RUN = ("rest", "hold")
+"""Inputs that come from no person: the run ended, commands were held back."""
+
 _FIELDS: dict[object, dict[str, type]] = {
     "entered": {"state": str},
     "left": {"state": str},
@@ -247,7 +250,7 @@ def read_recording(
                 looks.append(look_of(line, tick, time))
                 continue
             if "input" in line:
-                if "wall" in line:
+                if "wall" in line and line["input"] not in _OF_THE_RUN:
                     looks.append(Look(tick, time, float(line["wall"]), "input", str(line["input"])))
                 what = input_of(line, partial(_program, start=start, prepared=prepared))
                 entries.append(Input(number, tick, time, what))

@@ -73,7 +73,7 @@ function nameUnder(element: Element): string {
 export function recorded(lab: Lab): HTMLElement {
   const mark = h(
     "span",
-    { class: "lrp-recorded", role: "status", "data-lrp": "recorded" },
+    { class: "lrp-recorded", role: "status" },
     h("span", { class: "lrp-dot", "data-status": "recorded", "aria-hidden": "true" }),
     "Recorded",
   );
