@@ -197,15 +197,14 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       height?.reset();
     },
     fills: { shown: isFilling, show: fill },
-    text: () => (editor ? textItems(editor) : []),
+    text: () => (editor ? textItems(editor, store.state.settings.quiet) : []),
     save: save.open,
     versions: versions.open,
     open: opening.open,
     cell: () => cell?.items() ?? [],
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
-  const past = band(lab, looking);
-  root.append(past);
+  if (part !== "lab") root.append(band(lab, looking));
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
   if (part === "lab") root.append(timelineView(lab, looking));
   root.append(foot(lab, text, save.element, versions.element, opening.element));
@@ -219,7 +218,6 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     else
       for (const [name, panel] of Object.entries(panels))
         panel?.toggleAttribute(WITHHELD, away.includes(name));
-    if (layout) past.toggleAttribute(WITHHELD, !settings.quiet); // the timeline has one
   });
   if (layout) layout.told = (panel, on) => looked(lab, "panel", panel, on);
   watchPointer(lab);

@@ -550,6 +550,15 @@ describe("the page", () => {
     page.deliver({ type: "frame", frame: 12, settings: { graph: "hidden" } });
     await page.drawn();
     expect(shown()).toEqual([]);
+    const looking = { tick: 3, time: 0.2, ago: 0.6, edited: false }; // as Show does at a run of a check
+    page.deliver({ type: "frame", frame: 12, looking });
+    await page.drawn();
+    expect(shown()).toEqual(["timeline"]);
+    expect(page.find('[data-lrp-action="back-to-now"]').closest("[hidden]")).toBe(null);
+    expect(page.find('[data-lrp-action="timeline"]').hidden).toBe(true);
+    page.deliver({ type: "frame", frame: 12, looking: null });
+    await page.drawn();
+    expect(shown()).toEqual([]);
     page.deliver({ type: "frame", frame: 13, settings: { graph: "live", quiet: false } });
     await page.drawn();
     expect(alive()).toHaveLength(6);
@@ -581,6 +590,7 @@ describe("the page", () => {
     page.deliver({ type: "frame", frame: 9, settings: { edits: "hold", graph: "hidden", quiet: true } });
     await page.drawn();
     expect(items()).toEqual(["editor", "graph", "world", "issues"]);
+    expect(page.host.querySelector('[data-lrp-action="values"]')).toBe(null);
     page.find('[data-lrp-action="panel-graph"]').click();
     expect(page.commands("graph")).toMatchObject([{ mode: "live" }]);
     expect(switches().map(({ disabled }) => disabled)).toEqual([false, false]);

@@ -3,14 +3,16 @@
 import type { Editor } from "../editor/editor";
 import type { MenuItem } from "../ui/menu";
 
-export function textItems(editor: Editor): MenuItem[] {
+/** `quiet`: there are no values in the text. */
+export function textItems(editor: Editor, quiet: boolean): MenuItem[] {
+  const values = {
+    label: "Values in the text",
+    action: "values",
+    checked: editor.showsValues,
+    run: () => editor.showValues(!editor.showsValues),
+  };
   return [
-    {
-      label: "Values in the text",
-      action: "values",
-      checked: editor.showsValues,
-      run: () => editor.showValues(!editor.showsValues),
-    },
+    ...(quiet ? [] : [values]),
     {
       label: "Brackets coloured by depth",
       action: "brackets",

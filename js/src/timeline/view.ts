@@ -86,17 +86,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     action: "timeline",
     onclick: () => open(body.hidden, true),
   });
+  const title = h("div", { class: "lrp-title" }, "Timeline");
   const element = h(
     "section",
     { class: "lrp-timeline", "data-lrp": "timeline", "aria-label": "Timeline" },
-    h(
-      "header",
-      { class: "lrp-timeline-head" },
-      opener,
-      h("div", { class: "lrp-title" }, "Timeline"),
-      band(lab, looking),
-      tools,
-    ),
+    h("header", { class: "lrp-timeline-head" }, opener, title, band(lab, looking), tools),
     body,
   );
 
@@ -433,11 +427,14 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   /* ---------------------------------------------------------------- what changes it */
 
-  store.watch(["settings"], () => {
-    const { quiet } = store.state.settings;
+  store.watch(["settings", "looking"], () => {
+    const { settings, looking: moment } = store.state;
+    const { quiet } = settings;
     if (quiet && !body.hidden) open(false);
-    else if (!quiet && element.hidden) open(isOn(OPEN, lab.root.clientWidth > NARROW));
-    setHidden(element, quiet);
+    else if (!quiet && opener.hidden) open(isOn(OPEN, lab.root.clientWidth > NARROW));
+    setHidden(opener, quiet);
+    setHidden(title, quiet);
+    setHidden(element, quiet && !moment); // a run of a check is shown, and the way back from it
   });
   store.watch(["snapshot"], () => {
     happened = new Happened();
@@ -468,7 +465,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     redraw();
   });
   new ResizeObserver(() => {
-    if (body.hasAttribute("data-new") && !element.hidden && lab.root.clientWidth) {
+    if (body.hasAttribute("data-new") && !opener.hidden && lab.root.clientWidth) {
       body.removeAttribute("data-new");
       open(isOn(OPEN, lab.root.clientWidth > NARROW));
     }

@@ -148,15 +148,19 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
           stage.repaint();
         },
       },
-      {
-        label: "Preview after an edit",
-        action: "preview",
-        checked: preview.on,
-        run: () => {
-          preview.on = !preview.on;
-          keepOn("world-preview", preview.on);
-        },
-      },
+      ...(store.state.settings.quiet
+        ? []
+        : [
+            {
+              label: "Preview after an edit",
+              action: "preview",
+              checked: preview.on,
+              run: () => {
+                preview.on = !preview.on;
+                keepOn("world-preview", preview.on);
+              },
+            },
+          ]),
       null,
       {
         label: "Why does the robot do this?",
