@@ -240,6 +240,7 @@ class Lab(Part):
             connection = registry.connection_of(program)
             if conditions is not None:
                 connection.study.set(conditions)
+                connection.wake()
             self._connect(connection)
             return
         text: str | None = program.text if isinstance(program, Program) else program

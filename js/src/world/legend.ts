@@ -43,6 +43,7 @@ export function trailStyles(
   const states = program.machines.flatMap((machine) => machine.states);
   const outer = new Set(states.flatMap(({ path, machines }) => (machines.length ? [path] : [])));
   return (state) => {
+    if (!state) return { color: "gray", dash: [] }; // no state is known, or shown
     const index = order.get(state) ?? order.size;
     order.set(state, index);
     const again = Math.floor(index / colors.length) % 2 ? DASH : [];
