@@ -434,7 +434,7 @@ export interface OnActiveEditCommand {
   name: OnActiveEdit;
 }
 
-/** Set whether a new issue pauses the program. */
+/** Set whether an issue pauses the program, whenever it occurs. */
 export interface PauseOnIssueCommand {
   view: string;
   frame?: number;

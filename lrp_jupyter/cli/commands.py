@@ -252,7 +252,9 @@ def run(
     watch: Annotated[
         bool, typer.Option("--watch", help="Patch the running program at every save of the file.")
     ] = False,
-    on_issue: Annotated[OnIssue, typer.Option(help="What to do at a fault of the program.")] = OnIssue.record,
+    on_issue: Annotated[
+        OnIssue, typer.Option(help="What to do whenever a fault of the program occurs.")
+    ] = OnIssue.record,
     host: Annotated[
         str | None, typer.Option(help="Address of the robot; short for `--option host=…`.")
     ] = None,

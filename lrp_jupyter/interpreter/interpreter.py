@@ -90,7 +90,7 @@ class Interpreter:
     on_active_edit : {"restart", "keep"}
         The effect of a change to the actions of an active state.
     on_issue : {"record", "pause"}
-        ``pause``: complete the tick, then pause, at each new issue.
+        ``pause``: complete the tick, then pause, whenever an issue occurs, for the first time or again.
     journal : int, optional
         How many ticks :meth:`rewind` can go back, by default 10,000 or those of 10 minutes, whichever are
         more; fewer if they take more than about 100 MB. 0 keeps no journal.
@@ -400,8 +400,8 @@ class Interpreter:
                 run.trim()
         run.refresh()
         run.attention = run.watched or bool(run.pending)
-        if run.new_issue:
-            run.new_issue = False
+        if run.faulted:
+            run.faulted = False
             if self.on_issue == "pause" and not self.paused:
                 self.pause()
         if run.events:

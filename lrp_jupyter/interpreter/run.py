@@ -90,7 +90,8 @@ class Run:
         self.event_values: dict[Path, bool | None] | None = None
         self.unmeant: Element | None = None
         """The element in which the user is typing a word; its faults are not reported."""
-        self.new_issue = False
+        self.faulted = False
+        """Whether an issue has occurred, for the first time or again, since the last tick or command."""
         self.stale = False
         self.leaking = False
         self.assigned = False
@@ -358,8 +359,9 @@ class Run:
             return Issue(kind, site.element, message, *place, trace, tick, tick)
 
         issue = self.issues.report((*site[:2], kind), make, message, tick, line_of(program, raised))
+        self.faulted = self.attention = True
         if issue is not None:
-            self.stale = self.new_issue = self.attention = True
+            self.stale = True
             self.emit("issue", site.element.path, issue)
 
     def _note_fault(self, site: Site, kind: str, message: str, edge: Edge | None) -> None:

@@ -734,7 +734,7 @@ class Session:
 
     @property
     def on_issue(self) -> str:
-        """The effect of a new issue, ``record`` or ``pause``; may be set at any time."""
+        """The effect of an issue, whenever it occurs: ``record`` or ``pause``; may be set at any time."""
         return self.interpreter.on_issue
 
     @on_issue.setter

@@ -361,7 +361,7 @@ class OnActiveEditCommand(PageCommand, do="on_active_edit"):
 
 @dataclass(frozen=True)
 class PauseOnIssueCommand(PageCommand, do="pause_on_issue"):
-    """Set whether a new issue pauses the program."""
+    """Set whether an issue pauses the program, whenever it occurs."""
 
     on: bool
 

@@ -253,7 +253,7 @@ def test_pause_on_issue_completes_the_tick_first():
     assert isinstance(i.last_exception, ZeroDivisionError)
     i.resume()
     i.step(0.2)
-    assert not i.paused, "it is no new issue"
+    assert (i.paused, i.variables["n"]) == (True, 2), "at every occurrence"
 
 
 def test_set_variable_evaluates_in_the_scope_of_the_variable():

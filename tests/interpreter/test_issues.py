@@ -6,6 +6,22 @@ from support.tables import every
 
 from lrp_jupyter.language.parser import parse
 
+OF_EVERY_KIND = [
+    "(var bad := [1 / 0])(machine m (state a) (ontime bad a -> a))(spawn m a)",
+    "(machine m (state a (running [\n def f():\n  nonlocal gone\n f()])))(spawn m a)",
+    "(machine m (state a) (on nope a -> a))(spawn m a)",
+    "(machine m (state a) (on [True] a -> nowhere))(spawn m a)",
+    "(machine m (state a) (ontime nope a -> a))(spawn m a)",
+    "(machine m (state a (onentry (spawn nope x))))(spawn m a)",
+    "(machine m (state a (onentry (spawn n x)) (machine n)))(spawn m a)",
+    "(machine m (state a (onentry (spawn n x)) (machine n (state x) (exit [True] x -> no))))(spawn m a)",
+    "(machine m (state a))(spawn m a)(spawn m b)(spawn q b)",
+    "(machine m (state a))(spawn m a)(spawn m a)",
+    "(machine m (state a) (on [1] a -> a))(spawn m a)",
+    "(machine m (state a (running [1 / 0])))(spawn m a)",
+    "(machine m (state a) (state a))(spawn m a)",
+]
+
 
 def summary(i):
     return [(issue.code, issue.count, issue.resolved) for issue in i.issues]
@@ -119,24 +135,7 @@ def test_an_issue_is_located_correctly_when_a_comment_in_its_block_moves_it():
     assert (issue.line, issue.count, issue.first_tick) == (4, 2, 2)
 
 
-@every(
-    "text",
-    [
-        "(var bad := [1 / 0])(machine m (state a) (ontime bad a -> a))(spawn m a)",
-        "(machine m (state a (running [\n def f():\n  nonlocal gone\n f()])))(spawn m a)",
-        "(machine m (state a) (on nope a -> a))(spawn m a)",
-        "(machine m (state a) (on [True] a -> nowhere))(spawn m a)",
-        "(machine m (state a) (ontime nope a -> a))(spawn m a)",
-        "(machine m (state a (onentry (spawn nope x))))(spawn m a)",
-        "(machine m (state a (onentry (spawn n x)) (machine n)))(spawn m a)",
-        "(machine m (state a (onentry (spawn n x)) (machine n (state x) (exit [True] x -> no))))(spawn m a)",
-        "(machine m (state a))(spawn m a)(spawn m b)(spawn q b)",
-        "(machine m (state a))(spawn m a)(spawn m a)",
-        "(machine m (state a) (on [1] a -> a))(spawn m a)",
-        "(machine m (state a (running [1 / 0])))(spawn m a)",
-        "(machine m (state a) (state a))(spawn m a)",
-    ],
-)
+@every("text", OF_EVERY_KIND)
 def test_another_layout_ends_no_issue(text):
     i = started(text, 2, on_issue="pause")
     before = [(issue.message, issue.resolved) for issue in i.issues]
@@ -145,8 +144,23 @@ def test_another_layout_ends_no_issue(text):
     i.patch(parse("; a comment\n" + text))
     assert [(issue.message, issue.resolved) for issue in i.issues] == before
     assert all(issue.line > 1 for issue in i.issues)
-    i.step(0.2)
-    assert not i.paused, "none of them is new"
+    assert not i.paused, "none of them has occurred"
+
+
+@every("text", OF_EVERY_KIND)
+def test_pause_on_issue_pauses_at_every_occurrence_and_at_nothing_else(text):
+    i = started(text, 3)
+    assert not i.paused
+    i.on_issue = "pause"
+    counts = [issue.count for issue in i.issues]
+    for tick in range(3, 12):
+        if tick == 8:
+            i.reset()
+        i.step(tick / 10)
+        before, counts = counts, [issue.count for issue in i.issues]
+        assert i.paused == (counts != before)
+        i.resume()
+        assert not i.paused
 
 
 def test_a_second_definition_keeps_its_place_when_text_comes_between():
@@ -219,7 +233,7 @@ def test_issues_keep_their_history_when_what_they_concern_is_renamed():
     assert [issue.count for issue in i.issues] == [1, 2, 2, 2, 2, 2]
     assert not any(issue.resolved for issue in i.issues)
     assert {issue.element.path[0] for issue in i.issues} == {"much_longer"}
-    assert not i.paused, "none of them is new"
+    assert i.paused, "some have occurred again"
     line = i.program.text.splitlines()[1]
     assert i.issues[-1].column == line.index("1 / 0") + 1
     i.rewind(1)

@@ -22,7 +22,7 @@ export function issuesView(lab: Lab): HTMLElement {
   const { store } = lab;
   const pause = toggle(
     "Pause on issue",
-    "Pause the program at each new issue",
+    "Pause the program whenever an issue occurs",
     "pause-on-issue",
     (on) => void lab.act({ do: "pause_on_issue", on }),
   );
