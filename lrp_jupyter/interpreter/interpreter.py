@@ -35,15 +35,18 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from types import MappingProxyType, NoneType
+from types import MappingProxyType, NoneType, TracebackType
 from typing import Any, Literal
 
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.cells import Slot
+from lrp_jupyter.interpreter.debugging import scoped_traceback
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.forcing import How, find_destination, find_state, force
 from lrp_jupyter.interpreter.history import History
-from lrp_jupyter.interpreter.issues import IssueLog
+from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.journal import EDITS, note, undo_write
 from lrp_jupyter.interpreter.linker import BlockPlan, StatePlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
@@ -225,10 +228,24 @@ class Interpreter:
             self._history = History(self._run)
         return self._history
 
-    @property
-    def last_exception(self) -> BaseException | None:
-        """The last exception that a block raised, for post-mortem debugging."""
-        return self._run.last_exception
+    def traceback_of(self, issue: Issue, assign: Callable[[Path, object], object]) -> TracebackType | None:
+        """Return the traceback of an issue's last occurrence, with all that is in scope; None if unknown.
+
+        `assign`: assigns a value to the variable of a path.
+        """
+        run = self._run
+        raised = run.issues.raised(issue)
+
+        def assign_slot(name: str, slot: Slot, value: object) -> None:
+            for environment in run.live.values():
+                if environment.own.get(name) is slot:
+                    assign((*environment.path, name), value)
+                    return
+            raise LRPError(f"`{name}` is not a variable that exists now, so it cannot be assigned.")
+
+        if raised is None:
+            return None
+        return scoped_traceback(run.program, issue, raised, run.namespace, assign_slot)
 
     def entered(self, path: Path | str) -> float | None:
         """Return when the active state with this path (as spawned) was entered, in seconds, or None."""

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, overload
+from operator import attrgetter
+from typing import Any, Literal, overload
 
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element
@@ -96,6 +97,7 @@ class IssueLog(Sequence[Issue]):
         self._all: dict[Key, Issue] = {}
         self.open_blocks: set[tuple[Element, int]] = set()
         self._last: dict[Key, tuple[str, int]] = {}  # message and line of the last occurrence, in this text
+        self._raised: dict[Key, Any] = {}
 
     @overload
     def __getitem__(self, index: int) -> Issue: ...
@@ -114,12 +116,20 @@ class IssueLog(Sequence[Issue]):
         return f"IssueLog({list(self)!r})"
 
     def report(
-        self, key: Key, make: Callable[[], Issue], message: str, tick: int, line: int = 0
+        self,
+        key: Key,
+        make: Callable[[], Issue],
+        message: str,
+        tick: int,
+        line: int = 0,
+        raised: object = None,
     ) -> Issue | None:
         """Count a fault; return the issue if it is new or reopened, else None.
 
         The issue describes the last occurrence: it is replaced if the message, the line or the text differs.
+        What was `raised` is kept of the last one only: it holds frames.
         """
+        self._raised[key] = raised
         known, last = self._all.get(key), self._last.get(key)
         self._last[key] = message, line
         if known is not None and not known.resolved and last == (message, line):
@@ -141,10 +151,22 @@ class IssueLog(Sequence[Issue]):
                 self._all[key] = replace(issue, resolved=True)
         self.open_blocks = {key[:2] for key, issue in self._all.items() if not issue.resolved}
 
+    def raised(self, issue: Issue) -> Any:
+        """Return what the last occurrence of an issue, or a later one, has raised, or None."""
+        place = attrgetter("element", "kind", "line", "column")
+        found = [self._raised[key] for key, known in self._all.items() if place(known) == place(issue)]
+        return found[0] if found else None
+
+    @property
+    def newest(self) -> Issue | None:
+        """The issue that has occurred last; of those in one tick, the one that is listed last."""
+        return max(self, key=attrgetter("last_tick", "first_tick"), default=None)
+
     def move(self, shift: Callable[[Issue], tuple[int, int]], successors: Successors) -> None:
         """Update the location and element of every issue for a new text; those of removed elements stay."""
         self._last.clear()
         moved: dict[Key, Issue] = {}
+        raised, self._raised = self._raised, {}
         for (old, ordinal, kind), issue in self._all.items():
             line, column = shift(issue)
             element = successors.of(old) or old
@@ -153,6 +175,7 @@ class IssueLog(Sequence[Issue]):
             known = moved.get((element, ordinal, kind))
             if known is None or known.resolved:  # the element of a resolved one may be gone, its name reused
                 moved[element, ordinal, kind] = issue
+                self._raised[element, ordinal, kind] = raised[old, ordinal, kind]
         self._all = moved
         self.open_blocks = {key[:2] for key, issue in moved.items() if not issue.resolved}
 
@@ -161,10 +184,12 @@ class IssueLog(Sequence[Issue]):
         log = IssueLog()
         log._all, log._last = dict(self._all), dict(self._last)
         log.open_blocks = set(self.open_blocks)
+        log._raised = dict.fromkeys(self._all)
         return log
 
     def clear(self) -> None:
         """Remove all issues; faults that persist are reported again."""
         self._all.clear()
         self._last.clear()
+        self._raised.clear()
         self.open_blocks = set()

@@ -16,6 +16,7 @@ from typing import Any
 
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.debugging import Raised
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Faulted, Fired, Spawned
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
@@ -65,7 +66,6 @@ class Run:
         self.now = 0.0
         self.ticks = 0
         self.issues = IssueLog()
-        self.last_exception: BaseException | None = None
         self.base = {
             "robot": Slot(CellType(robot)),
             "print": Slot(CellType(output or builtins.print)),
@@ -350,19 +350,33 @@ class Run:
             return  # there it just does not occur
         kind, message = kind_and_message(error)
         self._note_fault(site, kind, message, edge)
-        program, tick, raised = self.program, self.ticks, None
-        if not issubclass(type_, (Fault, NoDataYet)):
-            raised = self.last_exception = error
+        program, tick = self.program, self.ticks
+        raised = None if issubclass(type_, (Fault, NoDataYet)) else error
 
         def make() -> Issue:
             place, trace = place_of(program, site, raised), traceback_of(program, raised)
             return Issue(kind, site.element, message, *place, trace, tick, tick)
 
-        issue = self.issues.report((*site[:2], kind), make, message, tick, line_of(program, raised))
+        issue = self.issues.report(
+            (*site[:2], kind), make, message, tick, line_of(program, raised), self._raised(site, error, edge)
+        )
         self.faulted = self.attention = True
         if issue is not None:
             self.stale = True
             self.emit("issue", site.element.path, issue)
+
+    def _raised(self, site: Site, error: BaseException, edge: Edge | None) -> Raised:
+        """Return what a debugger needs of a fault."""
+        element = site.element
+        state: Path = ()
+        path = next(path for n in range(len(element.path), -1, -1) if (path := element.path[:n]) in self.live)
+        environment = self.live[path]
+        if edge is not None:
+            state = (*edge.path, edge.source.name)
+        elif isinstance(environment, Activation):
+            is_action = element.kind in ("onentry", "running", "onexit")
+            state = (*environment.path, element.path[-1] if is_action else environment.place[-1])
+        return Raised(error, environment.visible, state)
 
     def _note_fault(self, site: Site, kind: str, message: str, edge: Edge | None) -> None:
         tested = ((), None) if edge is None else (edge.path, edge.plan.site.element)

@@ -259,8 +259,7 @@ class Loop:
 
     def _stop_at_issue(self) -> None:
         """Pause as the interpreter has done, because of an issue in a tick or a command."""
-        issues = self.interpreter.issues
-        last = max(issues, key=lambda issue: (issue.last_tick, issue.first_tick), default=None)
+        last = self.interpreter.issues.newest
         self._stand_still(last.message if last else "")
         self.paused_by = last
 

@@ -53,7 +53,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 from time import monotonic
-from types import NoneType
+from types import NoneType, TracebackType
 from typing import Any, Literal, Self, cast
 
 from lrp_jupyter import programs
@@ -318,6 +318,29 @@ class Session:
     def issues(self) -> Sequence[Issue]:
         """The faults of the program so far."""
         return self._loop.frame.issues
+
+    def traceback_of(self, issue: Issue | None = None) -> TracebackType | None:
+        """Return the traceback of an issue's last occurrence, for a debugger: ``pdb.post_mortem(…)``.
+
+        It begins at the block. In each of its frames all variables in scope can be seen and assigned, as they
+        are now; `robot` is the robot, and `state` the path of the state that was active. Pause before, for
+        the program runs on meanwhile.
+
+        Parameters
+        ----------
+        issue : Issue, optional
+            By default the one that has occurred last.
+
+        Returns
+        -------
+        traceback or None
+            None if the issue is not listed any more, or has not occurred in this session.
+
+        Paper: §6.2.
+        """
+        check_type("issue", issue, (Issue, NoneType), "an issue, one of `session.issues`")
+        wanted = issue or self.interpreter.issues.newest
+        return self.interpreter.traceback_of(wanted, self.variables.__setitem__) if wanted else None
 
     @property
     def program(self) -> Program:

@@ -41,7 +41,9 @@ _HELP = """\
 %lrp NAME             show the lab of a program again
 %lrp new NAME         open a bundled program
 %lrp examples         list the bundled programs and worlds
-%lrp pause|resume|step|reset|stop|check|graph|debug [NAME]
+%lrp pause|resume|step|reset|stop|check|graph [NAME]
+%lrp debug [LINE[:COLUMN]] [NAME]
+                      debug the issue at a place of the text, or the last one, post mortem
 %lrp why WHAT [at SECONDS] [NAME]
                       why a transition did not fire, a state is active, or the robot moves
 %lrp explain [CODE]   explain a code, such as LRP301, or list the codes
@@ -316,13 +318,29 @@ class LRPMagics(Magics):
             self.shell.set_next_input(f"%%lrp {connection.name}\n{found.text}")
 
     def debug(self, rest: list[str]) -> None:
-        """Debug the last exception of a block, post mortem."""
-        connection = _the(rest)
-        error = connection.session.interpreter.last_exception
-        if error is None or self.shell is None:
-            print(f"No block of `{connection.name}` has raised an exception.")  # noqa: T201
+        """Debug an issue, post mortem: the one at a place of the text, or the last one that has occurred."""
+        place = rest[0] if rest and rest[0].replace(":", "").isdecimal() else ""
+        connection = _the(rest[1:] if place else rest)
+        session, name = connection.session, connection.name
+        if session.status == "running":
+            session.pause("Paused to debug.")
+        listed = {f"{issue.line}:{issue.column}": issue for issue in session.issues}
+        issue = session.interpreter.issues.newest
+        if place:
+            found = [at for at in listed if place in (at, at.partition(":")[0])]
+            issue = listed[found[-1]] if found else None
+        trace = session.traceback_of(issue) if issue else None
+        if issue is None or trace is None or self.shell is None:
+            known = f" Issues are listed at {', '.join(listed)}." if listed else ""
+            print(f"`{name}` has no issue {f'at `{place}` ' if place else ''}to debug.{known}")  # noqa: T201
             return
-        _post_mortem(self.shell, error)
+        print(  # noqa: T201
+            f"{issue}\n`{name}` is paused. `p x` prints the variable `x` as it is now; `!x = 1` assigns it; "
+            "`p robot` and `p state` work, too. `u` and `d` move through the calls, and `q` ends."
+        )
+        debugger = self.shell.debugger_cls()
+        debugger.reset()
+        debugger.interaction(None, trace)
 
     def bridge(self, rest: list[str]) -> None:
         """Switch to another bridge; without a name, list the bridges."""
@@ -331,12 +349,6 @@ class LRPMagics(Magics):
             print("\n".join(lines))  # noqa: T201
             return
         _the(rest[1:]).change_bridge(rest[0])
-
-
-def _post_mortem(shell: InteractiveShell, error: BaseException) -> None:
-    debugger = shell.debugger_cls()
-    debugger.reset()
-    debugger.interaction(None, error.__traceback__)
 
 
 def _one(rest: list[str], usage: str) -> str:

@@ -250,7 +250,7 @@ def test_pause_on_issue_completes_the_tick_first():
     )
     assert i.paused
     assert i.variables["n"] == 1
-    assert isinstance(i.last_exception, ZeroDivisionError)
+    assert isinstance(i.issues.raised(i.issues[0]).error, ZeroDivisionError)
     i.resume()
     i.step(0.2)
     assert (i.paused, i.variables["n"]) == (True, 2), "at every occurrence"

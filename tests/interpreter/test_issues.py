@@ -265,7 +265,7 @@ def test_pause_on_issue_keeps_the_traceback_and_runs_the_actions_of_a_pause():
     i.observe(lambda event: seen.append(event.kind))
     i.step(0.1)
     assert seen == ["issue", "paused", "changed"]
-    assert (i.variables["n"], isinstance(i.last_exception, ZeroDivisionError)) == (7, True)
+    assert (i.variables["n"], isinstance(i.issues.raised(i.issues[0]).error, ZeroDivisionError)) == (7, True)
 
 
 def test_an_issue_found_by_an_edit_pauses_too():

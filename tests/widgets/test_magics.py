@@ -1,5 +1,7 @@
 """``%%lrp`` and ``%lrp`` in a real IPython shell."""
 
+from io import StringIO
+
 import pytest
 from IPython.core.completer import provisionalcompleter
 from IPython.core.error import UsageError
@@ -202,9 +204,41 @@ def test_another_bridge_is_chosen_by_its_name(shell, run):
     assert lab.session.bridge.name == "none"
 
 
-def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
-    cell(shell, "mine", A)
-    assert "has raised an exception" in run("debug")
+FAULTY = """(var p := [6]) (var q := [0])
+(machine m (var k := [[1, 2]])
+  (state a (running [x = 5
+                     helper(x / q)]))
+  (on [k] a -> a))
+(spawn m a)
+"""
+
+
+def test_a_debugger_at_an_issue_sees_and_assigns_everything_in_scope(shell, run, monkeypatch):
+    monkeypatch.setitem(shell.user_ns, "helper", print)
+    session = cell(shell, "mine --bridge none", FAULTY).session
+    session.run(0.2)
+    session.start()
+    typed = "p p, q, k, x, robot is not None, state\n!q = 2\n!x = 1\np x / q\n!robot = 1\nq\n"
+    monkeypatch.setattr("sys.stdin", StringIO(typed))
+    shown = run("debug 4 mine")
+    assert session.status == "paused"
+    assert shown.startswith("4:29: LRP601 ZeroDivisionError: division by zero")
+    assert "(6, 0, [1, 2], 5, True, 'm/a')\n" in shown
+    assert "ipdb> 0.5\n" in shown
+    assert "`robot` is not a variable that exists now" in shown
+    assert session.variables["q"] == 2
+    session.step()
+    assert session.variables["q"] == 2
+    monkeypatch.setattr("sys.stdin", StringIO("p p, k, state\nq\n"))
+    assert "(6, [1, 2], 'm/a')\n" in run("debug 5:3")  # no exception of Python
+
+
+def test_there_is_nothing_to_debug_where_no_issue_is(shell, run):
+    session = cell(shell, "mine --bridge none", A).session
+    assert "`mine` has no issue to debug." in run("debug")
+    session.edit(FAULTY)
+    session.run(0.2)
+    assert "no issue at `9` to debug. Issues are listed at 5:3, 4:22." in run("debug 9")
 
 
 @pytest.mark.parametrize(
