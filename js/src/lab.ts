@@ -2,7 +2,7 @@
 
 import { Editor } from "./editor/editor";
 import { graphView } from "./graph/view";
-import type { HostedModel } from "./host/notebook";
+import { cellAround, type HostedModel, runBelow } from "./host/notebook";
 import { storePictures } from "./host/pictures";
 import { cellSource } from "./host/source";
 import { controls } from "./parts/controls";
@@ -92,6 +92,16 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       lab.notify(
         `${copied ? `\`${text}\` is copied. ` : ""}To insert it with a click, put the cursor into a block \`[ ]\`.`,
       );
+    },
+    async runBelow(source) {
+      const place = cellAround(model, root);
+      if (place) {
+        const sentence = await runBelow(place, source);
+        if (sentence) lab.notify(sentence);
+        return;
+      }
+      const copied = await copyText(source);
+      lab.notify(`${copied ? "The command is copied. Run it" : `Run \`${source}\``} in a cell.`);
     },
     get pen() {
       return editor?.pen ?? null;

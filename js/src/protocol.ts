@@ -1401,6 +1401,7 @@ export interface SnapshotMessage {
   name: string;
   home: string;
   tab_only: boolean;
+  debugger: string;
   document: string;
   number: number;
   seq: number;

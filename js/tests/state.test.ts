@@ -28,6 +28,7 @@ const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): Snaps
   name: "x",
   home: "/x",
   tab_only: false,
+  debugger: "",
   document: "d",
   number: 0,
   seq: 0,

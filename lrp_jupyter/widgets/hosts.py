@@ -24,6 +24,16 @@ def is_hub() -> bool:
     return "JUPYTERHUB_USER" in os.environ
 
 
+def debugger() -> str:
+    """Return the beginning of the command that debugs an issue in a cell; empty where there are no cells."""
+    from IPython.core.getipython import get_ipython
+
+    shell: Any = get_ipython()
+    if shell is None or is_voila():
+        return ""
+    return "%lrp debug" if shell.find_line_magic("lrp") else "%load_ext lrp_jupyter\n%lrp debug"
+
+
 def is_static() -> bool:
     """Return whether the outputs of the running cell are only stored, and so pictures instead of widgets.
 

@@ -37,6 +37,7 @@ from lrp_jupyter.live.waking import TaskEvent
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.goal import Goal
+from lrp_jupyter.widgets.hosts import debugger
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking, MomentShown
 from lrp_jupyter.widgets.protocol import ViewState
@@ -525,6 +526,7 @@ class Publisher:
                 "name": self.session.name,
                 "home": self._saver.home or self.session.name,
                 "tab_only": self._saver.kept is None,
+                "debugger": debugger(),
                 **texts,
                 "choices": {
                     "bridges": list(find_bridges()),

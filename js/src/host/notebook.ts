@@ -10,6 +10,9 @@ interface Signal<T> {
 }
 
 const VIEW = "application/vnd.jupyter.widget-view+json";
+const FRAMES = 100; // that a new cell may take to be drawn
+const ENTER = { key: "Enter", code: "Enter", keyCode: 13 };
+const CTRL_ENTER = { ...ENTER, ctrlKey: true, bubbles: true, cancelable: true };
 export const PICTURE = "image/svg+xml";
 
 export interface NotebookOutput {
@@ -82,4 +85,36 @@ export function cellAround(model: HostedModel, inside: HTMLElement): CellPlace |
       return index();
     },
   };
+}
+
+/**
+ * Write code into a cell below another one, and run it by the key that its user would press. The cell of the
+ * last time is used again. Returns a sentence if it cannot run now, or an empty one.
+ */
+export async function runBelow({ notebook, element, index }: CellPlace, source: string): Promise<string> {
+  const page = element.closest(".jp-Notebook") ?? document;
+  const waiting = page.querySelector<HTMLElement>(".jp-Stdin-input");
+  if (waiting) {
+    waiting.focus();
+    return "A cell waits for input. End the debugger there with `q` first.";
+  }
+  const { cells, sharedModel } = notebook.model;
+  const below = cells.get(index + 1)?.sharedModel;
+  if (below && /^%(load_ext lrp_jupyter\n%)?lrp debug\b/.test(below.getSource())) below.setSource(source);
+  else sharedModel.insertCell(index + 1, { cell_type: "code", source });
+  const cell = `[data-windowed-list-index="${index + 1}"]`;
+  (await appears(page, `.jp-Cell${cell} .cm-content`))?.focus(); // selects the cell, at the next frame
+  const editor = await appears(page, `.jp-mod-editMode .jp-Cell.jp-mod-active${cell} .cm-content`);
+  editor?.dispatchEvent(new KeyboardEvent("keydown", CTRL_ENTER));
+  return "";
+}
+
+/** Wait for something that the notebook is about to draw. */
+async function appears(page: ParentNode, selector: string): Promise<HTMLElement | null> {
+  for (let frame = 0; frame < FRAMES; frame++) {
+    const found = page.querySelector<HTMLElement>(selector);
+    if (found) return found;
+    await new Promise(requestAnimationFrame);
+  }
+  return null;
 }

@@ -49,7 +49,7 @@ export function issuesView(lab: Lab): HTMLElement {
       entries,
       ({ key }) => key,
       (entry) => make(lab, entry),
-      update,
+      (item, entry) => update(item, entry, store.state.debugger !== ""),
     );
     const open = entries.filter(({ issue }) => !issue?.resolved).length;
     setText(heading, open ? `Issues (${open})` : "Issues");
@@ -96,16 +96,35 @@ function make(lab: Lab, entry: Entry): HTMLElement {
     h("span", { class: "lrp-issue-text" }),
     h("span", { class: "lrp-issue-note" }),
   );
-  item.append(go, ...(entry.code ? [codeButton(lab, entry.code)] : [])); // a notice of the robot has none
+  if (entry.code) item.append(go, codeButton(lab, entry.code), debugButton(lab, item));
+  else item.append(go); // a notice of the robot
   if (entry.issue?.traceback)
     item.append(h("details", {}, h("summary", {}, "Traceback"), h("pre", { tabindex: "0" })));
   return item;
 }
 
+function debugButton(lab: Lab, item: Element): HTMLButtonElement {
+  const { state } = lab.store;
+  return h(
+    "button",
+    {
+      type: "button",
+      class: "lrp-link lrp-debug",
+      title: "Open a debugger at the last occurrence, in a cell below",
+      "data-lrp-action": "debug",
+      onclick: () => {
+        const { line, column } = current.get(item)?.issue?.range ?? {};
+        if (line) lab.runBelow(`${state.debugger} ${line}:${column} ${state.name}`);
+      },
+    },
+    "Debug",
+  );
+}
+
 /** The entry that each element of the list shows. */
 const current = new WeakMap<Element, Entry>();
 
-function update(item: Element, entry: Entry): void {
+function update(item: Element, entry: Entry, debugs: boolean): void {
   const before = current.get(item);
   current.set(item, entry);
   const { issue, severity, range, message } = entry;
@@ -115,6 +134,8 @@ function update(item: Element, entry: Entry): void {
   if (before?.message !== message)
     text.replaceChildren(h("span", { class: "lrp-hidden" }, `${severity}: `), ...prose(message));
   setText(item.querySelector(".lrp-issue-note")!, note(issue, range));
+  const debug = item.querySelector<HTMLElement>(".lrp-debug");
+  if (debug) debug.hidden = !debugs || !issue?.range;
   const trace = item.querySelector("pre");
   if (trace && issue) setText(trace, issue.traceback);
 }

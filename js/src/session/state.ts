@@ -23,6 +23,7 @@ export interface LabState extends ViewState {
   name: string;
   home: string;
   tab_only: boolean;
+  debugger: string;
   running: string;
   findings: FindingView[];
   accepted: boolean;
@@ -64,6 +65,7 @@ export function initialState(): LabState {
     name: "",
     home: "",
     tab_only: false,
+    debugger: "",
     running: "",
     findings: [],
     accepted: true,

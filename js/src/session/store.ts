@@ -69,6 +69,8 @@ export interface Lab {
   rename(kind: ElementKind, path: string): void;
   /** Insert Python into the block at the cursor; copy it if there is none. */
   insert(text: string): void;
+  /** Run code in the cell below; copy it where that is not possible. */
+  runBelow(source: string): void;
   /** Writes what is drawn on the graph into the text; null in a view without an editor. */
   readonly pen: Pen | null;
   /** Show a sentence for some seconds. */
