@@ -162,6 +162,42 @@ describe("marks", () => {
     expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-lrp-transition")).toBe("m:t");
   });
 
+  it("tell the last of four transitions that fire in turn from those before it, fainter by age", () => {
+    vi.useFakeTimers();
+    const names = ["a", "b", "c", "d"];
+    const arrows = names.map((name) => arrow(name, { id: `m:${name}` }));
+    draw(
+      layers,
+      layout(
+        names.map((name) => shape(name)),
+        arrows,
+      ),
+    );
+    const marks = new Marks(layers, state);
+    marks.update();
+    const marked = (mark: string) =>
+      [...layers.root.querySelectorAll(mark)].map((part) => part.getAttribute("data-of"));
+    for (let tick = 1; tick < 40; tick++) {
+      const id = `m:${names[tick % 4]}`;
+      state.tick = tick;
+      state.fired = { ...state.fired, [id]: { count: Math.ceil(tick / 4), tick } };
+      marks.update();
+      expect(marked("[data-fired]")).toEqual([id, id, id]); // the arrow, the plate of its label, and the label
+      expect(marked("[aria-description]")).toEqual([id]);
+      vi.advanceTimersByTime(100);
+      if (tick < 4) continue;
+      for (const part of layers.arrows.children) {
+        const before = (tick - (state.fired[part.getAttribute("data-of") ?? ""]?.tick ?? 0)) % 4;
+        expect(part.hasAttribute("data-glow")).toBe(true);
+        expect(part.getAttribute("style")).toBe(`--lrp-age: ${before}`);
+      }
+    }
+    vi.advanceTimersByTime(AFTERGLOW); // paused
+    expect(marked("[data-fired]")).toEqual(["m:d", "m:d", "m:d"]);
+    expect(marked("[data-glow]")).toEqual([]);
+    vi.useRealTimers();
+  });
+
   it("let a visit that was too short to see glow for a while", () => {
     vi.useFakeTimers();
     const marks = new Marks(layers, state);
@@ -193,7 +229,7 @@ describe("marks", () => {
   });
 
   it("know no last transition before the first", () => {
-    expect(lastFired({ "m:t": { count: 0, tick: 0 } }).get("m")).toBeUndefined();
+    expect(lastFired({ "m:t": { count: 0, tick: 0 } })).toEqual([]);
   });
 });
 

@@ -101,7 +101,7 @@ def board_text(state: BoardState, width: int, rows: dict[str, int] | None = None
         _padded("states", rows, [*_states(state)]),
         _padded("variables", rows, [*_variables(state)]),
         _padded("readings", rows, [_pair(*reading) for reading in state.readings]),
-        _padded("last", rows, [Text(line, "dim") for line in state.last]),
+        _padded("last", rows, [Text(line, "dim" if age else "bold") for age, line in enumerate(state.last)]),
     ]
     left = [line for part in parts if part for line in (*part, Text())][:-1]
     right = framed(state.map) if state.map else []

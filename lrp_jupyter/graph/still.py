@@ -26,8 +26,22 @@ __all__ = ["draw", "mimebundle", "svg"]
 
 Theme = Literal["auto", "light", "dark"]
 
-_LIGHT = {"ink": "#1f2328", "faint": "#6b7280", "line": "#d4d8de", "paper": "#ffffff", "state": "#f6f7f9"}
-_DARK = {"ink": "#e6e8eb", "faint": "#9aa3af", "line": "#3d444d", "paper": "#1b1e23", "state": "#272b32"}
+_LIGHT = {
+    "ink": "#1f2328",
+    "faint": "#6b7280",
+    "line": "#d4d8de",
+    "paper": "#ffffff",
+    "state": "#f6f7f9",
+    "fired": "#ffe2a3",
+}
+_DARK = {
+    "ink": "#e6e8eb",
+    "faint": "#9aa3af",
+    "line": "#3d444d",
+    "paper": "#1b1e23",
+    "state": "#272b32",
+    "fired": "#6b531f",
+}
 _LIGHT |= {"on": "#1F78B4", "eps": "#33A02C", "ontime": "#FF7F00", "wildcard": "#6A3D9A"}
 _DARK |= {"on": "#A6CEE3", "eps": "#B2DF8A", "ontime": "#FDBF6F", "wildcard": "#CAB2D6"}
 _DASHES = {"eps": "1.5 4", "ontime": "7 4", "wildcard": "11 3 2 3", "exit": "15 4"}
@@ -158,7 +172,7 @@ def draw(
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} class="lrp-still" data-lrp="graph" role="img"'
         f' aria-labelledby="{mark}-title {mark}-desc">'
         f'<title id="{mark}-title">{escape(title)}</title>'
-        f'<desc id="{mark}-desc">{escape(" ".join(_description(one, on) for one in drawings))}</desc>'
+        f'<desc id="{mark}-desc">{escape(" ".join(_description(one, on, marks) for one in drawings))}</desc>'
         f"<style>{_css(theme)}</style>"
         f'<rect class="lrp-paper" width="100%" height="100%" rx="6"/>{body}</svg>\n'
     )
@@ -182,7 +196,10 @@ def _panel(drawing: Layout, active: set[str], fired: set[str], others: Mapping[s
         for shape in drawing["states"]
     )
     # labels last, and their halos before all of them: no halo covers another label
-    halos = "".join(_label("lrp-halo", shape["label"]) for shape in drawing["transitions"])
+    halos = "".join(
+        _label("lrp-halo lrp-fired" if shape["id"] in fired else "lrp-halo", shape["label"])
+        for shape in drawing["transitions"]
+    )
     labels = "".join(
         _label("lrp-label lrp-off" if shape["broken"] else "lrp-label", shape["label"])
         for shape in drawing["transitions"]
@@ -289,7 +306,7 @@ def _legend(styles: Iterable[str], top: float) -> tuple[str, float]:
     return f'<g class="lrp-legend" aria-hidden="true">{"".join(parts)}</g>', x
 
 
-def _description(drawing: Layout, active: set[str]) -> str:
+def _description(drawing: Layout, active: set[str], fired: set[str]) -> str:
     """Return a description of the picture in words."""
     words = [f"{drawing['name']}:"]
     states = [shape for shape in drawing["states"] if shape["kind"] == "state"]
@@ -304,7 +321,8 @@ def _description(drawing: Layout, active: set[str]) -> str:
         where = "leaves to" if arrow["kind"] == "exit" else "to"
         text = "at once" if arrow["kind"] == "eps" else arrow["label"]["text"]
         broken = f" It is broken: {arrow['broken']}" if arrow["broken"] else ""
-        words.append(f"From {source} {where} {arrow['destination']}, {text}.{broken}")
+        last = " It fired last." if arrow["id"] in fired else ""
+        words.append(f"From {source} {where} {arrow['destination']}, {text}.{last}{broken}")
     return " ".join(words)
 
 
@@ -319,8 +337,9 @@ def _css(theme: Theme) -> str:
         f".lrp-within{{font-size:{LABEL_FONT}px;font-weight:400}}"
         ".lrp-halo{stroke-width:4;stroke-linejoin:round}"
         ".lrp-shaft{fill:none;stroke-width:1.8;stroke-linecap:butt}"
-        ".lrp-glow{fill:none;stroke-width:8;stroke-linecap:round;opacity:.35}"
-        "[data-fired] .lrp-shaft{stroke-width:3}"
+        ".lrp-glow{fill:none;stroke-width:11;stroke-linecap:round;opacity:.5}"
+        "[data-fired] .lrp-shaft{stroke-width:4.5}[data-fired] .lrp-head{stroke-width:5}"
+        ".lrp-halo.lrp-fired{stroke-width:9}"
         ".lrp-mark{fill:none;stroke-width:1.8}.lrp-box{stroke-width:1.4}"
         ".lrp-open[data-active]>.lrp-box{stroke-width:3.5}"
         ".lrp-inner,.lrp-frame,.lrp-icon{fill:none;stroke-width:1}"
@@ -342,6 +361,7 @@ def _colours(c: Mapping[str, str]) -> str:
         f".lrp-name,.lrp-machine,.lrp-label,.lrp-outside{{fill:{c['ink']}}}",
         f".lrp-nested,.lrp-key,.lrp-faint,.lrp-off,.lrp-within,.lrp-missing .lrp-name{{fill:{c['faint']}}}",
         f".lrp-halo{{fill:{c['paper']};stroke:{c['paper']}}}",
+        f".lrp-halo.lrp-fired{{stroke:{c['fired']}}}"
         f".lrp-frame{{stroke:{c['line']}}}.lrp-box{{fill:{c['state']};stroke:{c['ink']}}}",
         f".lrp-inner,.lrp-icon{{stroke:{c['faint']}}}",
         f".lrp-missing .lrp-box{{fill:{c['paper']};stroke:{c['faint']}}}",
@@ -356,6 +376,6 @@ def _colours(c: Mapping[str, str]) -> str:
         colour = c["on"] if kind == "exit" else c[kind]
         rules.append(
             f".lrp-{kind} .lrp-shaft,.lrp-{kind} .lrp-glow,.lrp-{kind} .lrp-mark{{stroke:{colour}}}"
-            f".lrp-{kind} .lrp-head{{fill:{colour}}}"
+            f".lrp-{kind} .lrp-head{{fill:{colour}}}.lrp-{kind}[data-fired] .lrp-head{{stroke:{colour}}}"
         )
     return "".join(rules)

@@ -45,6 +45,7 @@ from lrp_jupyter.widgets.kept import Version
 from lrp_jupyter.widgets.own_comm import OwnComm
 from lrp_jupyter.widgets.plain import packed, unpacked
 from lrp_jupyter.widgets.protocol import Edits, GraphMode
+from lrp_jupyter.widgets.view_state import last_fired
 
 _NAME = re.compile(r"[\w-]+")
 """The name of a program: no text is one word, because a program has parentheses."""
@@ -439,15 +440,11 @@ def _name_of(text: str) -> str:
 def _pictures(connection: PageConnection) -> dict[str, str]:
     """Return pictures of the present graph and world; as plain text the program."""
     state = connection.view_state()
-    last: dict[str, tuple[int, str]] = {}
-    for name, seen in state["fired"].items():
-        machine = name.partition(":")[0]
-        last[machine] = max(last.get(machine, (0, "")), (seen["tick"], name))
     active = [tuple(path.split("/")) for path in state["lit"]]
-    layouts, arrows = list(state["layouts"].values()), [name for _, name in last.values()]
+    layouts = list(state["layouts"].values())
     match state["settings"]["graph"]:
         case "live":
-            graph = draw(layouts, active, arrows)
+            graph = draw(layouts, active, last_fired(state))
         case "static":
             graph = draw(layouts)
         case "hidden":

@@ -27,6 +27,7 @@ from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.conditions import CHOICES, NAMES, given
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.lab import Lab, lab_of
+from lrp_jupyter.widgets.view_state import last_fired
 
 _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ] [--challenge CHALLENGE]
@@ -285,7 +286,8 @@ class LRPMagics(Magics):
     def graph(self, rest: list[str]) -> None:
         """Show the state graph as it is now, as a picture that is stored."""
         connection = _the(rest)
-        picture = svg(connection.session.program, connection.session.frame.active)
+        session = connection.session
+        picture = svg(session.program, session.frame.active, last_fired(connection.view_state()))
         display({"image/svg+xml": picture}, raw=True)  # type: ignore[no-untyped-call]
 
     def save(self, rest: list[str]) -> None:

@@ -239,6 +239,15 @@ def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
     return changes
 
 
+def last_fired(state: ViewState) -> list[str]:
+    """Return the transitions that fired last: one of each machine."""
+    last: dict[str, tuple[int, str]] = {}
+    for name, seen in state["fired"].items():
+        machine = name.partition(":")[0]
+        last[machine] = max(last.get(machine, (0, "")), (seen["tick"], name))
+    return [name for _, name in last.values()]
+
+
 def is_urgent(changes: Mapping[str, Any]) -> bool:
     """Return whether the user should see these changes at once, unlike those that come with every tick."""
     return not changes.keys() <= _CALM

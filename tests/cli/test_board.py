@@ -45,6 +45,11 @@ def test_variables_have_short_names_and_values():
     assert ["inner/n", "3"] in [line.split() for line in lines]
 
 
+def test_the_transition_that_fired_last_stands_out_from_those_before_it():
+    lines = board_text(state_after(0.2, last=("0.3 s  b → a", "0.2 s  a → b", "0.1 s  b → a")), 60)
+    assert [str(line.style) for line in lines if "→" in line.plain] == ["bold", "dim", "dim"]
+
+
 def test_nothing_jumps_when_states_and_variables_go():
     rows = {}
     before = text_of(state_after(0.2), rows=rows)

@@ -12,6 +12,29 @@ RING = "(machine m {})\n(spawn m s0)\n".format(
         [f"(state s{i})" for i in range(24)] + [f"(ontime 90000 s{i} -> s{(i + 1) % 24})" for i in range(24)]
     )
 )
+TURNS = """(machine m (state a) (state b) (state c) (state d)
+  (ontime 100 a -> b) (ontime 100 b -> c) (ontime 100 c -> d) (ontime 100 d -> a))
+(spawn m a)"""
+GLOWS = """async svg => { const seen = [];
+  const number = (node, property) => parseFloat(getComputedStyle(node)[property]);
+  while (seen.length < 60) {
+    await new Promise(requestAnimationFrame);
+    const arrows = [...svg.querySelectorAll('.lrp-transition')];
+    const plates = svg.querySelectorAll('.lrp-halo');
+    const ages = arrows.map((arrow, index) => [arrow.hasAttribute('data-fired'),
+      number(arrow.querySelector('.lrp-glow'), 'opacity'),
+      number(arrow.querySelector('.lrp-shaft'), 'strokeWidth'),
+      getComputedStyle(plates[index]).stroke]);
+    seen.push(ages.sort((a, b) => b[0] - a[0]).map(([, ...age]) => age));
+  }
+  return seen; }"""
+FORCED = """svg => { const probe = document.createElement('p');
+  svg.parentNode.append(probe);
+  probe.style.color = 'CanvasText';
+  probe.style.backgroundColor = 'Canvas';
+  const { color, backgroundColor } = getComputedStyle(probe);
+  probe.remove();
+  return [getComputedStyle(svg.querySelector('.lrp-machine')).fill, color, backgroundColor]; }"""
 PLACES = """svg => { const all = svg.getBoundingClientRect();
   return Object.fromEntries([...svg.querySelectorAll('[data-lrp-state]')].map(node => {
     const box = node.querySelector('.lrp-box').getBoundingClientRect();
@@ -71,6 +94,37 @@ def test_a_graph_is_dragged_and_what_is_new_comes_into_view(open_lab):
     type_beside_the_graph(follower)
     give_up_a_drag(follower)
     open_a_nested_machine(follower)
+
+
+def test_the_last_transition_stands_out_at_every_moment_in_every_theme(open_lab):
+    lab = open_lab(TURNS)
+    lab.goes_on()
+    for theme in ("dark", "light"):
+        axe.choose_theme(lab, theme)
+        for ages in graph(lab).evaluate(GLOWS):
+            (first, width, plate), *others = ages
+            assert all(strength <= first / 2 for strength, _, _ in others)
+            assert all(each < width for _, each, _ in others)
+            assert all(each != plate for _, _, each in others)
+    lab.pause()
+    assert graph(lab).locator(".lrp-transition[data-fired]").count() == 1
+    lab.misses(".lrp-transition[data-glow]")
+    lab.sees('.lrp-transition[data-fired][aria-description="fired last"]')
+
+
+def test_names_are_read_in_the_colours_of_the_system(open_lab):
+    lab = open_lab(COUNTER)
+    lab.pause()
+    media = lab.page.emulate_media
+    try:
+        for theme in ("dark", "light"):
+            axe.choose_theme(lab, theme)
+            for scheme in ("dark", "light"):
+                media(forced_colors="active", color_scheme=scheme)
+                ink, text, paper = graph(lab).evaluate(FORCED)
+                assert ink == text != paper
+    finally:
+        media(forced_colors="none", color_scheme="light")
 
 
 def test_nested_and_large_graphs_are_drawn_saved_and_read(open_lab, tmp_path):

@@ -55,6 +55,9 @@ def test_the_transition_fired_last_is_marked(follower):
     root = picture(follower, (), "follower:tlooking")
     fired = [g.get("data-lrp-transition") for g in root.iter(f"{NS}g") if g.get("data-fired") is not None]
     assert fired == ["follower:tlooking"]
+    plates = [text for text in root.iter(f"{NS}text") if "lrp-fired" in text.get("class", "")]
+    assert [text.text for text in plates] == ["outofline"]
+    assert root.findtext(f"{NS}desc").count("It fired last.") == 1
 
 
 def test_each_kind_has_its_colour_and_its_own_dash(programs):

@@ -429,3 +429,12 @@ def test_a_challenge_that_does_not_exist_or_has_another_world_is_refused(shell):
         cell(shell, "mine --challenge sqare", A)
     with pytest.raises(UsageError, match="The world is that of the challenge `square`"):
         cell(shell, "mine --challenge square --world line", A)
+
+
+def test_the_picture_of_the_graph_shows_what_is_active_and_what_fired_last(shell, run):
+    lab = cell(shell, "mine --bridge none", "(machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)")
+    lab.session.pause()
+    lab.session.run(0.5)
+    picture = run("graph")
+    assert "b is active." in picture
+    assert "From a to b, 300 ms. It fired last." in picture

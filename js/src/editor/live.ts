@@ -65,7 +65,7 @@ const firedMark = Decoration.mark({ class: "lrp-text-fired" });
 /** The part of the state that determines the marks, without the values. */
 export function marksOf(state: LabState): string {
   const { lit, fired } = besideGraph(state);
-  return [...lit, ...lastFired(fired).values()].join(" ");
+  return [...lit, ...lastFired(fired)].join(" ");
 }
 
 /** Draws the run of the program; `values` returns whether values are shown. */
@@ -103,7 +103,7 @@ function decorate(editor: EditorState, found: Outline, lab: LabState, values: bo
     for (let line = editor.doc.lineAt(item.from).number; line <= last; line++) lines.add(line);
   }
   for (const line of lines) marks.push(activeLine.range(editor.doc.line(line).from));
-  for (const path of lastFired(fired).values()) {
+  for (const path of lastFired(fired)) {
     const item = found.find("transition", path);
     if (item) marks.push(firedMark.range(item.from, item.to));
   }

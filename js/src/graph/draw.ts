@@ -47,9 +47,10 @@ export function draw(layers: Layers, layout: Layout, layouts: Record<string, Lay
     makeState,
     (element, shape) => updateState(element, shape, layouts),
   );
-  reconcile(layers.halos, transitions, key, makeText, (element, shape) =>
-    updateLabel(element, shape.label, "lrp-halo"),
-  );
+  reconcile(layers.halos, transitions, key, makeText, (element, shape) => {
+    updateLabel(element, shape.label, "lrp-halo");
+    setAttribute(element, "data-of", shape.id);
+  });
   reconcile(layers.labels, transitions, key, makeText, (element, shape) => {
     updateLabel(element, shape.label, shape.broken ? "lrp-label lrp-off" : "lrp-label");
     setAttribute(element, "data-of", shape.id);

@@ -1,4 +1,7 @@
-/** Marks of the run on the drawing: active states, the last fired transition, and visits too short to see. */
+/**
+ * Marks of the run on the drawing: active states, and visits too short to see; the transition that fired last, for
+ * good, and those before it for a while, fainter with each firing since.
+ */
 
 import type { CountView } from "../protocol";
 import { inGraph, type LabState } from "../session/state";
@@ -34,15 +37,16 @@ export class Marks {
       if (!fresh && !active && this.grown(entered[path], this.entered[path])) this.glow(node);
       setAttribute(node, "data-chosen", path === state.chosen);
     }
-    const last = new Set(lastFired(fired).values());
-    for (const arrow of layers.root.querySelectorAll(".lrp-transition")) {
-      const id = arrow.getAttribute("data-of") ?? "";
-      setAttribute(arrow, "data-fired", last.has(id));
-      if (!fresh && this.grown(fired[id], this.fired[id])) this.glow(arrow);
-      setAttribute(arrow, "data-chosen", id === state.chosen);
-    }
-    for (const label of layers.root.querySelectorAll(".lrp-label")) {
-      setAttribute(label, "data-chosen", label.getAttribute("data-of") === state.chosen);
+    const ages = agesOf(fired);
+    for (const part of layers.root.querySelectorAll("[data-of]")) {
+      const id = part.getAttribute("data-of") ?? "";
+      const isArrow = part.classList.contains("lrp-transition");
+      setAttribute(part, "data-chosen", id === state.chosen);
+      setAttribute(part, "data-fired", ages.get(id) === 0);
+      if (!isArrow) continue;
+      setAttribute(part, "aria-description", ages.get(id) === 0 ? "fired last" : null);
+      if (!fresh && this.grown(fired[id], this.fired[id])) this.glow(part);
+      setAttribute(part, "style", `--lrp-age: ${ages.get(id) ?? 0}`);
     }
     this.entered = entered;
     this.fired = fired;
@@ -65,12 +69,21 @@ export class Marks {
   }
 }
 
-/** The transition that fired last, of each machine. */
-export function lastFired(fired: Record<string, CountView>): Map<string, string> {
-  const last = new Map<string, string>();
-  for (const [id, { count, tick }] of Object.entries(fired)) {
+/** How many other transitions of its machine have fired since each did: 0 for the last one. */
+export function agesOf(fired: Record<string, CountView>): Map<string, number> {
+  const younger = new Map<string, number>(); // machine -> transitions counted
+  const ages = new Map<string, number>();
+  const counted = Object.entries(fired).filter(([, { count }]) => count > 0);
+  for (const [id] of counted.reverse().sort(([, a], [, b]) => b.tick - a.tick)) {
     const machine = id.slice(0, id.indexOf(":"));
-    if (count > 0 && tick >= (fired[last.get(machine) ?? ""]?.tick ?? 0)) last.set(machine, id);
+    const age = younger.get(machine) ?? 0;
+    ages.set(id, age);
+    younger.set(machine, age + 1);
   }
-  return last;
+  return ages;
+}
+
+/** The transitions that fired last: one of each machine. */
+export function lastFired(fired: Record<string, CountView>): string[] {
+  return [...agesOf(fired)].filter(([, age]) => age === 0).map(([id]) => id);
 }
