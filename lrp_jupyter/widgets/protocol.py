@@ -674,8 +674,8 @@ class SnapshotMessage(TypedDict):
     the revision that the view knows; None if they are not known. Answers up to `number` are contained in it,
     and texts of the view up to `seq`, apart from those that never arrived. `home` distinguishes programs of
     the same name, `document` texts of other kernels. `tab_only`: the kernel keeps no text, so what the page
-    keeps ends with its tab. `debugger` begins the command that debugs an issue in a cell; empty where there are
-    no cells. `half_typed`: as in an answer. Its frame is acknowledged like any other.
+    keeps ends with its tab. `debugger` begins the command that debugs an issue in a cell; it is empty where
+    there are no cells. `half_typed`: as in an answer. Its frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]
