@@ -63,7 +63,7 @@ def test_an_issue_is_shown_with_its_line_and_a_caret():
     lines = text_of(state_after(1))
     place = next(number for number, line in enumerate(lines) if "LRP601" in line)
     assert "4:22" in lines[place]
-    assert "(6 times)" in lines[place]
+    assert "(7 times)" in lines[place]
     assert lines[place + 1] == "    4 |   (state b (running [1 / 0]))"
     assert lines[place + 2].endswith("^")
 

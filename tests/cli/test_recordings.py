@@ -69,15 +69,21 @@ def difference(lrp, path, other):
     ("old", "new", "told"),
     [
         (
+            "> limit",
+            "> 2",
+            "The first difference is at 0.3 s (tick 4), in the machine `m`. Recorded: `drive.running` "
+            "(line 5) called `robot.move(linear=0.2)`. Replay: `far` fired, from `drive` to `stop`.",
+        ),
+        (
             "> 300",
             "> -1",
-            "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
-            "(line 5) called `robot.move(linear=0.2)`. Replay: `bright` fired, from `drive` to `stop`.",
+            "The first difference is at 0 s (tick 1), in the machine `m`. Only in the recording: "
+            "`drive.running` (line 5) called `robot.move(linear=0.2)`.",
         ),
         (
             "linear=0.2",
             "linear=0.1",
-            "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
+            "The first difference is at 0 s (tick 1), in the machine `m`. Recorded: `drive.running` "
             "(line 5) called `robot.move(linear=0.2)`. Replay: `drive.running` (line 5) called "
             "`robot.move(linear=0.1)`.",
         ),
@@ -89,13 +95,13 @@ def difference(lrp, path, other):
         (
             "[n += 1]",
             "[n += 1] [what]",
-            "The first difference is at 0.1 s (tick 2), in the machine `m`. Only in the replay: `drive` "
+            "The first difference is at 0 s (tick 1), in the machine `m`. Only in the replay: `drive` "
             "(line 5) had an issue: `what` is not defined here. Correct the name, or declare "
             "`(var what := [value])`.",
         ),
         ("; world: line\n", "; world: line\n\n\n", "The run matches the recording."),
     ],
-    ids=["fired", "commanded", "more", "issue", "other lines"],
+    ids=["fired", "enabled", "commanded", "more", "issue", "other lines"],
 )
 def test_the_first_difference_says_when_where_and_what_each_did(lrp, recorded, program, old, new, told):
     path = recorded()
@@ -180,7 +186,7 @@ def test_a_trace_is_the_part_of_a_recording_that_followed(lrp, program, tmp_path
     assert {"entered", "changed", "commanded", "printed"} <= {line["event"] for line in followed}
     command = next(line for line in followed if line["event"] == "commanded")
     assert (command["command"], command["block"], command["line"]) == ("move", "drive.running", 5)
-    assert {"tick": 3, "time": 0.2, "event": "printed", "text": "2\n"} in followed
+    assert {"tick": 3, "time": 0.2, "event": "printed", "text": "3\n"} in followed
 
 
 def test_a_breakpoint_ends_a_run_without_a_keyboard(lrp, program):

@@ -44,7 +44,7 @@ def test_a_run_is_traced_line_by_line(lrp, program):
     assert result.stdout.splitlines()[:-1] == [
         "     0.0 s  counter/one",
         "     0.3 s  counter/two  (go)",
-        "two at 2",
+        "two at 3",
     ]
     assert result.stdout.splitlines()[-1].startswith("my: 1.0 s, 10 ticks; counter/two active; ")
     assert result.stdout.endswith("times real time\n")
@@ -63,16 +63,16 @@ def test_a_trace_has_a_line_for_every_event_and_stdout_has_nothing_else(lrp, pro
         {"tick": 1, "time": 0.0, "event": "started"},
         {"tick": 1, "time": 0.0, "event": "spawned", "machine": "counter"},
         {"tick": 1, "time": 0.0, "event": "entered", "state": "counter/one"},
-        {"tick": 1, "time": 0.0, "event": "changed", "variable": "n", "value": 0},
-        {"tick": 2, "time": 0.1, "event": "changed", "variable": "n", "value": 1},
-        {"tick": 3, "time": 0.2, "event": "changed", "variable": "n", "value": 2},
+        {"tick": 1, "time": 0.0, "event": "changed", "variable": "n", "value": 1},
+        {"tick": 2, "time": 0.1, "event": "changed", "variable": "n", "value": 2},
+        {"tick": 3, "time": 0.2, "event": "changed", "variable": "n", "value": 3},
         {"tick": 4, "time": 0.3, "event": "left", "state": "counter/one"},
         {"tick": 4, "time": 0.3, "event": "fired", "machine": "counter", "transition": "go",
          "source": "one", "destination": "two"},
         {"tick": 4, "time": 0.3, "event": "entered", "state": "counter/two"},
-        {"tick": 4, "time": 0.3, "event": "printed", "text": "two at 2\n"},
+        {"tick": 4, "time": 0.3, "event": "printed", "text": "two at 3\n"},
     ]  # fmt: skip
-    assert result.stderr.splitlines()[0] == "two at 2"
+    assert result.stderr.splitlines()[0] == "two at 3"
 
 
 def test_a_trace_goes_into_a_file_as_well(lrp, program, tmp_path):
@@ -223,7 +223,7 @@ def test_an_issue_ends_the_run_when_it_cannot_be_resumed(lrp, program, speed):
     result = lrp("run", program(FAULTY), "--speed", speed, "--for", "30", "--on-issue", "pause")
     assert result.exit_code == 1
     assert "ZeroDivisionError" in result.stdout
-    assert "0.1 s, 2 ticks" in result.stdout
+    assert "0.0 s, 1 tick;" in result.stdout
 
 
 @pytest.mark.parametrize("speed", ["1", "max"])
@@ -232,7 +232,7 @@ def test_a_run_that_the_program_itself_pauses_ends_with_the_reason(lrp, program,
     result = lrp("run", program(text), "--speed", speed, "--for", "30", "--bridge", "none")
     assert result.exit_code == 1
     assert "Paused: The program raised `KeyboardInterrupt`, as Ctrl-C does.\n" in result.stdout
-    assert " s, 2 ticks" in result.stdout
+    assert "0.0 s, 1 tick;" in result.stdout
 
 
 def test_a_notice_of_the_robot_is_printed_once(lrp, program):
