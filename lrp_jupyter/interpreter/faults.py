@@ -6,6 +6,7 @@ an issue are decided by the run. Paper: §6.2.
 
 from __future__ import annotations
 
+import re
 import traceback as tracebacks
 from itertools import islice
 from types import TracebackType
@@ -37,26 +38,25 @@ class Interrupted(BaseException):
         )
 
 
-def kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
+def kind_and_message(program: Program, error: BaseException) -> tuple[IssueKind, str]:
     """Return the kind of a fault, and a sentence for the author of the program; never raises."""
     try:
-        kind, message = _kind_and_message(error)
+        kind, message = _kind_and_message(program, error)
     except BaseException:  # an exception may have any attributes
         kind, message = "exception", name_of(type(error))
     message = str.__getitem__(message, slice(None))  # of a subclass of str, too
     return kind, message if len(message) <= _LONGEST else message[: _LONGEST - 1] + "…"
 
 
-def _kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
+def _kind_and_message(program: Program, error: BaseException) -> tuple[IssueKind, str]:
     if isinstance(error, Fault):
         return error.kind, str(error)
     if isinstance(error, NoDataYet):
         return "no data yet", str(error)
     if isinstance(error, Interrupted):
         return "did not return", str(error)
-    if isinstance(error, NameError) and not isinstance(error, UnboundLocalError) and error.name:
-        return "unknown variable", _name_error(error)
-    return "exception", _first_line(error)
+    sentence = _name_error(program, error) if isinstance(error, NameError) else ""
+    return ("unknown variable", sentence) if sentence else ("exception", _first_line(error))
 
 
 def line_of(program: Program, error: BaseException | None) -> int:
@@ -101,17 +101,25 @@ def _first_line(error: BaseException) -> str:
     return sentence or first
 
 
-def _name_error(error: NameError) -> str:
+def _name_error(program: Program, error: NameError) -> str:
+    """Return what to do about a name without a value in a block; empty if it is in code of another file."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
-    if trace is not None and error.name in trace.tb_frame.f_code.co_freevars:
-        return f"`{error.name}` has no value. Assign one first."
-    if trace is not None and trace.tb_frame.f_code.co_filename == "<string>":
-        return f"`{error.name}` is not known to `eval` or `exec`, which see no variable of the program."
-    return (
-        f"`{error.name}` is not defined here. Correct the name, or declare `(var {error.name} := [value])`."
+    code = trace.tb_frame.f_code if trace is not None else None
+    unbound = (
+        re.search(r"local variable '(.+?)'", str(error)) if isinstance(error, UnboundLocalError) else None
     )
+    name = unbound[1] if unbound else error.name
+    if code is None or not name or code.co_filename not in (program.filename, "<string>"):
+        return ""
+    if name in code.co_freevars:
+        return f"`{name}` has no value. Assign one first."
+    if code.co_filename == "<string>":
+        return f"`{name}` is not known to `eval` or `exec`, which see no variable of the program."
+    if unbound:
+        return f"`{name}` has no value here. Assign one first, or declare `(var {name} := [value])`."
+    return f"`{name}` is not defined here. Correct the name, or declare `(var {name} := [value])`."
 
 
 def _innermost(program: Program, error: BaseException | None) -> TracebackType | None:

@@ -348,7 +348,7 @@ class Run:
         if issubclass(type_, NoDataYet) and site.element.kind in ("event", "transition"):
             self._note_fault(site, "no data yet", str(error), edge)
             return  # there it just does not occur
-        kind, message = kind_and_message(error)
+        kind, message = kind_and_message(self.program, error)
         self._note_fault(site, kind, message, edge)
         program, tick = self.program, self.ticks
         raised = None if issubclass(type_, (Fault, NoDataYet)) else error

@@ -60,7 +60,7 @@ _DEEPEST = 2  # levels of fields of a reading that are listed
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
 """Kinds of issues that a check of the same text reports as `LRP3…`."""
 _IN_BLOCKS: Mapping[str, frozenset[str]] = {
-    "unknown variable": frozenset({"LRP502"}),
+    "unknown variable": frozenset({"LRP502", "LRP503"}),
     "exception": frozenset({"LRP503", "LRP520", "LRP521", "LRP522", "LRP523", "LRP524", "LRP525"}),
     "not boolean": frozenset({"LRP505", "LRP508", "LRP522", "LRP524", "LRP527"}),
 }

@@ -70,7 +70,12 @@ def test_a_fault_in_a_function_of_an_older_text_is_located_at_the_block_that_cal
         ("eval('1 +')", "LRP601", "SyntaxError: invalid syntax"),
         ("raise NameError('by hand')", "LRP601", "NameError: by hand"),
         ("raise NameError", "LRP601", "NameError"),
-        ("x = x + 1", "LRP601", "UnboundLocalError: "),
+        ("x = x + 1", "LRP606", "`x` has no value here. Assign one first, or declare `(var x := [value])`."),
+        ("w += 1", "LRP606", "`w` has no value here."),
+        ("\n def f(): print(y); y = 1\n f()", "LRP606", "`y` has no value here."),
+        ("\n for i in (): pass\n print(i)", "LRP606", "`i` has no value here."),
+        ("elsewhere()", "LRP601", "NameError: name 'missing' is not defined"),
+        ("unbound()", "LRP601", "UnboundLocalError: cannot access local variable"),
         ("nope", "LRP606", "`nope` is not defined here."),
         ("eval('nope')", "LRP606", "`nope` is not known to `eval` or `exec`, which see no variable"),
         ("import sys; sys.exit('enough')", "LRP601", "SystemExit: enough"),
@@ -79,7 +84,14 @@ def test_a_fault_in_a_function_of_an_older_text_is_located_at_the_block_that_cal
     ],
 )
 def test_the_message_is_the_kind_and_first_line_of_the_exception(block, code, message):
-    (issue,) = started(with_running(block), 2).issues
+    def elsewhere():
+        missing  # noqa: B018, F821
+
+    def unbound():
+        missing += 1  # noqa: F821, F841
+
+    names = {"elsewhere": elsewhere, "unbound": unbound}
+    (issue,) = started(with_running(block), 2, namespace=names).issues
     assert issue.code == code
     assert issue.message.startswith(message)
 

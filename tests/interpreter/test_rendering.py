@@ -103,7 +103,7 @@ def test_of_a_value_nothing_but_its_repr_runs():
 def test_of_an_exception_nothing_but_its_text_is_asked():
     text = type("Text", (str,), {"__len__": must_not_run})("There is no data.")
     error = type("Late", (NoDataYet,), {"__str__": lambda self: text})()
-    assert kind_and_message(error) == ("no data yet", "There is no data.")
+    assert kind_and_message(parse(""), error) == ("no data yet", "There is no data.")
 
 
 def test_no_more_is_asked_for_its_repr_than_is_shown():
