@@ -829,6 +829,48 @@ describe("the page", () => {
     other.host.remove();
   });
 
+  it("goes on showing what one watches while one types elsewhere, or follows the cursor if that is wanted", async () => {
+    const inner = "follower/looking/lookalgo";
+    const text = page.editor.state.doc.toString();
+    const click = (selector: string) => {
+      page.find(selector).click();
+      return page.drawn();
+    };
+    const shown = () => page.find('[data-lrp-machine][aria-selected="true"]').dataset.lrpMachine;
+    const place = (anchor: number) => {
+      page.editor.dispatch({ selection: { anchor } });
+      return page.drawn();
+    };
+    const within = text.indexOf("(state lookleft");
+    const typed = async () => {
+      page.editor.dispatch({ changes: { from: within, insert: " " }, selection: { anchor: within + 1 } });
+      await page.drawn();
+    };
+    await click('[data-lrp-machine="follower"]');
+    await typed();
+    expect(shown()).toBe("follower");
+    const other = await new Page().begin();
+    await click('[data-lrp-action="follow-cursor"]');
+    await other.drawn();
+    expect(shown()).toBe(inner);
+    expect(other.find('[data-lrp-action="follow-cursor"]').getAttribute("aria-pressed")).toBe("true");
+    other.close();
+    other.host.remove();
+    await place(text.indexOf("(state moving"));
+    expect(shown()).toBe("follower");
+    await typed();
+    expect(shown()).toBe(inner);
+    await click('[data-lrp-machine="follower"]');
+    expect(shown()).toBe("follower"); // until the cursor moves again
+    const next = await new Page().begin();
+    expect(next.find('[data-lrp-action="follow-cursor"]').getAttribute("aria-pressed")).toBe("true");
+    next.close();
+    next.host.remove();
+    await click('[data-lrp-action="follow"]');
+    expect(page.find('[data-lrp-action="follow-cursor"]').getAttribute("aria-pressed")).toBe("false");
+    localStorage.clear();
+  });
+
   it("cuts long names in the middle, and keeps characters whole", async () => {
     const program = structuredClone(recording.snapshot.frame.program);
     Object.assign(program.machines[0]!, { path: "look_for_the_wall_🤖_now!", parent: "" });

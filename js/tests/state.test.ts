@@ -148,7 +148,7 @@ it("follows the innermost active state only when asked to", () => {
   apply(state, snapshot(["m", "m/s/n"]));
   apply(state, frame({ lit: ["m/s", "m/s/n/x"] }));
   expect(state.machine).toBe("m");
-  state.follow = true;
+  state.follow = "active";
   apply(state, frame({ lit: ["m/s", "m/s/n/y"] }));
   expect(state.machine).toBe("m/s/n");
 });

@@ -130,7 +130,7 @@ def test_names_are_read_in_the_colours_of_the_system(open_lab):
 def test_nested_and_large_graphs_are_drawn_saved_and_read(open_lab, tmp_path):
     lab = open_lab(INNER)
     keep_what_is_selected(lab)
-    show_the_machine_in_which_one_types(lab)
+    show_what_was_chosen_or_where_the_cursor_is(lab)
     draw_machines_inside_their_states(lab)
     save_pictures(lab, tmp_path)
     read_a_ring(lab.notebook.open(RING, "ring"))
@@ -237,8 +237,13 @@ def keep_what_is_selected(lab):
     lab.sees('[data-lrp-state="m/a/inner/x"][data-active]')
 
 
-def show_the_machine_in_which_one_types(lab):
+def show_what_was_chosen_or_where_the_cursor_is(lab):
+    revision = lab.revision
     lab.type_after("(state b)", " (state c)")
+    lab.until("(root, before) => Number(root.dataset.lrpRevision) > before", argument=revision)
+    lab.goes_on()
+    lab.sees('[data-lrp-state="m/a/inner/x"]')
+    lab.do("follow-cursor")
     lab.sees('[data-lrp-state="m/c"]')
     lab.misses('[data-lrp-state="m/a/inner/x"]')
     lab.type_after("(state y)", " (state z)")
@@ -246,6 +251,7 @@ def show_the_machine_in_which_one_types(lab):
     lab.misses('[data-lrp-state="m/b"]')
     lab.sees('[data-lrp-machine="m"]').click()
     lab.sees('[data-lrp-state="m/b"]')
+    lab.do("follow-cursor")
 
 
 def draw_machines_inside_their_states(lab):

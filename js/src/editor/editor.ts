@@ -27,7 +27,7 @@ import {
   placeholder,
   tooltips,
 } from "@codemirror/view";
-import { showTyped } from "../graph/shown";
+import { followCursor } from "../graph/shown";
 import { lrp, outlineOf } from "../language/lrp";
 import type { AnswerMessage, ElementKind, SnapshotMessage, TextRange, UpdateView } from "../protocol";
 import type { Connection, Typed, Typist } from "../session/connection";
@@ -135,7 +135,7 @@ export class Editor implements Typist {
       hover(lab),
       navigation(lab),
       scrubbing,
-      showTyped(lab),
+      followCursor(lab),
       live(lab.store.state, () => this.values),
       placeholder("(machine follower …) (spawn follower moving)"),
       Prec.high(

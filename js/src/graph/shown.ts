@@ -1,35 +1,67 @@
-/** Which machine the graph shows: one that is chosen, or the one in which the user types. */
+/**
+ * Which machine the graph shows: the one that the user chose, whatever is typed; or, if that is wanted, the one in
+ * which the cursor is.
+ */
 
 import { type Extension, Transaction } from "@codemirror/state";
 import { ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import { DRAWN } from "../editor/pen";
 import { outlineOf } from "../language/lrp";
 import type { Lab, Store } from "../session/store";
+import { button } from "../ui/button";
+import { isOn, keepOn } from "../ui/kept";
 import { isDrawnIn } from "./inside";
 
-/** Show a machine. One that is not the active one would not be shown for long while the graph follows. */
+const KEPT = "follow-cursor";
+
+/** Show a machine. One that is not the active one would not be shown for long while the graph follows that. */
 export function showMachine(store: Store, path: string): void {
   if (path === store.state.machine) return;
-  store.set("follow", false);
+  if (store.state.follow === "active") store.set("follow", "nothing");
   store.set("machine", path);
 }
 
-/** Show the machine in which the user types, as soon as it is in the program. */
-export function showTyped({ store }: Lab): Extension {
-  let typed = "";
+/** The switch of the graph; one that was on stays so in other labs and after a reload. */
+export function cursorSwitch(store: Store): HTMLButtonElement {
+  const follows = () => store.state.follow === "cursor";
+  const element = button({
+    icon: "cursor",
+    title: "Follow the cursor: show the machine in which it is",
+    action: "follow-cursor",
+    onclick: () => store.set("follow", follows() ? "nothing" : "cursor"),
+  });
+  if (isOn(KEPT, false)) store.set("follow", "cursor");
+  store.watch(["follow"], () => {
+    element.setAttribute("aria-pressed", String(follows()));
+    if (follows() !== isOn(KEPT, false)) keepOn(KEPT, follows());
+  });
+  return element;
+}
+
+/** Follow the cursor while that is wanted: show its machine as soon as it is in the program. */
+export function followCursor({ store }: Lab): Extension {
+  let wanted = "";
   const show = () => {
     const { program, machine, layouts, settings } = store.state;
-    if (settings.graph !== "live" || !program.machines.some(({ path }) => path === typed)) return;
-    if (!isDrawnIn(typed, machine, layouts)) showMachine(store, typed);
-    typed = "";
+    if (settings.graph !== "live" || !program.machines.some(({ path }) => path === wanted)) return;
+    if (!isDrawnIn(wanted, machine, layouts)) showMachine(store, wanted);
+    wanted = "";
   };
-  return ViewPlugin.define(() => ({
-    update({ docChanged, transactions, state }: ViewUpdate) {
-      if (!docChanged) return;
-      if (transactions.some((each) => each.annotation(Transaction.remote) || each.isUserEvent(DRAWN))) return;
-      typed = outlineOf(state).around(state.selection.main.head, "machine")?.path ?? "";
+  return ViewPlugin.define((view) => {
+    const look = () => {
+      if (store.state.follow !== "cursor") return;
+      wanted = outlineOf(view.state).around(view.state.selection.main.head, "machine")?.path ?? "";
       show();
-    },
-    destroy: store.watch(["program"], show),
-  }));
+    };
+    const watches = [store.watch(["follow"], look), store.watch(["program"], show)];
+    return {
+      update({ docChanged, selectionSet, transactions }: ViewUpdate) {
+        if (!docChanged && !selectionSet) return;
+        if (transactions.some((each) => each.annotation(Transaction.remote) || each.isUserEvent(DRAWN)))
+          return;
+        look();
+      },
+      destroy: () => watches.forEach((end) => end()),
+    };
+  });
 }

@@ -22,7 +22,7 @@ import { layoutsIn } from "./inside";
 import { Marks } from "./marks";
 import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
-import { showMachine } from "./shown";
+import { cursorSwitch, showMachine } from "./shown";
 
 const MODES = "Live: redraw after every edit, and show the run. Static: redraw on request.";
 const RESIZED_FOR = 150; // ms without another size before the kernel gets it
@@ -174,6 +174,7 @@ export function graphView(lab: Lab): HTMLElement {
         action: "arrange",
         onclick: () => void lab.act({ do: "arrange", path: store.state.machine }),
       }),
+      cursorSwitch(store),
       button({ icon: "minus", title: "Zoom out", action: "zoom-out", onclick: () => zoom(1 / 1.25) }),
       button({ icon: "plus", title: "Zoom in", action: "zoom-in", onclick: () => zoom(1.25) }),
       button({ icon: "fit", title: "Show all", action: "zoom-fit", onclick: whole }),
@@ -194,11 +195,11 @@ export function graphView(lab: Lab): HTMLElement {
   store.watch(["breakpoints"], () => drawDots(layers.root, store.state));
   let isWaiting = false;
   store.watch(["lit", "follow"], () => {
-    if (isWaiting || !store.state.follow || mode() !== "live") return;
+    if (isWaiting || store.state.follow !== "active" || mode() !== "live") return;
     isWaiting = true;
     setTimeout(() => {
       isWaiting = false;
-      if (store.state.follow) fitting.reveal(focus);
+      if (store.state.follow === "active") fitting.reveal(focus);
     }, ACTIVE_FOR);
   });
   let resizing: ReturnType<typeof setTimeout> | undefined;

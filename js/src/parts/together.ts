@@ -1,9 +1,10 @@
 /**
- * Single parts of one session in one page show the same machine, and a click in one finds the source
+ * Single parts of one session in one page show and follow the same machine, and a click in one finds the source
  * in another. They communicate through the document.
  */
 
 import type { ElementKind, TextRange } from "../protocol";
+import type { LabState } from "../session/state";
 import type { Store } from "../session/store";
 
 interface Message {
@@ -11,6 +12,7 @@ interface Message {
   range?: TextRange;
   ofRunning?: boolean;
   machine?: string;
+  follow?: LabState["follow"];
 }
 
 const EVENT = "lrp-together";
@@ -19,13 +21,18 @@ export function together(
   store: Store,
   receive: (message: Message) => void,
 ): { send(message: Message): void; close(): void } {
-  let machine = ""; // the one that all views show
+  let { machine, follow } = store.state; // what all views show, and follow
   const listen = (event: Event) => {
     const { from, name, message } = (event as CustomEvent).detail;
     if (from === store || name !== store.state.name) return;
-    if (message.machine === undefined) return receive(message);
-    machine = message.machine;
-    store.set("machine", machine);
+    if (message.follow) {
+      follow = message.follow;
+      store.set("follow", follow);
+    } else if (message.machine === undefined) receive(message);
+    else {
+      machine = message.machine;
+      store.set("machine", machine);
+    }
   };
   const send = (message: Message) => {
     const { name } = store.state;
@@ -36,6 +43,11 @@ export function together(
     const before = machine;
     machine = store.state.machine;
     if (before && machine && before !== machine) send({ machine });
+  });
+  store.watch(["follow"], () => {
+    if (follow === store.state.follow) return;
+    follow = store.state.follow;
+    send({ follow });
   });
   return { send, close: () => document.removeEventListener(EVENT, listen) };
 }

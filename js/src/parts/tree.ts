@@ -13,7 +13,7 @@ export function treeView(lab: Lab): HTMLElement {
   const { store } = lab;
   const list = h("div", { class: "lrp-tree", role: "tree", "aria-label": "Machines" });
   const follow = toggle("Follow", "Always show the machine of the innermost active state", "follow", (on) =>
-    store.set("follow", on),
+    store.set("follow", on ? "active" : "nothing"),
   );
   const { element } = panel("tree", "Machines", [follow], list);
   const make = ({ path }: MachineItem) =>
@@ -51,7 +51,7 @@ export function treeView(lab: Lab): HTMLElement {
     reconcile(list, store.state.program.machines, ({ path }) => path, make, update);
   });
   store.watch(["settings"], () => setHidden(follow, store.state.settings.quiet));
-  store.watch(["follow"], () => setSwitch(follow, store.state.follow));
+  store.watch(["follow"], () => setSwitch(follow, store.state.follow === "active"));
   list.addEventListener("keydown", (event) => {
     const items = [...list.querySelectorAll<HTMLElement>("[role=treeitem]")];
     const index = items.indexOf(event.target as HTMLElement);

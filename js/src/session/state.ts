@@ -37,7 +37,8 @@ export interface LabState extends ViewState {
   inspected: { kind: ElementKind; path: string } | null;
   /** Zoom and pan of each machine that was shown. */
   cameras: Record<string, Camera>;
-  follow: boolean;
+  /** Whose machine is shown by itself: that of the innermost active state, that of the cursor, or nobody's. */
+  follow: "active" | "cursor" | "nothing";
   whatIf: WhatIfView | null;
 }
 
@@ -77,7 +78,7 @@ export function initialState(): LabState {
     chosen: "",
     inspected: null,
     cameras: {},
-    follow: false,
+    follow: "nothing",
     whatIf: null,
   };
 }
@@ -108,7 +109,7 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
   const changed = new Set(Object.keys(changes) as Topic[]);
   if (message.type === "snapshot") changed.add("snapshot");
   if (changed.has("program") && showAnother(state)) changed.add("machine");
-  if (state.follow && changed.has("lit") && followActive(state)) changed.add("machine");
+  if (state.follow === "active" && changed.has("lit") && followActive(state)) changed.add("machine");
   return changed;
 }
 
