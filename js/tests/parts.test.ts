@@ -6,15 +6,26 @@ import type { FindingView, IssueView } from "../src/protocol";
 import { lightnessOf } from "../src/ui/theme";
 
 describe("the rate slider", () => {
-  it("goes from 1 to 100 Hz, and to free at its end", () => {
-    expect([rateAt(0), rateAt(50), rateAt(100), rateAt(SLIDER.max)]).toEqual([1, 10, 100, 0]);
-    expect(rateText(rateAt(SLIDER.max))).toBe("free");
+  it("goes from 0.1 to 1000 Hz in steps of about a tenth, each another round rate, and to free at its end", () => {
+    expect([rateAt(SLIDER.min), rateAt(SLIDER.max - 1), rateAt(SLIDER.max)]).toEqual([0.1, 1000, 0]);
+    expect([rateText(rateAt(1)), rateText(rateAt(SLIDER.max))]).toEqual(["0.11 Hz", "free"]);
+    for (let position: number = SLIDER.min; position < SLIDER.max; position++) {
+      const rate = rateAt(position);
+      expect(Number(rate.toPrecision(2))).toBe(rate);
+      expect(positionOf(rate)).toBe(position);
+      const more = rateAt(position + 1) / rate;
+      if (position < SLIDER.max - 1) expect(more > 1.05 && more < 1.15).toBe(true);
+    }
   });
 
-  it.each([1, 2, 10, 33, 100, 0])("shows %i Hz where it is set to it, nearly", (rate) => {
-    const shown = rateAt(positionOf(rate));
-    expect(Math.abs(shown - rate)).toBeLessThanOrEqual(rate * 0.03);
-  });
+  it.each([0.01, 0.1, 0.5, 1, 2, 10, 23, 50, 100, 999, 5000, 0])(
+    "shows %d Hz where it is set to it, nearly",
+    (rate) => {
+      const shown = rateAt(positionOf(rate));
+      const within = rate && Math.min(1000, Math.max(0.1, rate));
+      expect(Math.abs(shown - within)).toBeLessThanOrEqual(within * 0.13);
+    },
+  );
 });
 
 describe("variables in scope", () => {

@@ -209,20 +209,29 @@ function bridgeChip(lab: Lab): HTMLElement {
   return chip;
 }
 
-const TOP = 100;
-const FREE = 108;
+/** Round numbers, each a tenth or so more than the one before: what a key steps through. */
+const TENFOLD = [
+  10, 11, 12, 13, 14, 15, 16, 18, 20, 22, 25, 28, 30, 33, 36, 40, 45, 50, 55, 60, 65, 70, 80, 90,
+];
+/** Hz, from 0.1 to 1000. */
+const RATES = [...[100, 10, 1, 0.1].flatMap((part) => TENFOLD.map((each) => each / part)), 1000];
 
-export const SLIDER = { min: 0, max: FREE, step: 1 } as const;
+/** Free is one step above the highest rate. */
+export const SLIDER = { min: 0, max: RATES.length, step: 1 } as const;
 
 /** Hz at a position of the slider. */
 export function rateAt(position: number): number {
-  return position > TOP ? 0 : Math.round(10 ** (position / 50));
+  return RATES[position] ?? 0;
 }
 
-/** The position that shows a rate. */
+/** The position that shows a rate, or the next lower one. */
 export function positionOf(rate: number): number {
-  if (rate <= 0) return FREE;
-  return Math.min(TOP, Math.max(0, Math.round(50 * Math.log10(rate))));
+  return rate > 0
+    ? Math.max(
+        0,
+        RATES.findLastIndex((each) => each <= rate),
+      )
+    : SLIDER.max;
 }
 
 export function rateText(rate: number): string {
