@@ -235,6 +235,7 @@ class Session:
             output=self.output.print,
         )
         self._changed = threading.Condition()
+        self._warned = False
         self._version = 0  # incremented whenever waiting callers must check again
         self._listeners: tuple[Callable[[], None], ...] = ()
         self._loop = Loop(
@@ -508,6 +509,11 @@ class Session:
             A block has exceeded the limit. It was interrupted, and the program is paused.
         Exception
             Whatever `until` or `after_tick` raises; the program is paused.
+
+        Warns
+        -----
+        UserWarning
+            Once, if commands were not sent because nobody has armed the robot.
         """
         if seconds is None and until is None and after_tick is None:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
@@ -527,7 +533,22 @@ class Session:
             if self._script and play(self._loop, self._script, end, ends):
                 return True
             ended = self._loop.run(end - self._loop.timing.now, ends)
+            self._warn_of_disarmed()
             return ended if ends is not None else self._loop.timing.now >= end - 1e-6
+
+    def _warn_of_disarmed(self) -> None:
+        """Warn, once, that commands were not sent because nobody has armed the robot."""
+        bridge = self.bridge
+        kinds = {notice.kind for notice in bridge.safety.notices}
+        if self._warned or not bridge.hardware or "armed" in kinds or "disarmed" not in kinds:
+            return
+        self._warned = True
+        message = (
+            f"The bridge `{bridge.name}` is disarmed: commands are recorded, and not sent. Call "
+            f"`session.bridge.arm()` before the run, or set `hardware = False` in `{type(bridge).__name__}` "
+            "if nothing real moves."
+        )
+        warnings.warn(message, stacklevel=3)
 
     @contextmanager
     def driving(self, limit: float) -> Iterator[None]:

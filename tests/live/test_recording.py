@@ -340,6 +340,7 @@ def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
         ("arm", "disarm", [True, False]),
     ],
 )
+@pytest.mark.filterwarnings("ignore:The bridge `rover` is disarmed")
 def test_a_robot_is_as_armed_in_a_replay_and_in_a_fork_as_it_was(tmp_path, first, then, sent):
     path = tmp_path / "run.lrplog"
     with Session(ROVER, Rover, clock=VirtualClock()) as session:

@@ -216,10 +216,33 @@ def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(sess
     assert loop.interpreter.tick == pytest.approx(loop.timing.now * 10, abs=1.01)
 
 
+def test_a_run_whose_commands_were_not_sent_says_once_that_nobody_has_armed_the_robot(session):
+    def made(hardware, text="[robot.move(1)]"):
+        bridge = Bare(lambda robot: robot.add_method("move", lambda linear: None), hardware=hardware)
+        return session(f"(machine m (state a (running {text}))) (spawn m a)", bridge)
+
+    running = made(True)
+    with pytest.warns(
+        UserWarning, match=r"`test-bare` is disarmed.*bridge\.arm\(\).*hardware = False"
+    ) as told:
+        running.run(1)
+    running.run(1)
+    assert [each.filename for each in told] == [__file__]
+    made(False).run(1)
+    made(True, "[1]").run(1)
+    armed = made(True)
+    armed.open()
+    armed.bridge.arm()
+    armed.run(1)
+    armed.bridge.disarm()
+    armed.run(1)
+
+
 def test_an_armed_robot_cannot_be_rewound_and_a_disarmed_one_can(session):
     barrow = Bare(lambda robot: robot.add_method("move", lambda linear: None), hardware=True)
     running = session("(machine m (state a (running [robot.move(1)]))) (spawn m a)", barrow)
-    running.run(1)
+    with pytest.warns(UserWarning, match="disarmed"):
+        running.run(1)
     barrow.arm()
     with pytest.raises(ValueError, match="speed 1"):
         running.speed = 10
