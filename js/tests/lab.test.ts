@@ -760,6 +760,12 @@ describe("the page", () => {
     expect(page.find("g[data-chosen]").dataset.lrpTransition).toBe("follower:tsearching");
   });
 
+  it("inspects the robot with one click", async () => {
+    page.find('[data-lrp="variables"] [data-lrp-action="inspect-robot"]').click();
+    await page.drawn();
+    expect(page.of("inspect").at(-1)).toMatchObject({ kind: "robot", path: "" });
+  });
+
   it("inspects the same element after a rename", async () => {
     page.find('[data-lrp-variable="lightlim"] [data-lrp-action="inspect"]').click();
     await page.drawn();

@@ -55,7 +55,6 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
     { label: "Save…", action: "save", run: choices.save },
     { label: "Versions…", action: "versions", run: choices.versions },
     ...choices.cell(),
-    { label: "Inspect the robot", action: "inspect-robot", run: () => lab.inspect("robot", "") },
     {
       label: "Why does the robot do this?",
       action: "why-robot",

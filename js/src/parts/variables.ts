@@ -19,7 +19,15 @@ export function variablesView(lab: Lab, below: HTMLElement | null = null): HTMLE
   const { element } = panel(
     "variables",
     "Variables",
-    [],
+    [
+      button({
+        icon: "search",
+        label: "Robot",
+        title: "Inspect the robot",
+        action: "inspect-robot",
+        onclick: () => lab.inspect("robot", ""),
+      }),
+    ],
     h(
       "div",
       { class: "lrp-variables", tabindex: "0", role: "group", "aria-label": "Variables" },
