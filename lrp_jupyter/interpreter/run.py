@@ -396,7 +396,7 @@ class Run:
         """Discard all rows, because what they were bound to has changed."""
         self.stale = False
         for act in self._walk():
-            act.rows.clear()
+            act.unbind()
             act.row = act.rows[act.place[-1]] = bind_row(self, act, act.state)
 
     def _walk(self) -> Iterator[Activation]:

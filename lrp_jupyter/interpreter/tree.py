@@ -112,8 +112,17 @@ class Activation(Environment):
         A tick that still comes to it finds nothing to do.
         """
         self.row = _IDLE
-        self.rows.clear()
+        self.unbind()
         self.machine = _NO_MACHINE
+
+    def unbind(self) -> None:
+        """Drop all rows, and the links between them: those of states that lead to each other are a circle."""
+        for row in self.rows.values():
+            edge = row.edge
+            while edge is not None:
+                edge.row = None
+                edge = edge.next
+        self.rows.clear()
 
     def leaves(self) -> Iterator[Path]:
         """Paths of the innermost active states."""
