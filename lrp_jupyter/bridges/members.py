@@ -16,7 +16,12 @@ _PLAIN = (bool, int, float, str, bytes, type(None))
 
 
 class MemberError(BridgeError, AttributeError):
-    """The robot (or a message) has no member of that name, or it cannot be assigned."""
+    """The robot (or a message) has no member of that name, or it cannot be assigned.
+
+    `missing`: the dotted name of a member that the robot did not have, or empty.
+    """
+
+    missing = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -95,13 +95,13 @@ class Robot(NotAValue):
 
     def _unknown(self, name: str) -> MemberError:
         what, names = f"robot.{self._prefix}".rstrip("."), dir(self)
-        if not names:
-            return MemberError(
-                f"`{what}` has no `{name}`: the bridge `{self._bridge.name}` offers no members."
-                " Open it, or choose another bridge."
-            )
-        listed = ", ".join(f"`{member}`" for member in names)
-        return MemberError(f"`{what}` has no `{name}`; it has {listed}.{did_you_mean(name, names)}")
+        sentence = f": the bridge `{self._bridge.name}` offers no members. Open it, or choose another bridge."
+        if names:
+            listed = ", ".join(f"`{member}`" for member in names)
+            sentence = f"; it has {listed}.{did_you_mean(name, names)}"
+        error = MemberError(f"`{what}` has no `{name}`{sentence}")
+        error.missing = self._prefix + name
+        return error
 
 
 def part_name(value: object) -> str | None:

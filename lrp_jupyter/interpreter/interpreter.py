@@ -228,6 +228,14 @@ class Interpreter:
             self._history = History(self._run)
         return self._history
 
+    def resolve_issues(self, is_over: Callable[[BaseException], bool]) -> None:
+        """Resolve, between two ticks, the issues whose last exception is of no concern any more."""
+        issues = self._run.issues
+        issues.resolve(
+            lambda _, issue: (raised := issues.raised(issue)) is not None and is_over(raised.error)
+        )
+        self._run.rebind()
+
     def traceback_of(self, issue: Issue, assign: Callable[[Path, object], object]) -> TracebackType | None:
         """Return the traceback of an issue's last occurrence, with all that is in scope; None if unknown.
 

@@ -37,6 +37,7 @@ from types import FrameType, MappingProxyType
 from typing import Any, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.outside import RobotArmed, RobotStopped
 from lrp_jupyter.bridges.safety import Origin
 from lrp_jupyter.errors import LRPError, UnknownElementError, sentence_of
@@ -100,6 +101,7 @@ class Loop:
         self._texts = ValueTexts(self._calling)
         self.changed = changed
         self._printed = printed
+        self._members = bridge.nodes.table
         self.breakpoints: Breakpoints | None = None
         self.paused_by: Hit | Issue | None = None
         self.after_tick: list[Callable[[], object]] = []
@@ -213,12 +215,20 @@ class Loop:
         timing.due = (timing.due if on_time else now) + timing.period
         for call in self.after_tick:
             call()
+        if bridge.nodes.table is not self._members:
+            self._members = bridge.nodes.table
+            interpreter.resolve_issues(self._has_come)
         if hit is not None:
             self._pause_at(hit)
         if interpreter.paused and self.status == "running":
             self._stop_at_issue()
         if bridge.safety.suspended:
             self.pause(bridge.safety.suspended)
+
+    def _has_come(self, error: BaseException) -> bool:
+        """Return whether an error was that a member of the robot is missing, and the robot has it now."""
+        missing = getattr(error, "missing", "") if issubclass(type(error), MemberError) else ""
+        return bool(missing) and any(f"{path}.".startswith(f"{missing}.") for path in self._members)
 
     def settle(self) -> None:
         """Apply what waits to be done to the robot's world."""

@@ -238,6 +238,17 @@ def test_a_run_whose_commands_were_not_sent_says_once_that_nobody_has_armed_the_
     armed.run(1)
 
 
+def test_an_issue_that_a_member_is_missing_is_over_when_the_robot_has_it(session):
+    bare = Bare()
+    text = "(machine m (state a (onentry [robot.light.data] [robot.lamp])) ) (spawn m a)"
+    running = session(text, bare)
+    running.run(1)
+    assert [issue.resolved for issue in running.issues] == [False, False]
+    bare.add_variable("light.data", int)
+    running.run(1)
+    assert [issue.resolved for issue in running.issues] == [True, False]
+
+
 def test_an_armed_robot_cannot_be_rewound_and_a_disarmed_one_can(session):
     barrow = Bare(lambda robot: robot.add_method("move", lambda linear: None), hardware=True)
     running = session("(machine m (state a (running [robot.move(1)]))) (spawn m a)", barrow)
