@@ -30,6 +30,7 @@ __all__ = [
     "did_you_mean",
     "edited",
     "ended",
+    "lacks_simulator",
     "listed",
     "name_of",
     "printable",
@@ -254,6 +255,13 @@ def printable(text: str, kept: str = "") -> str:
     `kept`: characters that stay as they are.
     """
     return "".join(each if each.isprintable() or each in kept else f"<U+{ord(each):04X}>" for each in text)
+
+
+def lacks_simulator(error: BaseException) -> str:
+    """Return how to get the simulator's engine if that is what could not be imported, else nothing."""
+    if isinstance(error, ModuleNotFoundError) and error.name == "pymunk":
+        return "Simulated worlds need `pymunk`: install it with `pip install pymunk`."
+    return ""
 
 
 def sentence_of(error: BaseException) -> str:

@@ -25,7 +25,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.options import convert_options, refuse_options
-from lrp_jupyter.errors import BridgeError, did_you_mean
+from lrp_jupyter.errors import BridgeError, did_you_mean, lacks_simulator
 from lrp_jupyter.files import run_python, shown
 
 __all__ = ["GROUP", "Offer", "check_options", "choose_bridge", "find_bridges", "make_bridge", "open_bridge"]
@@ -62,7 +62,8 @@ class Offer:
             bridge = self.source.load()
         except Exception as error:
             raise BridgeError(
-                f"The bridge `{self.name}` of the package {self.origin} cannot be loaded:"
+                lacks_simulator(error)
+                or f"The bridge `{self.name}` of the package {self.origin} cannot be loaded:"
                 f" {type(error).__name__}: {error}"
             ) from error
         if not (isinstance(bridge, type) and issubclass(bridge, Bridge)):

@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from lrp_jupyter.cli import complete
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import LRPError, lacks_simulator
 
 
 class _Commands(TyperGroup):
@@ -21,8 +21,12 @@ class _Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except (LRPError, OSError) as error:
-            if isinstance(error, OSError) and not isinstance(error, LRPError):
+        except (LRPError, OSError, ModuleNotFoundError) as error:
+            if isinstance(error, ModuleNotFoundError):
+                if not (lacking := lacks_simulator(error)):
+                    raise
+                error = LRPError(lacking)
+            elif isinstance(error, OSError) and not isinstance(error, LRPError):
                 name = f"`{error.filename}` cannot be used: " if error.filename else ""
                 error = LRPError(f"{name}{error.strerror or str(error)}.")
             typer.echo(f"lrp: {error}", err=True)
