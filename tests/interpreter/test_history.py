@@ -105,7 +105,7 @@ def test_the_facts_of_a_tick_name_what_fired_and_who_spawned():
 
 def test_a_fault_that_is_known_already_is_a_fact_of_every_tick():
     i = started(NESTED.replace("400", "4000"), 8)
-    assert sum(isinstance(fact, Faulted) for tick in i.history.told() for fact in tick.facts) == 5
+    assert sum(isinstance(fact, Faulted) for tick in i.history.told() for fact in tick.facts) == 6
 
 
 def test_a_command_belongs_to_the_time_before_a_tick():
@@ -114,7 +114,7 @@ def test_a_command_belongs_to_the_time_before_a_tick():
     i.step(0.3)
     facts = i.history.facts(4)
     assert facts.before == (Commanded("assigned", "n"),)
-    assert i.history.state(3).variables["n",] == 2
+    assert i.history.state(3).variables["n",] == 3
     assert i.history.state(4, before=True).variables["n",] == 40
     assert i.history.state(4).variables["n",] == 41
 

@@ -43,7 +43,7 @@ def test_columns_are_counted_in_characters_whatever_precedes_in_the_line(end):
 
 
 def test_half_a_character_in_the_line_of_a_fault_stops_nothing():
-    i = started("(machine m (state a (running [1 / 0]))) ; \ud800\n(spawn m a)", 2)
+    i = started("(machine m (state a (running [1 / 0]))) ; \ud800\n(spawn m a)")
     assert summary(i) == [("LRP601", 1, False)]
 
 
@@ -114,7 +114,7 @@ def test_what_this_package_raises_keeps_its_own_sentence(how, message):
 
 
 def test_an_exception_of_no_module_is_an_issue_too():
-    i = started(with_running("raise type('Odd', (ValueError,), {})('because')"), 2)
+    i = started(with_running("raise type('Odd', (ValueError,), {})('because')"))
     assert summary(i) == [("LRP601", 1, False)]
     assert i.issues[0].message == "Odd"
     assert "raise type('Odd'" in i.issues[0].traceback
@@ -128,14 +128,14 @@ def test_what_ends_the_program_when_it_is_shown_is_an_issue():
 
 
 def test_an_issue_describes_its_last_occurrence():
-    i = started(with_running("\n n += 1\n if n < 3: 1 / 0\n {}[n]"), 2)
+    i = started(with_running("\n n += 1\n if n < 3: 1 / 0\n {}[n]"))
     assert i.issues[0].line == 3
+    i.step(0.1)
     i.step(0.2)
     i.step(0.3)
-    i.step(0.4)
     (issue,) = i.issues
     assert (issue.line, issue.message, issue.count) == (4, "KeyError: 4", 4)
-    assert (issue.first_tick, issue.last_tick, issue.resolved) == (2, 5, False)
+    assert (issue.first_tick, issue.last_tick, issue.resolved) == (1, 4, False)
     assert "KeyError: 4" in issue.traceback
 
 
@@ -144,7 +144,7 @@ def test_an_issue_is_located_correctly_when_a_comment_in_its_block_moves_it():
     i.patch(parse(with_running("\n n # a comment\n # another\n 1 / 0")))
     i.step(0.2)
     (issue,) = i.issues
-    assert (issue.line, issue.count, issue.first_tick) == (4, 2, 2)
+    assert (issue.line, issue.count, issue.first_tick) == (4, 3, 1)
 
 
 @every("text", OF_EVERY_KIND)
@@ -202,15 +202,15 @@ def test_a_condition_that_is_true_for_numpy_ends_the_issue():
     numpy = pytest.importorskip("numpy")
     text = """(var n := [0])
       (machine m (state a) (on [n += 1; return 5 if n < 2 else np.bool_(0)] a -> a))(spawn m a)"""
-    i = started(text, 2, namespace={"np": numpy})
+    i = started(text, namespace={"np": numpy})
     assert summary(i) == [("LRP602", 1, False)]
-    i.step(0.2)
+    i.step(0.1)
     assert summary(i) == [("LRP602", 1, True)]
 
 
 def test_a_condition_without_a_value_does_not_resolve_the_issue():
     text = "(var n := [0])(machine m (state a) (on [n += 1; return 5 if n == 1 else None] a -> a))(spawn m a)"
-    i = started(text, 4)
+    i = started(text, 3)
     assert summary(i) == [("LRP602", 3, False)]
 
 
@@ -242,7 +242,7 @@ def test_issues_keep_their_history_when_what_they_concern_is_renamed():
         == codes
         == ["LRP605", "LRP603", "LRP602", "LRP607", "LRP604", "LRP601"]
     )
-    assert [issue.count for issue in i.issues] == [1, 2, 2, 2, 2, 2]
+    assert [issue.count for issue in i.issues] == [1, 3, 3, 3, 3, 3]
     assert not any(issue.resolved for issue in i.issues)
     assert {issue.element.path[0] for issue in i.issues} == {"much_longer"}
     assert i.paused, "some have occurred again"
@@ -254,29 +254,29 @@ def test_issues_keep_their_history_when_what_they_concern_is_renamed():
 
 
 def test_an_issue_of_a_renamed_definition_is_over_when_that_runs_well():
-    i = started(with_running("1 / n"), 2)
+    i = started(with_running("1 / n"))
     i.rename("variable", "n", "number")
     i.set_variable("number", "1")
-    i.step(0.2)
+    i.step(0.1)
     assert summary(i) == [("LRP601", 1, True)]
 
 
 def test_pause_on_issue_pauses_again_when_an_issue_is_reopened():
-    i = started(with_running("n += 1; 1 / (n % 2)"), 3, on_issue="pause")
+    i = started(with_running("n += 1; 1 / (n % 2)"), 2, on_issue="pause")
     assert i.paused
     i.resume()
-    i.step(0.3)
+    i.step(0.2)
     assert (i.paused, i.issues[0].resolved) == (False, True)
-    i.step(0.4)
+    i.step(0.3)
     assert (i.paused, i.issues[0].resolved, i.issues[0].count) == (True, False, 2)
 
 
 def test_pause_on_issue_keeps_the_traceback_and_runs_the_actions_of_a_pause():
     seen = []
-    i = started(with_running("1 / 0") + "(onpause [n = 7])", on_issue="pause")
+    i = started(with_running("1 / 0") + "(onpause [n = 7])", ticks=0, on_issue="pause")
     i.observe(lambda event: seen.append(event.kind))
-    i.step(0.1)
-    assert seen == ["issue", "paused", "changed"]
+    i.step(0.0)
+    assert (seen[-2:], seen.count("issue")) == (["paused", "changed"], 1)
     assert (i.variables["n"], isinstance(i.issues.raised(i.issues[0]).error, ZeroDivisionError)) == (7, True)
 
 

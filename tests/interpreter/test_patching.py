@@ -35,10 +35,9 @@ def test_a_restart_runs_no_onexit_has_a_reason_and_keeps_issues_and_the_pause():
         ("restarted", "`a` is active and its `running` changed."),
         ("patched", patch),
     ]
-    assert [(issue.count, issue.resolved) for issue in i.issues] == [(1, True)]
+    assert [(issue.count, issue.resolved) for issue in i.issues] == [(2, True)]
     i.step(0.2)
-    i.step(0.3)
-    assert [(issue.count, issue.resolved) for issue in i.issues] == [(2, False)]
+    assert [(issue.count, issue.resolved) for issue in i.issues] == [(3, False)]
     assert (i.paused, i.variables["log"]) == (True, ["A"])
 
 
@@ -189,7 +188,7 @@ def test_an_issue_of_a_transition_shows_its_label_and_is_kept_by_its_identity():
     (moved,) = i.issues
     assert str(moved.element) == "transition `m/[gone]:dark->on`"
     i.step(0.4)
-    assert [(issue.count, issue.resolved) for issue in i.issues] == [(3, False)]
+    assert [(issue.count, issue.resolved) for issue in i.issues] == [(4, False)]
 
 
 def test_issues_of_transitions_that_share_a_name_are_not_confused():
@@ -200,7 +199,7 @@ def test_issues_of_transitions_that_share_a_name_are_not_confused():
     assert [str(issue.element) for issue in i.issues] == ["transition `m/t`", "transition `m/t#2`"]
     edited(i, "  (on [one] a -> b t)\n", "")
     (issue,) = [issue for issue in i.issues if not issue.resolved]
-    assert (str(issue.element), issue.count) == ("transition `m/t`", 1)
+    assert (str(issue.element), issue.count) == ("transition `m/t`", 2)
 
 
 def test_a_rename_hands_on_what_became_of_every_element():

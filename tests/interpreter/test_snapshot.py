@@ -62,12 +62,12 @@ def test_a_list_is_copied_with_what_shares_it():
     i = started("(var a := [[1]])(var b := [(a,)])(machine m (state s (running [a.append(2)])))(spawn m s)")
     copy = copied(i)
     i.step(0.1)
-    assert (i.variables["a"], copy.variables["a"]) == ([1, 2], [1])
+    assert (i.variables["a"], copy.variables["a"]) == ([1, 2, 2], [1, 2])
     copy.step(0.1)
     copy.step(0.2)
-    assert copy.variables["b"] == ([1, 2, 2],)
+    assert copy.variables["b"] == ([1, 2, 2, 2],)
     assert copy.variables["b"][0] is copy.variables["a"]
-    assert i.variables["a"] == [1, 2]
+    assert i.variables["a"] == [1, 2, 2]
 
 
 def test_a_function_writes_the_variables_of_its_own_run():
@@ -84,9 +84,9 @@ def test_a_function_writes_the_variables_of_its_own_run():
     copy = copied(i)
     for tick in (1, 2, 3):
         copy.step(tick / 10)
-    assert (copy.variables["n"], i.variables["n"]) == (3, 0)
+    assert (copy.variables["n"], i.variables["n"]) == (4, 1)
     copy.rewind(2)
-    assert copy.variables["n"] == 1, "the copy of a variable that a function writes is compared, too"
+    assert copy.variables["n"] == 2, "the copy of a variable that a function writes is compared, too"
 
 
 def test_a_function_that_calls_itself_is_copied():
@@ -173,7 +173,7 @@ def test_one_snapshot_serves_many_runs():
         copy.begin(snapshot)
         for tick in range(ticks):
             copy.step(0.3 + tick / 10)
-        assert copy.variables["a"] == [1] * (1 + ticks)
+        assert copy.variables["a"] == [1] * (2 + ticks)
 
 
 def test_going_back_ends_at_the_snapshot():

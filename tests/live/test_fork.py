@@ -25,10 +25,10 @@ def test_what_a_rewind_has_undone_is_in_no_fork(monkeypatch):
         session.run(0.5)
         session.rewind(5)
         session.run(0.5)
-        assert session.frame.values["n"] == 204
-        assert session.at(205).values["n"] == 204
+        assert session.frame.values["n"] == 205
+        assert session.at(205).values["n"] == 205
         with session.fork(205) as fork:
-            assert fork.frame.values["n"] == 204
+            assert fork.frame.values["n"] == 205
 
 
 def test_a_fork_after_a_rewind_to_the_beginning_has_the_program_of_the_session():
@@ -132,7 +132,7 @@ def test_the_checkpoints_of_rewinds_are_the_last_to_be_dropped(monkeypatch):
         assert len(session._loop.record.checkpoints.all) <= 6
         with session.fork(500, inputs=True) as fork:
             fork.run(1)
-            assert fork.frame.values["n"] == 509
+            assert fork.frame.values["n"] == 510
 
 
 def test_the_names_that_a_program_uses_are_its_global_names():
@@ -159,8 +159,8 @@ def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
         assert (session.status, session.fault, session.frame.tick) == ("paused", "", 2000)
         with session.fork() as fork:
             fork.run(1)
-            assert len(fork.interpreter.variables["m"]) == 2009
-            assert len(session.interpreter.variables["m"]) == 1999
+            assert len(fork.interpreter.variables["m"]) == 2010
+            assert len(session.interpreter.variables["m"]) == 2000
 
 
 class Once:
@@ -194,9 +194,9 @@ def test_a_fork_has_the_values_that_a_notebook_had_then():
         names["gain"] = 5
         session.run(2)
         with session.fork(30) as fork:
-            assert fork.frame.values["n"] == session.at(30).values["n"] == 29
+            assert fork.frame.values["n"] == session.at(30).values["n"] == 30
             fork.run(1)
-            assert fork.frame.values["n"] == session.at(fork.frame.tick).values["n"] == 38
+            assert fork.frame.values["n"] == session.at(fork.frame.tick).values["n"] == 39
 
 
 def by_hand(session):
@@ -232,10 +232,10 @@ def test_what_was_changed_in_the_notebook_stays_when_the_run_goes_back():
         session.run(1)
         session.rewind(20)
         session.run(1)
-        assert session.frame.values["n"] == 19 + 50
+        assert session.frame.values["n"] == 20 + 50
         with session.fork(15, inputs=True) as fork:
             fork.run(0.5)
-            assert fork.frame.values["n"] == 19
+            assert fork.frame.values["n"] == 20
             fork.run(1)
             assert fork.frame.values == session.frame.values
 
@@ -275,9 +275,9 @@ def test_a_tick_after_which_the_program_paused_can_be_repeated():
     text = COUNTER.replace("n += 1]", "n += 1] [1 / (n - 5)]") + "(onpause [n += 100])"
     with Session(text, clock=VirtualClock(), on_issue="pause") as session:
         session.run(1)
-        assert (session.frame.tick, session.frame.values["n"]) == (6, 105)
-        with session.fork(6) as fork:
-            assert fork.frame.tick == 6
+        assert (session.frame.tick, session.frame.values["n"]) == (5, 105)
+        with session.fork(5) as fork:
+            assert fork.frame.tick == 5
 
 
 def test_an_input_that_cannot_be_applied_again_is_told():
@@ -311,13 +311,13 @@ def test_a_block_that_does_not_return_is_not_repeated_for_ever(monkeypatch):
         with pytest.raises(SessionTimeoutError):
             session.run(1, limit=0.2)
         session.run(1)
-        with session.fork(5) as fork:
+        with session.fork(4) as fork:
             assert fork.frame.values["n"] == 4
         for ask in (session.fork, session.what_if):
-            with pytest.raises(SessionTimeoutError, match=r"^Tick 6 cannot be repeated: a block did not"):
-                ask(7)
+            with pytest.raises(SessionTimeoutError, match=r"^Tick 5 cannot be repeated: a block did not"):
+                ask(6)
         late = Element("transition", ("m", "late"))
-        assert session.call(lambda: session._test_again(6, late)) is None
+        assert session.call(lambda: session._test_again(5, late)) is None
         assert session.call(lambda: session._test_again(8, late)) is None
 
 
@@ -359,7 +359,7 @@ def test_a_fork_with_another_program_keeps_the_state():
         session.run(0.1)
         with session.fork(21, COUNTER.replace("n += 1", "n -= 1")) as fork:
             fork.run(0.5)
-            assert (fork.frame.values["n"], session.frame.values["n"]) == (16, 20)
+            assert (fork.frame.values["n"], session.frame.values["n"]) == (17, 21)
 
 
 def test_random_numbers_of_a_fork_are_those_of_the_session():
@@ -382,11 +382,11 @@ def test_what_a_notebook_has_defined_is_copied_where_a_block_can_change_it():
     program = "(machine m (state a (running [found.append(limit)])))(spawn m a)"
     with Session(program, clock=VirtualClock(), namespace=names) as session:
         session.run(1)
-        assert len(names["found"]) == 9
+        assert len(names["found"]) == 10
         with session.fork(5) as fork:
-            assert len(fork.namespace["found"]) == 4
+            assert len(fork.namespace["found"]) == 5
             fork.run(1)
-        assert len(names["found"]) == 9
+        assert len(names["found"]) == 10
 
 
 def test_what_a_fork_prints_is_its_own():
@@ -395,7 +395,7 @@ def test_what_a_fork_prints_is_its_own():
         session.run(1)
         with session.fork() as fork:
             fork.run(1)
-            assert (fork.output.count, session.output.count) == (10, 9)
+            assert (fork.output.count, session.output.count) == (10, 10)
 
 
 def test_only_recorded_ticks_can_be_forked_or_looked_at():

@@ -51,9 +51,9 @@ def test_a_fast_session_remembers_the_last_minute(rate):
         assert 59.9 < seconds < 70
         for tick in (first, first + 1, first + 77):
             with session.fork(tick) as fork:
-                assert fork.frame.values["n"] == session.at(tick).values["n"] == tick - 1
+                assert fork.frame.values["n"] == session.at(tick).values["n"] == tick
         session.rewind(session.frame.tick - first)
-        assert (session.frame.tick, session.frame.values["n"]) == (first, first - 1)
+        assert (session.frame.tick, session.frame.values["n"]) == (first, first)
 
 
 def test_a_slow_session_remembers_as_many_ticks():
@@ -89,7 +89,7 @@ def test_a_world_is_remembered_as_long_as_the_program():
             assert fork.frame.robot.robots[0].pose == there.robot.robots[0].pose
             assert fork.frame.values["n"] == there.values["n"]
         answer = session.why("robot.move", at=first + 1)
-        assert answer.facts["arguments"]["angular"] == pytest.approx(first % 7 / 10)
+        assert answer.facts["arguments"]["angular"] == pytest.approx((first + 1) % 7 / 10)
         pose = session.at(first).robot.robots[0].pose
         session.rewind(session.interpreter.journal)
         assert session.frame.robot.robots[0].pose == pose
@@ -172,7 +172,7 @@ def test_memory_bounds_what_a_very_fast_session_remembers(monkeypatch, always_re
         assert 2 <= seconds < 4
         assert len(session._loop.record.moments) < 9_000
         session.rewind(session.frame.tick - first)
-        assert session.frame.values["n"] == first - 1
+        assert session.frame.values["n"] == first
 
 
 @pytest.mark.parametrize("ticks", [1, 7, 100])
@@ -181,7 +181,7 @@ def test_another_number_of_ticks_is_kept_if_that_is_asked_for(ticks):
         session.run(3)
         assert session.interpreter.journal == ticks
         session.rewind(ticks)
-        assert session.frame.values["n"] == 300 - ticks - 1
+        assert session.frame.values["n"] == 300 - ticks
 
 
 def calls(function):

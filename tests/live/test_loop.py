@@ -184,7 +184,7 @@ def test_a_session_that_is_stopped_stays_so_until_it_starts_from_the_beginning(s
     counting.resume()
     assert counting.status == "stopped"
     counting.run(0.2)
-    assert counting.frame.numbers["n",] == 1
+    assert counting.frame.numbers["n",] == 2
 
 
 def test_a_session_that_is_started_again_without_running_yet_is_ready(session):

@@ -49,7 +49,7 @@ def test_only_a_world_that_is_simulated_here_can_be_drawn_repeated_and_copied():
 def test_a_world_with_a_clock_of_its_own_is_rewound_and_its_forks_are_fed_what_was_read():
     with Session(CLIMB, Lift()) as session:
         session.run(2)
-        assert session.at(10).readings["height.data"] == pytest.approx(0.8)
+        assert session.at(10).readings["height.data"] == pytest.approx(0.9)
         height = session.bridge.height
         session.rewind(5)
         session.run(0.5)

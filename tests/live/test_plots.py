@@ -48,7 +48,7 @@ def test_what_conditions_compare_with_is_evaluated_in_every_tick():
         (plot,) = session.plots(["m/n"])
         by_text = {each.text: each.values for each in plot.thresholds}
         assert by_text.keys() == {"limit * 2", "3", "99"}
-        assert by_text["limit * 2"][:7] == (10, 10, 10, 10, 10, 12, 12)
+        assert by_text["limit * 2"][:7] == (10, 10, 10, 10, 12, 12, 12)
 
 
 def test_readings_of_the_robot_are_plotted_with_their_limits():
@@ -83,7 +83,7 @@ def test_samples_after_a_rewind_are_those_of_the_new_run():
         session.variables["n"] = 100
         session.run(0.2)
         (plot,) = session.plots(["m/n"])
-        assert plot.values == (0, 1, 2, 3, 4, 100, 100)
+        assert plot.values == (1, 2, 3, 4, 5, 100, 100)
 
 
 def test_plots_are_computed_from_what_was_recorded_while_the_run_goes_on():
@@ -108,7 +108,9 @@ def test_plots_are_not_computed_by_the_thread_that_ticks():
             threads.add(threading.get_ident())
             return int(self) * other
 
-    with Session(PROGRAM.replace("[5]", "[Limit(5)]"), namespace={"Limit": Limit}) as session:
+    with Session(
+        PROGRAM.replace("[5]", "[Limit(5)]").replace("else 5", "else limit"), namespace={"Limit": Limit}
+    ) as session:
         session.start()
         session.wait_for(lambda frame: frame.tick > 2, timeout=10)
         session.pause()

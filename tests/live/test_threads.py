@@ -223,7 +223,7 @@ def test_a_block_that_raises_a_keyboard_interrupt_pauses_a_run_on_another_thread
     stopping = session(COUNT.replace("n + 1", "n + 1; give_up()"), namespace={"give_up": give_up})
     with ThreadPoolExecutor(1) as pool:
         assert not pool.submit(stopping.run, 1).result(LONG)
-    assert (stopping.status, stopping.frame.tick) == ("paused", 2)
+    assert (stopping.status, stopping.frame.tick) == ("paused", 1)
     assert stopping.frame.reason == "The program raised `KeyboardInterrupt`, as Ctrl-C does."
 
 

@@ -41,12 +41,12 @@ def test_states_are_entered_and_nested_machines_end(session):
     entered = [("/".join(each.state), "/".join(each.lane), each.time) for each in told(session, "entered")]
     assert entered[:4] == [
         ("m/a", "m", 0.0),
-        ("m/b", "m", 0.6),
-        ("m/b/inner/x", "m/b/inner", 0.6),
-        ("m/b/inner/y", "m/b/inner", 0.8),
+        ("m/b", "m", 0.5),
+        ("m/b/inner/x", "m/b/inner", 0.5),
+        ("m/b/inner/y", "m/b/inner", 0.7),
     ]
     (ended, *_) = told(session, "ended")
-    assert (ended.lane, ended.time) == (("m", "b", "inner"), 1.6)
+    assert (ended.lane, ended.time) == (("m", "b", "inner"), 1.5)
     assert told(session, "entered")[1].by == ("m", "go")
 
 
@@ -92,9 +92,9 @@ def test_a_timeline_is_printed_line_by_line(session):
     assert repr(timeline) == "<Timeline: 0 to 0.9 s, 5 happenings>"
     assert str(timeline).splitlines() == [
         "0 s: `m/a` was entered.",
-        "0.6 s: `m/b` was entered. `go` fired.",
-        "0.6 s: `m/b/inner/x` was entered.",
-        "0.8 s: `m/b/inner/y` was entered. `200:x->y` fired.",
+        "0.5 s: `m/b` was entered. `go` fired.",
+        "0.5 s: `m/b/inner/x` was entered.",
+        "0.7 s: `m/b/inner/y` was entered. `200:x->y` fired.",
         "0.8 s: The program was edited.",
     ]
 
@@ -156,7 +156,7 @@ def test_an_issue_is_marked_once_while_it_lasts():
         session.run(2)
         (issue,) = told(session, "issue")
         assert "zero" in issue.text
-        assert issue.time == 0.1
+        assert issue.time == 0.0
 
 
 def test_the_commands_of_the_robot_are_marked_where_they_change():

@@ -67,7 +67,7 @@ def test_the_first_difference_is_told_with_its_moment(session):
 def test_another_command_in_the_same_states_is_a_difference(session):
     changed = FOLLOWER.replace("linear=forward", "linear=forward / 2")
     assert changed != FOLLOWER
-    what_if = session.what_if(50, changed, 5)
+    what_if = session.what_if(49, changed, 5)
     assert "robot.move" in what_if.divergence.text or "a different path" in what_if.divergence.text
 
 
@@ -172,7 +172,7 @@ def test_what_was_done_and_is_not_possible_in_the_other_program_is_left_out_ther
         assert what_if.end == pytest.approx(1.9)
         with session.fork(5, other, inputs=True) as fork:
             fork.run(1.5)
-            assert fork.frame.values["k"] == 14
+            assert fork.frame.values["k"] == 15
             assert fork.fault == ""
 
 
@@ -189,7 +189,7 @@ def test_every_robot_and_what_moves_is_foretold_and_told_apart():
         assert [point[1:] for point in ahead.changed.others["follower"]] == poses
         assert ahead.changed.solids == ((0, (pytest.approx(3.4, abs=0.011), 0.7, 0.0)),)
         slower = session.what_if(10, text.replace("eager := [2]", "eager := [1]"), seconds=3.0)
-        assert slower.divergence.text.startswith("`robot.follower.move(linear=0.1224")
+        assert slower.divergence.text.startswith("`robot.follower.move(linear=0.117")
         assert slower.recorded.way == slower.changed.way
 
 

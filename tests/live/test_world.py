@@ -133,17 +133,17 @@ def test_a_step_moves_the_world_by_one_period(session):
     running.step()
     running.step()
     ((x, _, _),) = poses(running)
-    assert x == pytest.approx(1.5 + 0.4 * 0.2, abs=0.015)  # the first tick only enters the state
+    assert x == pytest.approx(1.5 + 0.4 * 0.4, abs=0.015)
 
 
 def test_a_restart_stops_the_robot_and_leaves_the_world_as_it_is(session):
     running = session(BOUNCE, "sim", world="empty")
     running.run(1)
     before = poses(running)
-    running.edit(BOUNCE.replace("0.4", "0.3"))
+    running.edit(BOUNCE.replace("robot.move(linear=0.4)", "0"))
     assert running.frame.restarts == 1
     assert poses(running) == before
-    running.step()  # only enters the state
+    running.step()
     ((x, _, _),) = poses(running)
     assert running.frame.robot.robots[0].command == (0.0, 0.0)
     assert before[0][0] <= x <= before[0][0] + 0.02
@@ -272,7 +272,7 @@ def test_a_bridge_that_fails_is_lost_and_the_loop_continues(session):
     wreck = Bare(on_start=fail, sense=fail)
     running = session("(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)", wreck)
     running.run(1)
-    assert (running.frame.variables[("n",)], running.frame.issues) == ("9", ())
+    assert (running.frame.variables[("n",)], running.frame.issues) == ("10", ())
     assert "the cable is gone" in running.frame.bridge
 
 
