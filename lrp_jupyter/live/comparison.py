@@ -25,6 +25,7 @@ class FirstDifference:
     `time`: seconds.
     `machine`: the machine in which it is; empty where that is none, or not known.
     `recorded`, `now`: what happened only in the recording, and only now: the most telling line of the tick.
+    `caveat`: why the recording may differ whatever the program is, a sentence; or nothing.
     """
 
     tick: int
@@ -32,8 +33,12 @@ class FirstDifference:
     machine: str
     recorded: Line | None
     now: Line | None
+    caveat: str = ""
 
     def __str__(self) -> str:
+        return f"{self._told()} {self.caveat}".rstrip()
+
+    def _told(self) -> str:
         where = f", in the machine `{self.machine}`" if self.machine else ""
         head = f"The first difference is at {self.time:g} s (tick {self.tick}){where}."
         recorded, now = self.recorded, self.now

@@ -176,7 +176,7 @@ class Frame:
     >>> frame
     <Frame: paused, tick 10, 1 s, m/a active>
     >>> frame.values["n"], frame.variables["n"], frame.is_active("a")
-    (9, '9', True)
+    (10, '10', True)
     """
 
     status: Status = "ready"

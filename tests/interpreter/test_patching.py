@@ -135,15 +135,15 @@ def test_with_the_policy_keep_an_added_spawn_is_done_now_at_any_depth():
     assert edited(i, "(spawn m b)", "(spawn l t)(spawn m a)").applied
 
 
-def test_a_changed_initialiser_reads_the_robot_and_what_it_computed_stays():
+def test_a_changed_initialiser_reads_the_robot_and_what_is_computed_from_it_follows():
     i = started("(var n := [1])(var twice := [n * 2])(machine m (var k := [twice]) (state a))(spawn m a)")
     seen = []
     i.observe(lambda event: seen.append((event.kind, event.path)))
     edited(i, "(var n := [1])", "(var n := [robot.light + 7])")
-    assert dict(i.variables) == {("n",): 7, ("twice",): 2, ("m", "k"): 2}
-    assert seen == [("patched", ()), ("changed", ("n",))]
+    assert dict(i.variables) == {("n",): 7, ("twice",): 14, ("m", "k"): 14}
+    assert seen == [("patched", ()), ("changed", ("n",)), ("changed", ("twice",)), ("changed", ("m", "k"))]
     edited(i, "[twice]", "[twice / robot.light]")
-    assert i.variables["m/k"] == 2
+    assert i.variables["m/k"] == 14
     assert [(issue.code, issue.element.path) for issue in i.issues] == [("LRP601", ("m", "k"))]
 
 
