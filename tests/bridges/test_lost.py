@@ -166,7 +166,7 @@ def test_a_program_goes_on_without_its_robot_and_a_replay_is_the_same(boat, tmp_
             assert issue.message.endswith("`robot.move` was not sent: The radio is silent.")
             elsewhere(boat, "connected")
             session.run(0.5)
-        assert session.frame.variables[("count",)] == "9"
+        assert session.frame.variables[("count",)] == "10"
         assert [(command.name, command.sent) for command in boat.safety.commands] == [
             ("move", True),
             ("move", False),
@@ -175,7 +175,7 @@ def test_a_program_goes_on_without_its_robot_and_a_replay_is_the_same(boat, tmp_
         assert not [issue for issue in session.issues if not issue.resolved]
     again = reproduce(read_recording(path))
     assert again.difference is None
-    assert again.session.frame.variables[("count",)] == "9"
+    assert again.session.frame.variables[("count",)] == "10"
 
 
 def test_a_run_goes_on_after_a_hook_of_its_life_has_failed(boat):

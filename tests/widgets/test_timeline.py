@@ -68,7 +68,7 @@ def test_a_page_gets_what_happened_once(lab, page):
 def test_plots_come_with_their_thresholds_and_only_what_is_new(lab, page):
     told = timeline(page, plots={"m/steps": 0, "robot.light.data": 0})
     steps, light = told["plots"]
-    assert steps["values"][:3] == [0, 1, 2]
+    assert steps["values"][:3] == [1, 2, 3]
     assert steps["thresholds"] == [{"text": "9", "values": [9.0] * 40}]
     assert len(light["values"]) == 40
     lab.session.run(1)
@@ -83,7 +83,7 @@ def test_the_whole_view_state_shows_the_moment_looked_at(lab, page):
     lab.publish()
     assert past["looking"] == {"tick": 5, "time": 0.4, "ago": 3.6, "edited": False}
     assert (past["tick"], past["lit"]) == (5, ["m/go"])
-    assert past["variables"]["m/steps"]["text"] == "4"
+    assert past["variables"]["m/steps"]["text"] == "5"
     assert past["members"] != now["members"]
     assert look(page, time=2.05)["tick"] == 21
     assert look(page, time=2)["tick"] == 21

@@ -31,9 +31,9 @@ def test_what_was_changed_in_place_is_known_by_running_the_tick_again():
     with session(LISTS, namespace={"ask": lambda seen: len(seen) > 50}) as live:
         live.run(2)
         answer = live.why_not("full", at=5)
-        assert answer.facts["values"] == {"seen": "[1, 1, 1]", "len(seen)": 3}
+        assert answer.facts["values"] == {"seen": "[1, 1, 1, 1]", "len(seen)": 4}
         assert answer.facts["decides"] == "len(seen) > 100"
-        assert len(live.frame.values["seen"]) == 19, "and this session has not noticed"
+        assert len(live.frame.values["seen"]) == 20, "and this session has not noticed"
         assert "`ask(seen)` was False" in str(live.why_not("asked", at=5))
 
 
@@ -158,8 +158,8 @@ def test_the_last_time_that_a_condition_was_true_is_found_in_another_state():
     with session(text) as live:
         live.run(2)
         answer = live.why_not("never")
-        assert answer.facts["last_true"] == 5
-        assert "It was last true at 0.4 s, when `a` was active." in str(answer)
+        assert answer.facts["last_true"] == 4
+        assert "It was last true at 0.3 s, when `a` was active." in str(answer)
 
 
 def test_a_moment_is_a_tick_or_a_time_for_every_question():
@@ -369,7 +369,7 @@ def test_machines_of_one_name_are_not_taken_for_each_other():
         live.run(1)
         one, two = "m/a/inner/one", "m/b/inner/two"
         assert "It had never been spawned." in str(live.why_not(two, at=1))
-        assert "spawned in this very tick, when `b` was entered" in str(live.why_not(two, at=4))
+        assert "`s` was entered in this very tick, when `inner` started." in str(live.why_not(two, at=4))
         assert "It ended at 0.3 s, because `ab` (line 4) left `a`." in str(live.why_not(one))
 
 
@@ -455,7 +455,7 @@ def test_the_last_time_that_a_condition_was_true_may_be_before_a_restart():
         live.teleport_to("m/t")
         live.run(0.1)
         answer = live.why_not("go")
-        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 1}, 10)
+        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 2}, 9)
 
 
 AGAIN = """(var delay := [400])
@@ -477,13 +477,13 @@ AGAIN = """(var delay := [400])
 def test_a_condition_is_looked_up_in_the_variables_of_the_machine_that_ran_then():
     with session(AGAIN) as live:
         live.run(0.9)
-        assert live.why_not("two").facts["last_true"] == 7
-        five = "`n == 5` was False (`n` was 3). It was never true before."
+        assert live.why_not("two").facts["last_true"] == 6
+        five = "`n == 5` was False (`n` was 4). It was never true before."
         assert str(live.why_not("five")).endswith(five), "though 5 was its first value, before any tick"
-        live.set_variable("delay", 200)
+        live.set_variable("delay", 100)
         live.run(0.7)
         answer = live.why_not("two")
-        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 1}, 7)
+        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 1}, 6)
         assert live.why_not("five").facts["last_true"] is None
 
 
@@ -495,7 +495,7 @@ def test_a_condition_is_followed_over_renames_of_what_it_reads():
         live.rename("state", "m/out/within/s", "begin")
         live.run(0.1)
         assert str(live.why_not("two")).endswith(
-            "`count == 2` was False (`count` was 3). It was last true at 0.6 s, when `s` was active."
+            "`count == 2` was False (`count` was 4). It was last true at 0.5 s, when `s` was active."
         )
 
 
@@ -507,7 +507,7 @@ def test_a_boolean_of_numpy_counts_as_the_last_time_that_a_condition_was_true():
         live.run(0.1)
         answer = str(live.why_not("go"))
         assert "`n == 8` was False" in answer
-        assert "It was last true at 0.9 s, when `s` was active." in answer
+        assert "It was last true at 0.8 s, when `s` was active." in answer
 
 
 @pytest.mark.parametrize("name", ["two", "m/600:out->idle", "idle"])
@@ -732,11 +732,11 @@ def test_a_condition_that_was_true_before_it_was_the_condition_is_said_to_have_b
         live.run(0.6)
         live.edit(text.replace("n > 50", "n < 3"))
         live.run(0.2)
-        edited = "It was last true at 0.3 s, before an edit made it the condition."
+        edited = "It was last true at 0.2 s, before an edit made it the condition."
         assert str(live.why_not("go")).endswith(edited)
         live.rename("variable", "n", "count")
         live.run(0.1)
-        assert str(live.why_not("go")).endswith(f"`count < 3` was False (`count` was 7). {edited}")
+        assert str(live.why_not("go")).endswith(f"`count < 3` was False (`count` was 8). {edited}")
 
 
 def test_how_long_a_condition_was_not_true_is_told_as_far_as_it_is_known(monkeypatch):

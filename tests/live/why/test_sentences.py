@@ -19,7 +19,7 @@ REFERENCE = Path(__file__).parents[3] / "notebooks" / "reference" / "language.ip
         ("transition-delay-not-over", "since `a` was entered at 0 s, when `m` started."),
         (
             "command-stopped",
-            "given by `a.running` (line 2) at 0.9 s, repeated since 0.1 s. Then the program",
+            "given by `a.running` (line 2) at 0.9 s, repeated since 0 s. Then the program",
         ),
     ],
 )
