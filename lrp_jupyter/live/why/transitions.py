@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
+from lrp_jupyter.interpreter.facts import Enabled
 from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Program
@@ -116,6 +117,11 @@ def _line_and_place(case: Case) -> tuple[int, str]:
 def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun, what: str) -> None:
     """Say when a condition, called `what`, was true before."""
     tick, first = tests.last_true(case)
+    entry = _last_enabled(case, run, first if tick is None else tick + 1)
+    if entry is not None:
+        draft.facts["last_true"], state = entry
+        draft.say(f"{what} was last true at {time_text(run.time(entry[0]))}, when `{state}` was entered.")
+        return
     if tick is None:
         if first == 1:
             draft.facts["last_true"] = None
@@ -133,6 +139,25 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
     elsewhere = f", when `{other[0][-1]}` was active" if other else ""
     edited = ", before an edit made it the condition" if _had_another(case, run, tick) else ""
     draft.say(f"{what} was last true at {time_text(run.time(tick))}{elsewhere}{edited}.")
+
+
+def _last_enabled(case: Case, run: RecordedRun, first: int) -> tuple[int, str] | None:
+    """Return the last tick, from `first` on, in which it was enabled as its state was entered; and that.
+
+    Its condition was tested then, with values that no tick has begun or ended with.
+    """
+    for when, fact in run.backward(case.tick, before=True):
+        if when < first:
+            break
+        if isinstance(fact, Enabled) and case.tested is not None:
+            tick = int(when)
+            then = run.names(tick).of("transition", case.element.path, case.tick)
+            arrow = resolve(run.program(tick)).arrow(fact.transition)
+            block = None if arrow is None or arrow.tested is None else arrow.tested[0]
+            is_same = block is not None and block.text.strip() == case.tested[0].text.strip()
+            if is_same and fact.transition.path == then:
+                return tick, fact.state[-1]
+    return None
 
 
 def _had_another(case: Case, run: RecordedRun, tick: int) -> bool:

@@ -458,6 +458,31 @@ def test_the_last_time_that_a_condition_was_true_may_be_before_a_restart():
         assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 2}, 9)
 
 
+PULSE = """(var n := [5])
+(machine m (state a (onentry [n = 5])) (state b) (on [n == 5] a -> b go) (on [n > 9] b -> a back))
+(machine other (state x (running [n = 0])))
+(spawn m a) (spawn other x)"""
+
+
+def test_a_condition_that_was_true_only_when_its_state_was_entered_was_true():
+    with session(PULSE) as live:
+        live.run(0.5)
+        assert str(live.why_not("go")).endswith("It was last true at 0 s, when `a` was entered.")
+        live.teleport_to("m/b")
+        live.set_variable("n", 10)
+        live.run(0.3)
+        live.rename("state", "m/a", "begin")
+        live.run(0.1)
+        answer = live.why_not("go")
+        assert str(answer).endswith("It was last true at 0.5 s, when `a` was entered.")
+        assert "`go` was enabled, so `a` did not act." in str(
+            live.why_not("go", at=answer.facts["last_true"])
+        )
+        live.edit(live.text.replace("n == 5", "n == 5.0"))
+        live.run(0.1)
+        assert "when `a` was entered" not in str(live.why_not("go"))
+
+
 AGAIN = """(var delay := [400])
 (machine m
   (state idle)
