@@ -84,12 +84,13 @@ def how_entered(run: RecordedRun, entered: Fired | Entered, when: float) -> tupl
 
 
 def enabled_in(run: RecordedRun, entered: Fired | Entered, tick: int) -> list[Enabled]:
-    """Return the transition, if any, that kept a state from acting in the tick in which it was entered."""
-    facts = run.history.facts(tick).facts
+    """Return the transition, if any, that kept a state from acting in the tick in which it was entered.
+
+    It leaves the state, or one around it that was entered in the same tick.
+    """
+    enabled = [fact for fact in run.history.facts(tick).facts if isinstance(fact, Enabled)]
     return [
-        fact
-        for fact in facts
-        if isinstance(fact, Enabled) and (*fact.machine, fact.state[-1]) == entered.path
+        each for each in enabled if entered.path[: len(each.machine) + 1] == (*each.machine, each.state[-1])
     ]
 
 
@@ -98,4 +99,10 @@ def say_whether_it_acted(draft: AnswerDraft, run: RecordedRun, entered: Fired | 
     tick = int(when)
     for enabled in enabled_in(run, entered, tick) if tick == when else ():
         line = line_of_transition(run.program(tick), enabled.transition)
-        draft.say(f"`{enabled.label}` (line {line}) could leave it at once, so it did not act.", line)
+        left = f"`{enabled.state[-1]}`"
+        what = (
+            "it at once, so it did not act"
+            if enabled.state == entered.state
+            else (f"{left} at once, so nothing in {left} acted")
+        )
+        draft.say(f"`{enabled.label}` (line {line}) could leave {what}.", line)

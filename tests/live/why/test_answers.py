@@ -483,6 +483,24 @@ def test_a_condition_that_was_true_only_when_its_state_was_entered_was_true():
         assert "when `a` was entered" not in str(live.why_not("go"))
 
 
+def test_what_is_inside_a_state_that_could_be_left_at_once_did_not_act_either():
+    text = """(machine m
+      (state a)
+      (state b (onentry (spawn inner x))
+        (machine inner (state x (onentry (spawn deep s)) (machine deep (state s)))))
+      (state c)
+      (ontime 200 a -> b)
+      (on [True] b -> c go))
+    (spawn m a)"""
+    with session(text) as live:
+        live.run(0.3)
+        assert str(live.why("b")).endswith("`go` (line 7) could leave it at once, so it did not act.")
+        for inside in ("x", "s"):
+            assert str(live.why(inside)).endswith(
+                "`go` (line 7) could leave `b` at once, so nothing in `b` acted."
+            )
+
+
 AGAIN = """(var delay := [400])
 (machine m
   (state idle)
