@@ -43,6 +43,12 @@ DEVIATIONS = (
         "The transition would fire at every tick.",
     ),
     Deviation(
+        "§3.1",
+        "Wildcard transitions are tested among the others, in the order of the text.",
+        "This section says that the first one in the text fires, while step 3 of §5.1 adds the wildcards to "
+        "the others.",
+    ),
+    Deviation(
         "§3.2",
         "The printed listing becomes a program by the fixes of its errors; the bundled `paper-listing` is "
         "that program, line by line, with a comment wherever it says something else.",
@@ -56,9 +62,20 @@ DEVIATIONS = (
         "The paper's §9 and later programs by its authors call for them.",
     ),
     Deviation(
+        "§4",
+        "A destination that does not exist is drawn, dashed, and the transition leads to it.",
+        "In the paper the transition is not shown; here one sees what it lacks.",
+    ),
+    Deviation(
         "§5.1",
-        "The destination is entered in the same tick in which the source is left.",
+        "The delay of the loop is not waited for between steps 7 and 2: the destination is entered in the "
+        "tick in which the source is left.",
         "There is no gap between `onexit` and `onentry`, and a single step shows the whole transition.",
+    ),
+    Deviation(
+        "§5.1",
+        "A state is left in the tick after its entry at the earliest, by a transition that is enabled then.",
+        "The delay has to be somewhere, or the states between two conditions that hold would not be seen.",
     ),
     Deviation(
         "§5.1",
@@ -101,6 +118,13 @@ DEVIATIONS = (
     ),
     Deviation(
         "§6.1",
+        "An edited initialiser initialises its variable anew, and those that are computed from it; an "
+        "assignment changes one variable only.",
+        "In §4 an increased `maxlook` widens the sweeps at once, although they are timed by a variable that "
+        "is computed from it.",
+    ),
+    Deviation(
+        "§6.1",
         "An explicit rename keeps the active state, its timer and its variables.",
         "A rename by typing looks like a removal; a rename command is unambiguous.",
     ),
@@ -108,6 +132,17 @@ DEVIATIONS = (
         "§6.2",
         "Every fault is recorded once with its location, counted, resolved and, if it returns, reopened.",
         "A list that grows at every tick hides what is new.",
+    ),
+    Deviation(
+        "§6.4",
+        "Teleporting to a state executes the spawns in its `onentry`, but none of its actions.",
+        "Otherwise a state that contains a machine would be active without it.",
+    ),
+    Deviation(
+        "§6.5",
+        "A transition that fires glows for a moment in the graph, and so does a state that is left before it "
+        "can be seen.",
+        "At ten ticks per second a visit of a single tick is too short to see.",
     ),
     Deviation(
         "§7.1",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from itertools import pairwise
 
@@ -210,7 +211,7 @@ def test_the_diary_is_written_tick_by_tick_as_its_table_says():
     for _ in range(6):
         diary.session.step()
         lengths.append(len(diary.value("log")))
-    assert lengths == [1, 2, 3, 4, 6, 6]
+    assert lengths == [2, 3, 4, 6, 6, 6]
 
 
 def test_the_first_enabled_transition_of_the_diary_wins():
@@ -232,6 +233,7 @@ ZIGZAG = "03-time-is-a-condition"
 def _turned(zigzag: Typist, corners: int = 3) -> float:
     """Return the mean angle of the corners, in degrees."""
     robot = zigzag.session.bridge.robot
+    zigzag.comes_to("straight")
     zigzag.comes_to("corner")
     before = robot.gyro.data
     for _ in range(corners):
@@ -257,11 +259,17 @@ def test_the_zigzag_turns_at_once_when_its_time_is_over_already():
     assert zigzag.restarts == 0
 
 
-def test_two_milliseconds_are_over_before_the_zigzag_has_driven():
-    zigzag = Typist(ZIGZAG, seconds=1)
-    zigzag.types("2", instead_of="2000").runs(5)
-    where = zigzag.x
-    assert abs(zigzag.runs(10).x - where) < 0.05
+def test_between_its_turns_the_zigzag_moves_by_two_centimetres_in_two_milliseconds():
+    zigzag = Typist(ZIGZAG)
+    zigzag.comes_to("corner")
+    zigzag.types("2", instead_of="2000")
+    assert "the robot moves by 2 cm only" in zigzag.said
+    poses = []
+    for state in ("straight", "corner") * 2:
+        zigzag.comes_to(state)
+        poses.append(zigzag.session.bridge.simulation.robot.pose)
+    for before, after in (poses[:2], poses[2:]):
+        assert 0.015 < math.dist(before[:2], after[:2]) < 0.022
 
 
 # -- 04: sensors ---------------------------------------------------------------------------------------
@@ -451,9 +459,10 @@ def test_the_story_of_the_line_follower_is_as_the_lesson_tells_it():
     story.resets().runs(30)  # 4
     before = story.entered("lookleft")
     assert story.runs(10).entered("lookleft") - before > 5
-    story.types("400", instead_of="200").runs(5)
-    assert (story.value("maxlook"), story.value("time")) == (400, 200)
-    story.session.set_variable("time", evaluate="maxlook")
+    story.types("400", instead_of="200")
+    assert (story.value("maxlook"), story.value("time")) == (400, 400)
+    story.session.set_variable("maxlook", 200)
+    assert (story.value("maxlook"), story.value("time")) == (200, 400)
     assert story.comes_to("moving")
 
     old = "(state returnright (running [robot.move(angular=search)]))"  # 5
@@ -520,7 +529,9 @@ def _x(session: Session, _: int) -> float:
 def test_lefty_never_gets_past_the_first_bend_to_the_right():
     lefty = Typist(LEFTY, seconds=1)
     assert max(lefty.runs(1).x for _ in range(120)) < 1.5
-    states = [lefty.session.at(second).active[0][1] for second in (4.2, 4.3, 7.2, 7.3)]
+    states = [lefty.session.at(second).active[0][1] for second in (4.2, 4.3, 7.0, 7.1)]
+    assert "at 4.3 s" in lefty.said
+    assert "at 7.1 s" in lefty.said
     assert states == ["moving", "looking", "looking", "moving"]
 
 

@@ -145,7 +145,7 @@ ROBUST_FOLLOWER = Challenge(
     (_TOUCHES,),
     90,
     _HINTS,
-    noise={"motor": 0.35, "light": 60.0},
+    noise={"motor": 0.35, "light": 50.0},
     seeds=tuple(range(1000, 1050)),
     starter=starter("robust follower"),
     needed=0.9,
