@@ -63,7 +63,7 @@ export const FORMS: Record<string, Form> = {
     "at every tick",
     "State",
     "(running [action])",
-    "Runs at every tick in which the state stays active.",
+    "Runs at every tick while the state is active, from that of its entry on.",
   ),
   onexit: form(
     "onexit [#{}]",
@@ -91,7 +91,7 @@ export const FORMS: Record<string, Form> = {
     "at once",
     "Machine",
     "(eps source -> destination)",
-    "Leads to another state without waiting: in the tick after the source was entered.",
+    "Leads to another state without waiting: in the tick after the source was entered. The source does not act.",
   ),
   exit: form(
     "exit #{event} #{source} -> #{destination}",
