@@ -352,6 +352,8 @@ class Run:
         self._note_fault(site, kind, message, edge)
         program, tick = self.program, self.ticks
         raised = None if issubclass(type_, (Fault, NoDataYet)) else error
+        if raised is None:
+            error.__traceback__ = None  # the issue keeps the error, and frames keep earlier programs
 
         def make() -> Issue:
             place, trace = place_of(program, site, raised), traceback_of(program, raised)

@@ -71,6 +71,23 @@ class Typist:
         assert self.kernel(f"bool(session.wait_for({state!r}, 120))")
 
     @property
+    def pose(self):
+        """Where the robot is and where it points."""
+        return self.kernel(
+            "[round(getattr(session.bridge.robot.odom, each), 6) for each in ('x', 'y', 'theta')]"
+        )
+
+    @property
+    def moves(self):
+        """Whether the robot is commanded to move."""
+        return self.kernel("session.bridge.in_motion")
+
+    @property
+    def visits(self):
+        """How often each state was entered, by its name."""
+        return self.kernel("{path[-1]: times for path, times in session.frame.visits.items()}")
+
+    @property
     def restarts(self):
         return self.kernel("session.interpreter.restarts")
 
