@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lrp_jupyter.interpreter.facts import Commanded, Discarded, Spawned
+from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Spawned
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
@@ -25,7 +25,13 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
                 lines += [line_of_transition(program, each.transition) for each in entering]
             else:
                 by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
-            draft.say(f"{so}: `{name}` was spawned in this very tick, {by}.", *lines)
+            starts = [
+                each.state[-1]
+                for each in facts.facts
+                if isinstance(each, Entered) and each.path[:-1] == fact.machine
+            ]
+            where = f" in `{starts[0]}`" if starts else ""
+            draft.say(f"{so}: `{name}` was spawned{where} in this very tick, {by}.", *lines)
             return
     draft.say(f"{so}: `{name}` was not running.")
     _how_it_ended(draft, run, path, tick)

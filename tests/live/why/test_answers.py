@@ -384,7 +384,7 @@ def test_a_restart_ends_a_machine_and_starts_one():
         assert ended in str(live.why_not("go"))
         live.reset()
         live.run(0.1)
-        assert "`m` was spawned in this very tick, when the program restarted." in str(
+        assert "`m` was spawned in `b` in this very tick, when the program restarted." in str(
             live.why_not("m/300:a->b")
         )
 
@@ -741,7 +741,9 @@ def test_a_state_to_which_nothing_leads_is_said_to_be_one():
 def test_a_state_that_was_entered_later_had_not_been_entered_by_then():
     with session(RENAMED.replace("n == 0", "n == 0 and 1 > 0")) as live:
         live.run(0.3)
-        assert str(live.why("b", at=1)).startswith("`b` had not been entered by 0 s: `m` was spawned in this")
+        assert str(live.why("b", at=1)).startswith(
+            "`b` had not been entered by 0 s: `m` was spawned in `a` in this"
+        )
         live.edit(live.text.replace("(state a)", "(state a) (state c)"))
         live.run(0.1)
         had = "`c` had not been entered by 0.1 s. The program of tick 2 had no such state."
