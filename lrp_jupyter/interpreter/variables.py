@@ -120,7 +120,9 @@ def outdated(run: Run) -> dict[Path, Outdated]:
     for machine, environment in run.live.items():
         variables = run.plan.machines[machine].variables if machine else run.plan.variables
         for variable in variables:
-            slot = environment.own[variable.name]
+            slot = environment.own.get(variable.name)
+            if slot is None:  # the program begins again with the next tick
+                continue
             for name in variable.reads:
                 read = environment.visible.get(name)
                 if read in paths and max(slot.computed, slot.assigned) < read.assigned:

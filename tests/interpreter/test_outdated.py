@@ -46,3 +46,13 @@ def test_a_machine_that_is_spawned_again_computes_its_variables_again():
     i.transition_to("m/a", 0.28)
     assert set(i.outdated) == {("half",)}
     assert i.variables[TIME] == 200
+
+
+def test_a_program_that_begins_again_has_nothing_that_is_outdated():
+    i = started(TEXT, 3)
+    i.assign("most", 200, 0.25)
+    assert i.outdated
+    i.reset(0.3)
+    assert i.outdated == {}
+    i.step(0.3)
+    assert i.outdated == {}
