@@ -256,6 +256,7 @@ class SimBridge(Bridge, SimulatedWorld):
         linear, angular = message.linear, message.angular
         if linear.y or linear.z or angular.x or angular.y:
             raise BridgeError("This robot has two wheels. Set only `linear.x` and `angular.z`.")
+        self._stop_if_asked()  # before this command, and not after it
         self.simulation.drive(linear.x, angular.z, index)
 
     def _halt(self, index: int) -> None:

@@ -535,6 +535,7 @@ class Loop:
         self.timing.clock.pause()
         self._call_hook(self.bridge.stop_all)  # first: whatever the other one does
         self._call_hook(self.bridge.on_pause)
+        self.bridge.safety.rest()  # what the stop held back was of the tick before
 
     def resume(self) -> None:
         """Start the run, or continue it after a pause; a stopped loop stays stopped."""

@@ -44,6 +44,24 @@ def test_the_bridge_hook_of_the_start_is_called_once_and_then_those_of_pauses(se
     assert diary.calls == ["on_start", "stop", "on_pause", "on_resume"]
 
 
+@pytest.mark.parametrize("act", ["onresume", "by hand"])
+@pytest.mark.parametrize("robot", ["sim", Bare(lambda robot: robot.add_method("move", robot.move))])
+def test_what_is_commanded_after_a_stop_and_before_the_next_tick_moves_the_robot(session, robot, act):
+    once = DRIVE.replace("running", "onentry")
+    running = session(f"(onresume [robot.move(linear=0.3)]) {once}" if act == "onresume" else once, robot)
+    running.run(0.3)
+    running.resume()
+    running.pause()
+    if act == "by hand":
+        running.bridge.robot.move(linear=0.3)
+    running.run(0.2)
+    assert running.bridge.safety.notices == ()
+    if running.bridge.simulated is None:
+        assert running.bridge.calls[-1] == 0.3
+    else:
+        assert running.bridge.simulation.robot.command == (0.3, 0.0)
+
+
 def test_a_first_step_is_a_start_for_the_bridge(session, diary):
     stepped = session(COUNT, diary)
     stepped.step()
