@@ -180,6 +180,7 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
     lab.sees('[data-lrp-machine="follower/looking/lookalgo"]')
     lab.find('[data-lrp-machine="follower/looking/lookalgo"]').first.click()
     lab.sees('[data-lrp-state="follower/looking/lookalgo/lookleft"]')  # as soon as its definition is complete
+    typist.after("(state lookleft (running [robot.move(angular=search)]))")
     typist.types(
         "",
         "(state returnleft (running [robot.move(angular=search * -1)]))",
@@ -194,6 +195,7 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
     # The spawn changes the active state: the program starts again in `moving`, which does not act, because
     # the robot is still out of the line. It sweeps to the left, finds the line and follows it.
     lab.do("pause-on-issue")
+    typist.after("tlookright))")
     typist.types("", "(onentry (spawn lookalgo lookleft))")
     typist.sees_active("lookleft")
     assert typist.restarts == 1
@@ -204,8 +206,8 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
     typist.sees_active("moving")
 
     # It leaves the line to the other side, and does not find it on the left: it returns, without an end.
-    lab.sees('[data-lrp-issue="LRP604"]')
     lab.ready("paused")
+    lab.reads('[data-lrp-issue="LRP303"]', "lookalgo has no state lookright")
     assert typist.kernel("session.frame.is_active('returnleft')")
     lab.sees('[data-lrp-state="follower/looking/lookalgo/returnleft"][data-active]')
     assert not typist.moves  # the pause has stopped it
@@ -221,7 +223,9 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
         "(ontime time lookright -> returnright treturnright)",
         "(ontime time returnright -> lookleft tlookleft)",
     )
-    lab.misses('[data-lrp-issue="LRP604"]')
+    typist.rests()
+    assert typist.kernel("[each.resolved for each in session.issues]") == [True]
+    lab.do("pause-on-issue")
     lab.do("run")
     typist.sees_active("moving")  # it has found the line on the right
     visits = typist.visits
@@ -234,20 +238,25 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
     typist.sees_active("returnright")
     # A larger `maxlook` widens the sweep at once, within this visit of `looking`.
     looked = typist.visits["looking"]
+    lab.pause()
+    while not typist.kernel("session.frame.is_active('lookleft')"):
+        lab.do("step")
     typist.after("maxlook := [100")
     typist.types("0")
-    lab.has_value("time", "1000")
+    lab.has_value("follower/looking/lookalgo/time", "1000")
+    lab.do("run")
     typist.sees_active("moving")
     assert typist.visits["looking"] == looked
 
     # The general solution: the sweeps grow from one to the next, from the exit of `returnright` on.
+    typist.after("maxlook := [1000")
     lab.page.keyboard.press("Backspace")
     typist.sees_active("returnright")
     typist.sees_active("returnright")
     typist.after("(state returnright (running [robot.move(angular=search)])")
     typist.types(" (onexit [time = time * 2])")
     for sweep in ("200", "400"):
-        lab.has_value("time", sweep)
+        lab.has_value("follower/looking/lookalgo/time", sweep)
     typist.sees_active("moving")
     typist.rests()
     assert {each for each in typist.issues if "lookright" not in each} == set()
@@ -259,7 +268,7 @@ def keep_the_mark_beside_an_open_bracket(lab):
     """The line of the active state stays marked."""
     lab.is_active("follower/looking")
     lab.reads(".lrp-line-active", "(state looking)")
-    lab.select("(state moving)")
+    lab.select("(state moving (running [robot.move(linear=forward)]))")
     lab.page.keyboard.press("ArrowRight")
     lab.page.keyboard.press("Backspace")
     lab.sees('.lrp-verdict[data-state="broken"]')
