@@ -92,6 +92,13 @@ def test_what_is_nested_too_deeply_is_no_smalltalk(text: str) -> None:
     assert scan(f"(var x := [{text}])")[1]
 
 
+def test_every_block_of_a_long_program_in_smalltalk_has_its_fix() -> None:
+    block = "robot motorA startAtSpeed: x * 2; stop. nobump := nobump not"
+    findings = scan("".join(f"(onpause [{block}])\n" for _ in range(60)))[1]
+    assert {finding.code for finding in findings if finding.fix} == {"LRP519"}
+    assert [finding.line for finding in findings] == list(range(1, 61))
+
+
 # -- the listing of the paper
 
 
