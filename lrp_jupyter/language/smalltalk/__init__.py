@@ -39,7 +39,8 @@ def smalltalk(text: str, column: int = 0, is_condition: bool = False) -> Diagnos
     except (UntranslatableError, SyntaxError):
         message = "This is Smalltalk. Write it in Python, as in `robot.move(linear=0.2)`."
         return Diagnosis(start, end, "LRP519", message)
-    code = [line for line in python.replace("`", "'").split("\n") if not line.lstrip().startswith("#")]
+    lines = map(str.strip, python.replace("`", "'").split("\n"))
+    code = [line for line in lines if not line.startswith("#")]
     shown = code[0] if len(code) == 1 else f"{code[0]} …"
     shown = shown if len(shown) <= _SHOWN else f"{shown[: _SHOWN - 1]}…"
     message = f"This is Smalltalk. In Python{'' if is_certain else ', probably'}: `{shown}`."
