@@ -163,7 +163,7 @@ def a_number_is_dragged(lab):
 
 
 def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, request):
-    """With the constants of section 3.2: a sweep is a single tick, and turns the robot by a fiftieth of a radian."""
+    """With the constants of section 3.2: a sweep takes a tick, and turns the robot by 0.02 radians."""
     world = server.root / request.node.name / "curves.world.json"
     world.parent.mkdir(exist_ok=True)
     world.write_text(json.dumps(COURSE))
