@@ -1011,6 +1011,10 @@ export interface CountView {
 export interface ValueView {
   text: string;
   number: number | null;
+}
+
+/** A variable was computed from one that has been assigned by hand since. */
+export interface OutdatedView {
   computed: string;
   initial: string;
 }
@@ -1255,6 +1259,7 @@ export interface ViewState {
   entered: Record<string, CountView>;
   fired: Record<string, CountView>;
   variables: Record<string, ValueView>;
+  outdated: Record<string, OutdatedView>;
   events: Record<string, boolean>;
   members: Record<string, string>;
   issues: Record<string, IssueView>;
@@ -1699,6 +1704,7 @@ export const EMPTY_VIEW_STATE: ViewState = {
   entered: {},
   fired: {},
   variables: {},
+  outdated: {},
   events: {},
   members: {},
   issues: {},

@@ -163,14 +163,19 @@ class IssueView(TypedDict):
 
 
 class ValueView(TypedDict):
-    """A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline).
-
-    `computed`: what it was computed from, a sentence, if that has been assigned by hand since; else empty.
-    `initial`: the expression that computes it anew, if there is one then.
-    """
+    """A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline)."""
 
     text: str
     number: float | None
+
+
+class OutdatedView(TypedDict):
+    """A variable was computed from one that has been assigned by hand since.
+
+    `computed`: from which one and when, a sentence.
+    `initial`: the expression that computes it anew; empty if its initialiser is none.
+    """
+
     computed: str
     initial: str
 
@@ -604,6 +609,7 @@ class ViewState(TypedDict):
     entered: dict[str, CountView]
     fired: dict[str, CountView]
     variables: dict[str, ValueView]
+    outdated: dict[str, OutdatedView]
     events: dict[str, bool]
     members: dict[str, str]
     issues: dict[str, IssueView]

@@ -41,6 +41,7 @@ from lrp_jupyter.widgets.protocol import (
     MachineItem,
     MemberView,
     MovedElement,
+    OutdatedView,
     PanelView,
     ProgramView,
     RestartView,
@@ -140,10 +141,11 @@ class ViewStates:
                 for path, count in frame.fired.items()
             },
             "variables": {
-                path_text(paths.member(path)): _value_view(
-                    text, frame.numbers.get(path), frame.outdated.get(path)
-                )
+                path_text(paths.member(path)): _value_view(text, frame.numbers.get(path))
                 for path, text in frame.variables.items()
+            },
+            "outdated": {
+                path_text(paths.member(path)): _outdated_view(each) for path, each in frame.outdated.items()
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
             "members": _member_values(members, frame.readings if looking else {}),
@@ -450,18 +452,15 @@ def _word_at(text: str, line: int, column: int) -> TextRange:
     return range_of(text, start, word.end() if word else start)
 
 
-def _value_view(text: str, number: float | None, outdated: Outdated | None) -> ValueView:
+def _value_view(text: str, number: float | None) -> ValueView:
     """Return a value as text, and also as a number if JSON can represent it."""
-    view: ValueView = {
-        "text": text,
-        "number": number if number is not None and math.isfinite(number) else None,
-        "computed": "",
-        "initial": "",
-    }
-    if outdated is not None:
-        view["computed"] = f"Computed from `{outdated.source[-1]}` at {outdated.computed:.1f} s."
-        view["initial"] = outdated.initial
-    return view
+    return {"text": text, "number": number if number is not None and math.isfinite(number) else None}
+
+
+def _outdated_view(outdated: Outdated) -> OutdatedView:
+    """Return what a variable was computed from, and how it is computed anew."""
+    computed = f"Computed from `{outdated.source[-1]}` at {outdated.computed:.1f} s."
+    return {"computed": computed, "initial": outdated.initial}
 
 
 def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:

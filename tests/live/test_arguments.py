@@ -418,6 +418,6 @@ def test_nothing_that_a_session_is_given_breaks_it(call):
 def test_the_members_of_a_session_are_those_of_its_help():
     with lrp.Session(PROGRAM) as session:
         listed = {name for name in dir(session) if not name.startswith("_")}
-        kept = {"bridge", "dead_man", "driver", "findings", "name", "namespace", "output"}
+        kept = {"bridge", "dead_man", "driver", "findings", "log", "name", "namespace", "output"}
         assert listed == {name for name in dir(lrp.Session) if not name.startswith("_")} | kept
         assert "submit" not in listed

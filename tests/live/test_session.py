@@ -703,6 +703,7 @@ IN_A_BLOCK = {
     "from_file": (__file__,),
     "judge": ("x",),
     "listen": (int,),
+    "looked": ("x",),
     "observe": (print,),
     "offer": ("x",),
     "offer_rename": ("state", ("m", "a"), "z"),
@@ -710,6 +711,7 @@ IN_A_BLOCK = {
     "pause_when": ("a",),
     "plots": (["n"],),
     "record": (os.devnull,),
+    "record_until_closed": None,  # as `record`
     "recorder": (print,),
     "remove_breakpoint": (1,),
     "rename": ("state", "m/a", "q"),

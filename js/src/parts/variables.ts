@@ -55,7 +55,7 @@ export function variablesView(lab: Lab, below: HTMLElement | null = null): HTMLE
       },
       (_, path) => rows.get(path)?.update(),
     );
-  store.watch(["variables", "program", "machine", "snapshot"], () => {
+  store.watch(["variables", "outdated", "program", "machine", "snapshot"], () => {
     const groups = groupsInScope(store.state.program, store.state.machine);
     reconcile(list, groups, ({ machine }) => machine, makeGroup, updateGroup);
     setAttribute(list, "data-empty", groups.length === 0 ? "No variables in scope." : null);
@@ -126,7 +126,7 @@ class Row {
 
   update(): void {
     const value = this.lab.store.state.variables[this.path];
-    this.updateComputed(value?.computed ?? "", value?.initial ?? "");
+    this.updateOutdated();
     const text = value?.text;
     if (text !== undefined && this.text !== undefined && text !== this.text) this.glow();
     if (value || this.text !== undefined) this.spark.add(value?.number ?? null);
@@ -141,7 +141,8 @@ class Row {
   }
 
   /** Say what it was computed from if that was assigned since, and offer to compute it anew. */
-  private updateComputed(computed: string, initial: string): void {
+  private updateOutdated(): void {
+    const { computed, initial } = this.lab.store.state.outdated[this.path] ?? { computed: "", initial: "" };
     const said = `${computed}\n${initial}`;
     if (said === this.said) return;
     this.said = said;
