@@ -247,7 +247,8 @@ class Interface:
         limits : mapping of str to float or (float, float), optional
             ``{"linear": 0.5}``: larger numbers are clamped to -0.5 ... 0.5, and that is shown.
         mover : str
-            Which one of several robots it moves; the watchdog watches each of them.
+            Which one of several robots it moves, or which motor, until another command does. The watchdog
+            watches each of them, if it is a velocity.
         """
         is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
         text = doc or _doc_of(function)
@@ -430,10 +431,13 @@ class Interface:
         bool
             Whether the robot was stopped; if not, a notice contains the reason.
         """
-        self.safety.stopped()
+        safety, moving = self.safety, self.safety.motion
+        safety.stopped()
         try:
             stopped = self._stop_now()
             self.unstopped = not stopped
+            if stopped:
+                safety.halted = {**safety.halted, **moving}
             return stopped
         finally:  # a recording that fails does not keep the robot moving
             self.outside(RobotStopped(), False)
@@ -447,6 +451,7 @@ class Interface:
             self.add_method("stop", self._stop_or_raise, "stop the robot")
 
     def _stop_or_raise(self) -> None:
+        self.safety.halted = {}  # the program itself has it stand
         if not self._stop_now():
             raise BridgeError(self.safety.notices[-1].text)
 
@@ -475,7 +480,8 @@ class Interface:
             guard.check()
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
         judged = arguments if isinstance(command, Message) else _complete(command)
-        speeds = method.velocity and not _stands(method.path, judged)
+        moves = method.sets_in_motion and not _stands(method.path, judged)
+        speeds = method.velocity and moves
         stops = safety.stops
         hindrance = safety.hindrance(speeds)
         limited = tuple(clamped.values())
@@ -503,8 +509,8 @@ class Interface:
             # what did not return was no command: nothing is known of the robot that was not known before
             if guard.is_on:
                 safety.drive(method.path, drives)
-            if method.velocity:
-                safety.moving(method.path, speeds, method.mover)
+            if method.sets_in_motion:
+                safety.moving(method.path, moves, method.mover, method.velocity)
             return result
         finally:
             if safety.stops != stops:  # on another thread, while this was performed: the stop comes last

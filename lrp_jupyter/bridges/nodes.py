@@ -277,6 +277,11 @@ class RobotMethod(NotAValue):
         return f"<robot.{self.path}{self.signature}>"
 
     @property
+    def sets_in_motion(self) -> bool:
+        """Whether it is a command by which something moves until another one, or a stop."""
+        return self.velocity or bool(self.mover)
+
+    @property
     def parameters(self) -> tuple[inspect.Parameter, ...]:
         """The parameters of its function."""
         return tuple(self._parameters.parameters.values())

@@ -9,6 +9,7 @@ Every field that both touch is one reference, replaced by one assignment; the lo
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -21,14 +22,29 @@ from lrp_jupyter.bridges.outside import CommandsHeld
 from lrp_jupyter.errors import BridgeError
 
 NoticeKind = Literal[
-    "armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "stale", "guard", "fault"
+    "armed",
+    "disarmed",
+    "limited",
+    "command watchdog",
+    "tick watchdog",
+    "held",
+    "stopped",
+    "stale",
+    "guard",
+    "fault",
 ]
+
+OF_COMMANDS: tuple[NoticeKind, ...] = ("limited", "stopped")
+"""The kinds of notices that are about a command of the program, which a person may change."""
 
 Hindrance = Literal["disarmed", "lost", "held", "blind"]
 """Why a command is not sent: a lost robot gets none, one whose data are too old none that moves it."""
 
 Motion = dict[str, tuple[str, float]]
-"""The robots that move, by name, with the last velocity command and its time; never changed in place."""
+"""What moves, robots or their motors, by name, with the last command and its time; never changed in place.
+
+The time is infinite where the command has no limit in time.
+"""
 
 COMMANDS = 60_000
 """How many commands the log holds at most; one that is repeated counts as one."""
@@ -163,6 +179,8 @@ class Safety:
         self._last_tick: float | None = None
         self._overdue_reported = False
         self._moving: Motion = {}
+        self.halted: Motion = {}
+        """What moved when the robot was stopped, and has not been commanded since."""
         self._notices: deque[Notice] = deque(maxlen=kept)
         self.recorded: Callable[[CommandRecord], object] | None = None
         """Called with every command."""
@@ -207,10 +225,10 @@ class Safety:
             self._notices.append(entry)
         return entry
 
-    def forget_notices(self, kind: NoticeKind) -> None:
-        """Drop the notices of a kind: the user has read them."""
+    def forget_notices(self, *kinds: NoticeKind) -> None:
+        """Drop the notices of some kinds: the user has read them."""
         with self._log_lock:
-            kept = [notice for notice in self._notices if notice.kind != kind]
+            kept = [notice for notice in self._notices if notice.kind not in kinds]
             self._notices = deque(kept, maxlen=self._notices.maxlen)
 
     def record(self, command: CommandRecord) -> None:
@@ -294,22 +312,31 @@ class Safety:
 
     @property
     def motion(self) -> Motion:
-        """The velocity commands that move the robots, with their times; a bridge that rewinds sets them."""
+        """What moves, with the commands that it moves by; a bridge that rewinds sets it."""
         return self._moving
 
     @motion.setter
     def motion(self, motion: Motion) -> None:
-        self._moving = motion
+        self._moving, self.halted = motion, {}
 
     def may_move(self, name: str, mover: str = "") -> None:
         """Register a velocity command that is to be sent: one of the robots may move from now on."""
         if mover not in self._moving:
             self.moving(name, True, mover)
 
-    def moving(self, name: str, is_moving: bool, mover: str = "") -> None:
-        """Register a velocity command that was sent to one of the robots."""
+    def moving(self, name: str, is_moving: bool, mover: str = "", is_limited: bool = True) -> None:
+        """Register a command that was sent to what moves, and whether the command has a limit in time."""
         others = {other: motion for other, motion in self._moving.items() if other != mover}
-        self._moving = {**others, mover: (name, self.now)} if is_moving else others
+        since = self.now if is_limited else math.inf
+        self._moving = {**others, mover: (name, since)} if is_moving else others
+        if mover in self.halted:
+            self.halted = {other: motion for other, motion in self.halted.items() if other != mover}
+
+    def left_halted(self) -> list[CommandRecord]:
+        """Return the commands of what is :attr:`halted`, once."""
+        halted, self.halted = self.halted, {}
+        last = {command.name: command for command in self.commands if command.sent}
+        return [last[name] for name, _ in halted.values() if name in last]
 
     def drive(self, name: str, moves: bool) -> None:
         """Register whether the robot may move by a command: before it is sent, if it may, and after that."""
@@ -365,7 +392,7 @@ class Safety:
             self.notice("guard", f"The guard process has stopped the robot. This one could not: {failure}")
             failure = ""
         if failure:
-            again = {mover: (name, self.now) for mover, (name, _) in moving.items()}
+            again = {mover: (name, max(self.now, since)) for mover, (name, since) in moving.items()}
             self._moving = {**again, **self._moving}  # the watchdog stops it once more
             self.notice("fault", f"The robot may not have stopped: {failure}")
         elif self._drives == drives:  # else another command came meanwhile, in the next tick

@@ -206,9 +206,9 @@ class SimBridge(Bridge, SimulatedWorld):
         )
         method(f"{prefix}stop", lambda: self._halt(index), "stand still", velocity=True)
         doc = "lower the pen (True) or lift it (False): it leaves a trail"
-        method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
+        self.add_method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
         doc = "switch the lamp on (True) or off (False)"
-        method(f"{prefix}lamp", lambda on=True: self.simulation.lamp(bool(on), robot=index), doc)
+        self.add_method(f"{prefix}lamp", lambda on=True: self.simulation.lamp(bool(on), robot=index), doc)
 
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""

@@ -50,7 +50,7 @@ from lrp_jupyter.live.breakpoints import Breakpoints
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
-from lrp_jupyter.live.frame import Frame, Hit, Hung, Status, is_active
+from lrp_jupyter.live.frame import Frame, Hit, Hung, Status, is_active, matches
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
 from lrp_jupyter.live.record import Record
@@ -209,6 +209,8 @@ class Loop:
             bridge.end_tick(now)
             if (held := bridge.safety.hindered()) is not None:
                 record.add(held, interpreter.tick - 1)
+            elif bridge.safety.halted and bridge.safety.armed:
+                self._tell_halted()
         finally:
             self.ticking = bridge.safety.again = None
         on_time = step is None and now - timing.due <= LAG
@@ -224,6 +226,19 @@ class Loop:
             self._stop_at_issue()
         if bridge.safety.suspended:
             self.pause(bridge.safety.suspended)
+
+    def _tell_halted(self) -> None:
+        """Say what stands since the robot was stopped because an `onentry` alone had set it in motion."""
+        visits = self.interpreter.visits.items()
+        for name, origin in ((each.name, each.origin) for each in self.bridge.safety.left_halted()):
+            state, _, action = origin.block.rpartition(".")
+            entered = any(matches(state, path) and count.tick == origin.tick for path, count in visits)
+            if action == "onentry" and entered and self.is_active(state):
+                text = (
+                    f"`{name}` ended when the robot was stopped, as by a pause: `onentry` of `{state}` is not"
+                    f" repeated. Put `{name}` into `running`, or, for a pause, into `onresume`."
+                )
+                self.bridge.safety.notice("stopped", text, f"{name} {origin.line}", origin)
 
     def _has_come(self, error: BaseException) -> bool:
         """Return whether an error was that a member of the robot is missing, and the robot has it now."""

@@ -14,6 +14,7 @@ from functools import partial
 from typing import Annotated, Any, ClassVar
 
 from lrp_jupyter import programs
+from lrp_jupyter.bridges.safety import OF_COMMANDS
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
@@ -384,7 +385,7 @@ class ClearIssuesCommand(PageCommand, do="clear_issues"):
 
         def clear() -> None:
             session.interpreter.issues.clear()
-            session.bridge.safety.forget_notices("limited")
+            session.bridge.safety.forget_notices(*OF_COMMANDS)
 
         return session.ask(do.Call(clear))
 

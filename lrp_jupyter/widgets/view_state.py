@@ -13,7 +13,7 @@ from typing import Any, cast, get_args
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
-from lrp_jupyter.bridges.safety import Notice
+from lrp_jupyter.bridges.safety import OF_COMMANDS, Notice
 from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.errors import NoDataYet, StaleData
 from lrp_jupyter.graph.state_graph import DefinedPaths
@@ -200,7 +200,7 @@ class ViewStates:
                 self._issue_views[number] = made_of, view
             views[str(number)] = view
         for notice in self._session.bridge.safety.notices:
-            if notice.kind == "limited" and notice.first.tick <= frame.tick:
+            if notice.kind in OF_COMMANDS and notice.first.tick <= frame.tick:
                 key = notice.kind, notice.about, notice.first
                 number = self._numbers.setdefault(key, len(self._numbers) + 1)
                 views[str(number)] = _notice_view(number, notice, frame, revision)

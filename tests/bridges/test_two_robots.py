@@ -136,6 +136,17 @@ def test_a_pause_stops_both() -> None:
         assert [robot.command for robot in session.bridge.simulation.robots] == [(0, 0), (0, 0)]
 
 
+def test_of_what_a_pause_has_stopped_the_robot_is_told_and_not_the_lamp() -> None:
+    text = "(machine m (state a (onentry [robot.upper.{}] [robot.upper.lamp()])))(spawn m a)"
+    for command, told in [("move(linear=0.1)", ["upper.move 1"]), ("stop()", [])]:
+        with Session(text.format(command), SimBridge(world()), clock=VirtualClock()) as session:
+            session.run(seconds=0.2)
+            session.resume()
+            session.pause()
+            session.run(seconds=0.2)
+            assert [notice.about for notice in session.bridge.safety.notices] == told
+
+
 def test_robots_see_and_touch_each_other() -> None:
     facing = World((2, 1), (RobotSpec((0.5, 0.5, 0)), RobotSpec((1.5, 0.5, math.pi), name="other")))
     sim = SimBridge(facing)

@@ -112,6 +112,108 @@ def test_an_armed_robot_is_not_taken_back_whatever_its_bridge_says(session, diar
     assert "rewind" not in diary.calls
 
 
+# -- what a stop has ended
+
+
+def motorist(robot):
+    """Add a velocity, a motor that turns on, and what moves nothing."""
+    robot.add_method("move", robot.move)
+    robot.add_method("motor.start", lambda speed: robot.calls.append(speed), mover="motor")
+    robot.add_method("motor.stop", lambda: robot.calls.append("motor.stop"), mover="motor")
+    robot.add_method("lamp", lambda: robot.calls.append("lamp"))
+
+
+def paused(running):
+    running.resume()
+    running.pause()
+
+
+ONCE = "(machine m (state driving (onentry [robot.{}])) (state resting)) (spawn m driving)"
+MOVE, MOTOR = ONCE.format("move(linear=0.1)"), ONCE.format("motor.start(50)")
+INSIDE = """(machine m
+  (state driving (onentry [robot.motor.start(50)] (spawn inner one))
+    (machine inner (state one) (state two) (ontime 300 one -> two))))
+(spawn m driving)"""
+
+
+@pytest.mark.parametrize("robot", [None, Bare(motorist)], ids=["simulated", "without a world"])
+def test_who_set_a_robot_in_motion_only_once_is_told_after_a_pause(session, robot):
+    running = session(MOVE, "sim" if robot is None else robot)
+    running.run(0.3)
+    told = running.bridge.safety
+    paused(running)
+    assert told.notices == (), "it is not known yet whether the program commands it again"
+    running.run(0.1)
+    (notice,) = told.notices
+    assert (notice.kind, notice.first.block, notice.first.line) == ("stopped", "driving.onentry", 1)
+    assert notice.text == (
+        "`move` ended when the robot was stopped, as by a pause: `onentry` of `driving` is not repeated. "
+        "Put `move` into `running`, or, for a pause, into `onresume`."
+    )
+    paused(running)  # what stood already is no news
+    running.run(1)
+    assert told.notices == (notice,)
+
+
+@pytest.mark.parametrize(
+    ("text", "stop"),
+    [
+        (MOTOR, paused),
+        (INSIDE, paused),
+        (MOTOR, lambda running: running.stop_robot()),
+        (MOTOR, lambda running: running.bridge.stop_all()),
+        (MOTOR, lambda running: (running.bridge.disarm(), running.run(0.5), running.bridge.arm())),
+        (MOTOR, lambda running: (paused(running), running.bridge.stop_all(), running.step())),
+        (f"(onresume [robot.lamp()]) {MOTOR}", paused),
+    ],
+    ids=["pause", "inside it goes on", "stop robot", "by hand", "disarmed", "step", "onresume of others"],
+)
+def test_a_motor_that_stands_since_a_stop_is_told_however_long_it_turned(session, text, stop):
+    running = session(text, Bare(motorist))
+    running.run(2)
+    stop(running)
+    running.run(1)
+    kinds = [each.kind for each in running.bridge.safety.notices]
+    assert [kind for kind in kinds if "armed" not in kind] == ["stopped"]
+
+
+@pytest.mark.parametrize(
+    ("text", "stop"),
+    [
+        (DRIVE, paused),
+        (f"{MOVE} (onresume [robot.move(linear=0.1)])", paused),
+        (f"{MOVE} (onresume [robot.stop()])", paused),
+        (f"{MOTOR} (onresume [robot.motor.start(20)])", paused),
+        (f"{MOTOR} (onpause [robot.motor.stop()])", paused),
+        (ONCE.format("move(linear=0.0)"), paused),
+        (ONCE.format("motor.start(0)"), paused),
+        (ONCE.format("lamp()"), paused),
+        (MOVE.replace("(state resting)", "(state resting) (ontime 400 driving -> resting)"), paused),
+        (MOVE.replace("(state resting)", "(ontime 400 driving -> driving)"), paused),
+        (MOTOR, lambda running: running.reset()),
+        (MOTOR, lambda running: (paused(running), running.reset())),
+        (MOTOR, lambda running: (paused(running), running.transition_to("resting"))),
+        (MOTOR, lambda running: None),
+    ],
+)
+def test_of_what_goes_on_or_was_to_end_nothing_is_told(session, text, stop):
+    running = session(text, Bare(motorist))
+    running.run(0.4)
+    stop(running)
+    running.run(0.3)
+    assert [each.text for each in running.bridge.safety.notices] == []
+
+
+def test_of_a_pause_that_is_gone_back_behind_nothing_is_told(session):
+    running = session(MOVE, "sim", world="empty")
+    running.run(0.3)
+    paused(running)
+    running.rewind(1)
+    running.run(0.2)
+    assert running.bridge.simulation.robot.command == (0.1, 0.0)
+    assert running.bridge.safety.notices == ()
+
+
 # -- time
 
 

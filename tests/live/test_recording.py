@@ -363,6 +363,25 @@ def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
     assert other.difference.tick == 7
 
 
+@pytest.mark.parametrize("robot", [Rover, "sim"])
+def test_a_replay_tells_as_often_that_a_pause_has_stopped_the_robot(tmp_path, robot):
+    path = tmp_path / "run.lrplog"
+    once = "(machine m (state go (onentry [robot.move(linear=0.2)])))(spawn m go)"
+    with Session(once, robot, clock=VirtualClock()) as session, session.record(path):
+        session.bridge.arm()
+        for _ in range(2):
+            session.run(0.3)
+            session.resume()
+            session.pause()
+        session.run(0.3)
+        told = [each.as_dict() for each in session.bridge.safety.notices if each.kind == "stopped"]
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    replayed = again.session.bridge.safety.notices
+    assert len(told) == 1
+    assert [each.as_dict() for each in replayed if each.kind == "stopped"] == told
+
+
 @pytest.mark.parametrize(
     ("first", "then", "sent"),
     [

@@ -724,6 +724,23 @@ def test_a_clipped_command_is_in_the_issues_once_where_it_was_given(bench):
     assert issues() == []
 
 
+def test_a_command_that_a_pause_has_ended_is_in_the_issues_where_it_was_given(bench):
+    once = FAST.replace("(running [n += 1", "(onentry [n += 1")
+    lab = bench(once, bridge="sim", world="empty")
+    page = lab.page()
+    lab.session.run(0.2)
+    lab.session.resume()
+    lab.session.pause()
+    lab.session.run(0.1)
+    lab.publish()
+    (limit, issue) = page.merged("issues").values()
+    assert (issue["kind"], issue["element"], issue["count"]) == ("stopped", "a.onentry", 1)
+    assert issue["range"] == limit["range"], "the same `move`"
+    page.do("clear_issues")
+    lab.publish()
+    assert list(page.merged("issues").values()) == []
+
+
 def test_what_a_page_cannot_stop_while_a_cell_runs_is_told_with_what_holds_then(bench):
     def told(**options):
         lab = bench(MOVER, **options)

@@ -191,8 +191,9 @@ class EV3Bridge(Bridge):
             self.add_variable(name, getter, doc, unit, type=kind, age=self._age, stale_after=stale_after)
 
         for motor in self.motors:
-            for command in (motor.start_at_speed, motor.start_at_power, motor.stop, motor.run_for):
-                self.add_method(f"{motor.name}.{command.__name__}", command)
+            for command in (motor.start_at_speed, motor.start_at_power, motor.stop):
+                self.add_method(f"{motor.name}.{command.__name__}", command, mover=motor.name)
+            self.add_method(f"{motor.name}.run_for", motor.run_for)
             self.add_method(f"{motor.name}.reset_count", motor.reset_count)
             variable(f"{motor.name}.count", motor.count, "angle turned since the count was 0", "deg", int)
             variable(f"{motor.name}.speed", motor.speed, "speed that it turns with now", "%", int)

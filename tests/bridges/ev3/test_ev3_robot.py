@@ -150,6 +150,18 @@ def test_a_motor_that_is_stopped_or_run_for_an_angle_is_not_renewed(bridge, bric
     assert bridge.robot.motorB.count == 100
 
 
+def test_of_the_motors_those_are_halted_by_a_stop_that_would_have_turned_on(bridge):
+    for motor in "ABD":
+        getattr(bridge.robot, f"motor{motor}").start_at_speed(50)
+    bridge.robot.motorA.start_at_power(20)
+    bridge.robot.motorB.stop()
+    bridge.robot.motorC.run_for(degrees=100)
+    bridge.robot.motorD.start_at_speed(0)
+    bridge.stop_all()
+    assert [each.name for each in bridge.safety.left_halted()] == ["motorA.start_at_power"]
+    assert bridge.safety.left_halted() == []
+
+
 def test_a_bridge_that_was_held_up_for_long_starts_no_motor_again_and_says_so(
     bridge, brick, clock, fresh, passes
 ):
