@@ -125,6 +125,8 @@ def _fate(
     for when, fact in run.backward(tick):
         if when <= given:
             break
+        if isinstance(fact, Commanded) and fact.kind == "resumed" and last.origin.block == "onresume":
+            break  # it was given then
         if isinstance(fact, Commanded) and fact.kind == "paused":
             why = loop.reason if now else ""
             return "stopped", f"Then the program was paused, which stops the robot. {why}".strip()

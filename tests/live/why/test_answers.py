@@ -236,6 +236,22 @@ def test_a_command_is_told_as_a_program_writes_it(call, told):
         ]
 
 
+def test_what_onresume_commands_is_not_ended_by_the_pause_before_it():
+    state = "(state a (onentry [robot.move(linear=0.1)]))"
+    text = f"(onresume [robot.move(linear=0.2)]) (machine m {state}) (spawn m a)"
+    with session(text, Drawing()) as live:
+        live.run(0.3)
+        live.resume(), live.pause()
+        assert live.why("robot.move").code == "stopped"
+        live.run(0.2)
+        assert (live.why("robot.move").code, live.why("robot.move").facts["block"]) == (
+            "commanded",
+            "onresume",
+        )
+        live.resume(), live.pause()
+        assert live.why("robot.move").code == "stopped"
+
+
 INNER = """(machine m
   (state a (onentry (spawn i x)) (machine i (state x) (state y) (on [True] x -> y go)))
   (state b)
