@@ -12,7 +12,6 @@ from typing import Any
 from IPython.core.error import UsageError
 from IPython.core.interactiveshell import InteractiveShell
 from IPython.core.magic import Magics, line_cell_magic, magics_class
-from IPython.display import display
 
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_choice
@@ -288,7 +287,8 @@ class LRPMagics(Magics):
         connection = _the(rest)
         session = connection.session
         picture = svg(session.program, session.frame.active, last_fired(connection.view_state()))
-        display({"image/svg+xml": picture}, raw=True)  # type: ignore[no-untyped-call]
+        if self.shell is not None:
+            self.shell.display_pub.publish({"image/svg+xml": picture})
 
     def save(self, rest: list[str]) -> None:
         """Write the lab's text into a new cell."""

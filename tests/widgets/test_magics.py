@@ -431,10 +431,13 @@ def test_a_challenge_that_does_not_exist_or_has_another_world_is_refused(shell):
         cell(shell, "mine --challenge square --world line", A)
 
 
-def test_the_picture_of_the_graph_shows_what_is_active_and_what_fired_last(shell, run):
+def test_the_picture_of_the_graph_shows_what_is_active_and_what_fired_last(shell, run, monkeypatch):
     lab = cell(shell, "mine --bridge none", "(machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)")
     lab.session.pause()
     lab.session.run(0.5)
-    picture = run("graph")
+    shown = []
+    monkeypatch.setattr(shell.display_pub, "publish", shown.append)
+    run("graph")
+    picture = shown[0]["image/svg+xml"]
     assert "b is active." in picture
     assert "From a to b, 300 ms. It fired last." in picture
