@@ -22,116 +22,175 @@ class Deviation(NamedTuple):
 DEVIATIONS = (
     Deviation(
         "§3.1",
-        "Blocks hold Python instead of Smalltalk; a block of Smalltalk is one error, with the same in "
-        "Python.",
+        "Blocks contain Python, not Smalltalk; a Smalltalk block is reported as one error that shows the "
+        "same in Python.",
         "The paper's footnote 3 allows any imperative language; notebooks and ROS speak Python.",
     ),
     Deviation(
         "§3.1",
-        "Several spawns, at the top level and in states, run side by side in the same loop.",
-        "The paper lists concurrent machines as future work.",
+        "Several spawns, at the top level and in states, run side by side in the same loop, but no machine "
+        "runs twice at a time.",
+        "The paper leaves concurrent machines to future work (§9).",
+    ),
+    Deviation(
+        "§3.1",
+        "A block that does not return is named after two seconds and the robot stopped; an edit or command "
+        "that has to wait for it interrupts it.",
+        "Actions are atomic, so an endless loop would otherwise block every edit.",
     ),
     Deviation(
         "§3.1",
         "A wildcard applies to every state except its own destination.",
-        "§3.2 lists exactly these sources; with polled conditions the destination would be re-entered at "
-        "every tick.",
+        "§3.2 lists exactly these sources; otherwise the destination would be re-entered again and again "
+        "while the condition holds.",
     ),
     Deviation(
         "§3.1",
-        "`eps` does not accept a bare `*`.",
-        "The transition would fire at every tick.",
+        "An epsilon transition cannot start from a bare `*`: `(eps * -> a)` is an error.",
+        "Every other state of the machine would be left as soon as it is entered.",
     ),
     Deviation(
         "§3.1",
         "Wildcard transitions are tested among the others, in the order of the text.",
-        "This section says that the first one in the text fires, while step 3 of §5.1 adds the wildcards to "
-        "the others.",
+        "§3.1 says that the first one in the text fires, while step 3 of §5.1 adds the wildcards to the "
+        "others.",
     ),
     Deviation(
         "§3.2",
-        "The printed listing becomes a program by the fixes of its errors; the bundled `paper-listing` is "
-        "that program, line by line, with a comment wherever it says something else.",
-        "Lines 19, 33 and 35 have too many or too few brackets; line 32 compares where it should assign, and "
-        "stands where the assignment would end the program at the first wall; line 35 turns at `search`.",
+        "Accepting the fix of each error turns the printed listing into a valid program; the bundled "
+        "`paper-listing` keeps its lines and has a comment at each one that it corrects.",
+        "Lines 19, 33 and 35 have too many or too few brackets; line 32 compares instead of assigning, and "
+        "assigning there rather than in `bumpturn` would end the program at the first bump; line 35 turns "
+        "by `search` and leaves `turn` unused.",
     ),
     Deviation(
         "§3.2",
-        "`exit`, inline conditions, `{…}` and `*-{…}` sources, `onpause`, `onresume`, delay expressions and "
-        "top-level events are additions.",
-        "The paper's §9 and later programs by its authors call for them.",
+        "`exit`, inline conditions, `{…}` and `*-{…}` sources, `onpause`, `onresume`, delay expressions, "
+        "top-level events, several blocks in one action and comments are additions.",
+        "Some are plans of the paper (§9), and later programs by its authors call for others.",
+    ),
+    Deviation(
+        "§3.2",
+        "The fields of a message are arguments, as in `robot.move(linear=0.2)`; `with robot.move as msg:` "
+        "fills it field by field.",
+        "The paper fills a message in a block with a parameter; in Python that would be a `lambda`, which "
+        "cannot assign.",
     ),
     Deviation(
         "§4",
-        "A destination that does not exist is drawn, dashed, and the transition leads to it.",
-        "In the paper the transition is not shown; here one sees what it lacks.",
+        "A transition to a state that does not exist is drawn, leading to a dashed placeholder.",
+        "In the paper it is not shown; here one sees which state is missing.",
     ),
     Deviation(
         "§5.1",
-        "The delay of the loop is not waited for between steps 7 and 2: the destination is entered in the "
-        "tick in which the source is left.",
-        "There is no gap between `onexit` and `onentry`, and a single step shows the whole transition.",
+        "There is no delay between steps 7 and 2: the destination is entered in the tick in which the "
+        "source is left.",
+        "So nothing happens to the robot between `onexit` and `onentry`, and a single step shows the whole "
+        "transition.",
     ),
     Deviation(
         "§5.1",
-        "A state is left in the tick after its entry at the earliest, by a transition that is enabled then.",
-        "The delay has to be somewhere, or the states between two conditions that hold would not be seen.",
+        "A state is left in the tick after its entry at the earliest, by a transition that is enabled in "
+        "that later tick.",
+        "In the paper a state can be entered and left in one pass of the loop; here each one is active at "
+        "the end of at least one tick and can be seen.",
     ),
     Deviation(
         "§5.1",
-        "An enabled transition whose destination does not exist is an issue, and the next transition is "
-        "tried.",
-        "A half-typed name in one transition must not block the others.",
+        "A nested machine is entered when step 2 spawns it, but its transitions are tested only in step 5, "
+        "after those of the state that contains it.",
+        "If all of it were interpreted in step 2, inner transitions would be tested before outer ones, "
+        "against §5.1.2.",
+    ),
+    Deviation(
+        "§5.1",
+        "The delay of a timeout is evaluated whenever the transition is tested, not when the state is "
+        "entered.",
+        "In §4 an increased `maxlook` widens the sweeps at once.",
+    ),
+    Deviation(
+        "§5.2",
+        "The variables of a machine are initialised whenever it is spawned.",
+        "As class variables they would keep their values; §3.2 discards the machine, so that each search "
+        "begins with a short sweep.",
     ),
     Deviation(
         "§5.2",
         "An inner variable may shadow an outer one; a warning says so.",
-        "The paper rules this out only because of how its variables are implemented.",
+        "The paper rules this out only because its variables are class variables of Smalltalk.",
     ),
     Deviation(
         "§6.1",
-        "If the active state disappears from the text, the old program keeps running until the new one can "
-        "start.",
+        "If the active state disappears from the text, the old program keeps running until the text has a "
+        "`spawn` that can start.",
         "A half-typed name must not stop the robot.",
     ),
     Deviation(
         "§6.1",
-        "In the lab, a half-typed name that brings an error is applied only when the cursor leaves it or "
+        "In the lab, a half-typed name that causes an error is applied only when the cursor leaves it or "
         "after 700 ms, and a number after 400 ms; the rest of the text is applied at once.",
-        "Otherwise the letters of one word would stop or restart the program several times.",
+        "Otherwise a program could be stopped or restarted several times while one word is typed.",
     ),
     Deviation(
         "§6.1",
-        "In the lab, an error in an active state is not applied while the cursor is inside that state.",
-        "A form that is not complete yet must not restart the program.",
+        "In the lab, a change that puts an error into an active state is not applied while the cursor is "
+        "inside that state.",
+        "An unfinished form must not restart the program.",
     ),
     Deviation(
         "§6.1",
-        "A change inside a nested machine does not count as a change of the state that contains it.",
-        "A nested machine is not part of the state's own body, and otherwise most live edits would restart "
-        "the program.",
+        "A change inside a nested machine, or an added one, does not count as a change of the state that "
+        "contains it.",
+        "In §4 only the added `spawn` changes the active state; if every inner change did, most live edits "
+        "would restart the program.",
     ),
     Deviation(
         "§6.1",
-        'The policy `on_active_edit="keep"` replaces the actions of an active state in place.',
+        "Changing or removing a top-level `spawn` restarts the program if there is one that can start; an "
+        "added one starts at once.",
+        "The paper does not say; the text then shows what runs.",
+    ),
+    Deviation(
+        "§6.1",
+        'With the policy `on_active_edit="keep"`, new actions of an active state replace the old ones '
+        "without a restart.",
         "Restarting is the paper's rule and the default; the policy makes the two comparable.",
     ),
     Deviation(
         "§6.1",
         "An edited initialiser initialises its variable anew, and those that are computed from it; an "
         "assignment changes one variable only.",
-        "In §4 an increased `maxlook` widens the sweeps at once, although they are timed by a variable that "
-        "is computed from it.",
+        "In §4 an increased `maxlook` widens the sweeps at once, although they are timed by a variable "
+        "that is computed from it.",
     ),
     Deviation(
         "§6.1",
         "An explicit rename keeps the active state, its timer and its variables.",
-        "A rename by typing looks like a removal; a rename command is unambiguous.",
+        "A rename by typing looks like a removal; a command is unambiguous, and §9 plans one.",
     ),
     Deviation(
         "§6.2",
-        "Every fault is recorded once with its location, counted, resolved and, if it returns, reopened.",
+        "Every fault is recorded once, with its location and a count; it is resolved when its block runs "
+        "without it, and reopened if it returns.",
         "A list that grows at every tick hides what is new.",
+    ),
+    Deviation(
+        "§6.2",
+        "A transition to a state that does not exist does not block those after it in the text: the next "
+        "enabled one fires.",
+        "The paper says only that such a transition never triggers; a half-typed name must not disable the "
+        "others.",
+    ),
+    Deviation(
+        "§6.2",
+        'At an error the program can be paused (`on_issue="pause"`), at the end of the tick; a debugger is '
+        "opened by hand, afterwards.",
+        "A debugger that opened inside a tick would hold up the loop while the robot moves.",
+    ),
+    Deviation(
+        "§6.3",
+        "A pause stops the robot and the timers; a restart stops the robot, too.",
+        "In the paper a motor that was started by an `onentry` keeps running (§9).",
     ),
     Deviation(
         "§6.4",
@@ -139,10 +198,22 @@ DEVIATIONS = (
         "Otherwise a state that contains a machine would be active without it.",
     ),
     Deviation(
+        "§6.4",
+        "A state can be forced even if its machine is not running: the states around it become active, "
+        "without executing their spawns.",
+        "An inner state can thus be tried before anything leads there.",
+    ),
+    Deviation(
         "§6.5",
-        "A transition that fires glows for a moment in the graph, and so does a state that is left before it "
-        "can be seen.",
-        "At ten ticks per second a visit of a single tick is too short to see.",
+        "A transition that fires glows for a moment in the graph, and so does a state that is left before "
+        "it can be seen.",
+        "At ten ticks per second, a visit of a single tick is too short to see.",
+    ),
+    Deviation(
+        "§7",
+        "A bridge to hardware sends nothing that moves the robot until it is armed, limits what is sent, "
+        "and stops the robot when ticks or data stop coming.",
+        "A careless live edit can damage a robot, as §8 remarks.",
     ),
     Deviation(
         "§7.1",
@@ -151,9 +222,16 @@ DEVIATIONS = (
         "Python's ROS clients have no package class.",
     ),
     Deviation(
+        "§7.1",
+        "Before the first message of a topic, a condition that reads it is false, and any other block that "
+        "reads it ends with an issue.",
+        "The paper does not say what is read then; a made-up value would not be safe.",
+    ),
+    Deviation(
         "§7.2",
-        "The address of a brick is asked for once and saved, not at every start.",
-        "Programs restart often.",
+        "A brick is found by the beacon that it sends, or its address is asked for once and saved, instead "
+        "of at every start.",
+        "The address of a brick seldom changes.",
     ),
     Deviation(
         "§7.3",
