@@ -71,6 +71,17 @@ class _Log(io.TextIOWrapper):
             raise unwritable(self._path, error) from None
 
 
+def unused(path: str | os.PathLike[str]) -> Path:
+    """Return a file that does not exist: this one, or this one with a number, so none is overwritten."""
+    file = Path(path)
+    name, ending, rest = file.name.partition(".lrplog")
+    free, count = file, 1
+    while free.exists():
+        count += 1
+        free = file.with_name(f"{name} ({count}){ending}{rest}")
+    return free
+
+
 def open_log(path: str | os.PathLike[str]) -> IO[str]:
     """Open a file that is written line by line; compressed, if its name ends with ``.gz``.
 

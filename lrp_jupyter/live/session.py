@@ -105,7 +105,7 @@ from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.why.answers import Answers
 from lrp_jupyter.live.why.finding import the_transition
-from lrp_jupyter.logs import open_log
+from lrp_jupyter.logs import open_log, unused
 
 __all__ = ["Session", "Until"]
 
@@ -1002,6 +1002,7 @@ class Session:
             The file cannot be written.
         """
         self._driver.refuse_inside("record")
+        self._refuse_late_recording()  # before it would overwrite the file
         with open_log(path) as stream:
             recorder: Recorder = self.call(lambda: self.recorder(stream.write, looking=looking))
             if looking:
@@ -1016,8 +1017,11 @@ class Session:
                     self.call(recorder.end)
 
     def record_until_closed(self, path: str | os.PathLike[str]) -> None:
-        """Write a recording, with what a person looks at, until the session is closed: see `record`."""
-        self._until_closed.enter_context(self.record(path, looking=True))
+        """Write a recording, with what a person looks at, until the session is closed: see `record`.
+
+        If the file exists, the name of the recording gets a number.
+        """
+        self._until_closed.enter_context(self.record(unused(path), looking=True))
 
     def looked(self, what: str, about: str = "", on: bool = True) -> None:
         """Write into the recording that a person looks at something, or does something, if that is wanted.
@@ -1055,10 +1059,13 @@ class Session:
         looking : bool
             See `record`.
         """
-        if self._loop.interpreter.tick or self._loop.record.inputs:
-            raise ValueError("The session has run already. A recording begins before the first tick.")
+        self._refuse_late_recording()
         self.bridge.open()
         return Recorder(self._loop, write, start_of(self._loop, self.bridge, seed, initials), looking)
+
+    def _refuse_late_recording(self) -> None:
+        if self._loop.interpreter.tick or self._loop.record.inputs:
+            raise ValueError("The session has run already. A recording begins before the first tick.")
 
     # -- the past, and what if -------------------------------------------------------------------
 

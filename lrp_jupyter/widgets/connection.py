@@ -12,13 +12,13 @@ Every handler and both threads are guarded. A fault of the lab is reported in th
 from __future__ import annotations
 
 import contextvars
-import os
 import threading
 import traceback
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any
 
@@ -81,7 +81,7 @@ class PageConnection:
         self.layouts = Layouts()
         self.looking = Looking()
         self.study = Study(self.texts)
-        self.log: str | os.PathLike[str] | None = None
+        self.log: FilePath | None = None
         """The file that was named for the recording of its sessions."""
         self.options = dict(options or {})
         self._reopen = reopen

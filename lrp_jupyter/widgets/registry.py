@@ -136,6 +136,7 @@ def open_program(
     Raises LRPError: it is open and not recorded in that file.
     """
     text = text if text and text.strip() else None
+    log = None if log is None else FilePath(log)
     if task is not None:
         if bridge not in (None, "sim") or "world" in options:
             what = "The world" if "world" in options else "The robot"
@@ -220,7 +221,7 @@ def _open_session(
     )
     try:
         if log is not None:
-            session.record_until_closed(_unused(log))
+            session.record_until_closed(log)
         session.start(bool(paused))
         if paused:
             session.pause(paused)
@@ -232,16 +233,6 @@ def _open_session(
 
 def _reopen(old: Session, bridge: str, log: FilePath | None = None, **options: Any) -> Session:
     return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options, log=log)
-
-
-def _unused(file: FilePath) -> FilePath:
-    """Return a file that is not there: this one, or this one with a number: no recording is overwritten."""
-    name, ending, rest = file.name.partition(".lrplog")
-    free, count = file, 1
-    while free.exists():
-        count += 1
-        free = file.with_name(f"{name} ({count}){ending}{rest}")
-    return free
 
 
 def _first_texts(texts: Texts, kept: Kept | None, cell: str | None) -> list[str]:

@@ -303,13 +303,17 @@ def test_a_missing_file_and_a_session_that_has_run_are_refused(tmp_path):
         read_recording(tmp_path / "none.lrplog")
     with Session(COUNTER, clock=VirtualClock()) as session:
         session.run(1)
-        with pytest.raises(ValueError, match="has run already"), session.record(tmp_path / "run.lrplog"):
+        kept = tmp_path / "run.lrplog"
+        kept.write_text("the recording of another run", encoding="utf-8")
+        with pytest.raises(ValueError, match="has run already"), session.record(kept):
             pass
-        with (
-            pytest.raises(FileError, match="cannot be written"),
-            session.record(tmp_path / "no" / "run.lrplog"),
-        ):
-            pass
+        assert kept.read_text(encoding="utf-8") == "the recording of another run"
+    with (
+        Session(COUNTER, clock=VirtualClock()) as session,
+        pytest.raises(FileError, match="cannot be written"),
+        session.record(tmp_path / "no" / "run.lrplog"),
+    ):
+        pass
 
 
 class Rover(Bridge):

@@ -11,6 +11,7 @@ import pytest
 import lrp_jupyter
 from lrp_jupyter import Editor, Lab, LRPError, Session, SimView, StateGraph, UnknownElementError, parse
 from lrp_jupyter.bridges.bridge import Bridge, BridgeError
+from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.lab import Part, lab_of
@@ -44,6 +45,18 @@ def test_a_lab_runs_at_once_and_shows_what_its_session_does(make):
     assert list(lab.issues) == []
     assert lab.fault == ""
     assert "running" in repr(lab)
+
+
+def test_the_log_of_a_session_overwrites_no_recording(make, tmp_path):
+    (tmp_path / "p.lrplog").write_text("the recording of another run", encoding="utf-8")
+    with Session(PROGRAM, name="own") as session:
+        make(session, log="p.lrplog")
+        session.run(0.3)
+        with pytest.raises(ValueError, match="has run already"):
+            make(session, log="p.lrplog")
+    assert (tmp_path / "p.lrplog").read_text(encoding="utf-8") == "the recording of another run"
+    assert read_recording(tmp_path / "p (2).lrplog").ticks == 3
+    assert sorted(file.name for file in tmp_path.glob("*.lrplog")) == ["p (2).lrplog", "p.lrplog"]
 
 
 def test_a_function_that_observes_the_frame_is_called_when_a_page_reports_a_change(make):
