@@ -21,7 +21,8 @@ class Slot:
 
     `last`: up to date only if values are compared: the variable is `leaked`, or the run has observers.
     `leaked`: a function that was defined in a block can write it, long after that block has returned.
-    `computed`, `assigned`: when its initialiser ran, and when a value was assigned by hand, in seconds.
+    `computed`, `assigned`: when its initialiser ran, and when a value was assigned by hand: the time in
+        seconds, and how many values of the run were assigned until then, for time may stand still.
     """
 
     __slots__ = ("assigned", "cell", "computed", "last", "leaked")
@@ -30,12 +31,12 @@ class Slot:
         self.cell = cell
         self.last: object = UNSET
         self.leaked = False
-        self.computed = self.assigned = -inf
+        self.computed = self.assigned = (-inf, 0)
 
     def forget(self, now: float) -> None:
         """Forget an assignment that was later than `now`, because it was undone."""
-        if self.assigned > now:
-            self.assigned = -inf
+        if self.assigned[0] > now:
+            self.assigned = (-inf, 0)
 
 
 def content(cell: CellType) -> object:

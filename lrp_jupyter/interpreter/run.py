@@ -94,8 +94,8 @@ class Run:
         """Whether an issue has occurred, for the first time or again, since the last tick or command."""
         self.stale = False
         self.leaking = False
-        self.assigned = False
-        """Whether any variable was ever assigned by hand."""
+        self.assigned = 0
+        """How many values were assigned by hand."""
         self.watched = False
         """Whether any variable is compared after a tick: it leaks, or there are observers."""
         self.attention = False
@@ -324,7 +324,7 @@ class Run:
         except BaseException as error:
             self.fault(variable.initial.site, error)
             return False
-        slot.computed = self.now
+        slot.computed = self.now, self.assigned
         return True
 
     def attempt(self, call: Callable[[], object], site: Site) -> None:

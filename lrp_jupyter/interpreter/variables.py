@@ -94,8 +94,8 @@ def assign(run: Run, path: Path | str, value: object) -> None:
     if run.log is not None:
         run.log += (content(cell), cell, undo_write)
     cell.cell_contents = value
-    slot.assigned = run.now
-    run.assigned = True
+    run.assigned += 1
+    slot.assigned = run.now, run.assigned
 
 
 class Outdated(NamedTuple):
@@ -128,7 +128,7 @@ def outdated(run: Run) -> dict[Path, Outdated]:
                 if read in paths and max(slot.computed, slot.assigned) < read.assigned:
                     text = variable.noun.initial.text.strip()
                     initial = text if expression_of(text) is not None else ""
-                    found[paths[slot]] = Outdated(paths[read], slot.computed, initial)
+                    found[paths[slot]] = Outdated(paths[read], slot.computed[0], initial)
     return found
 
 

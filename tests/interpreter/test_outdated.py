@@ -40,6 +40,20 @@ def test_an_assignment_by_hand_leaves_what_was_computed_and_an_edit_computes_it_
     assert (i.outdated, i.variables[TIME], i.variables["half"]) == ({}, 300, 150)
 
 
+def test_what_is_assigned_and_computed_while_time_stands_still_is_told_apart_by_its_order():
+    i = started(TEXT, 3)
+    half = ("half",)
+    for value in ("200", "300"):
+        i.set_variable("most", value, 0.25)
+        assert half in i.outdated
+        i.set_variable(half, "most / 2", 0.25)
+        assert half not in i.outdated
+    i.patch(parse(TEXT.replace("100", "400")), 0.25)
+    assert i.outdated == {}
+    i.set_variable("most", "500", 0.25)
+    assert half in i.outdated
+
+
 def test_a_machine_that_is_spawned_again_computes_its_variables_again():
     i = started(TEXT, 3)
     i.assign("most", 200, 0.25)
