@@ -7,7 +7,7 @@ imports nothing: a bridge's own libraries are loaded when it is opened.
 
 Paper: §7.3 (the interpreter finds the subclass of the abstract bridge by reflection).
 Deviation: §7.3 takes any subclass that it finds; here hardware is never chosen by itself: a person
-names it, or it is the default.
+names it. The default is a simulated robot, or none.
 """
 
 from __future__ import annotations
