@@ -306,7 +306,7 @@ class _Reader:
                 self.report(*form.tokens[1][1:], "LRP110", message)
         elif shape is not None and shape.source == "every" and keyword == Epsilon.keyword:
             message = (
-                "An `eps` that leaves every state would leave it before it acts. "
+                "An `eps` from `*` would leave every other state before it acts. "
                 "Name its sources, as in `(eps {a b} -> c)`."
             )
             self.report(*form.tokens[form.types.index("STAR")][1:], "LRP112", message)
