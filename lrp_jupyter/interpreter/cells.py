@@ -34,7 +34,8 @@ class Slot:
         self.computed = self.assigned = (-inf, 0)
 
     def forget(self, now: float) -> None:
-        """Forget an assignment that was later than `now`, because it was undone."""
+        """Forget what was assigned or computed later than `now`, because it was undone."""
+        self.computed = min(self.computed, (now, 0))
         if self.assigned[0] > now:
             self.assigned = (-inf, 0)
 

@@ -54,6 +54,15 @@ def test_what_is_assigned_and_computed_while_time_stands_still_is_told_apart_by_
     assert half in i.outdated
 
 
+def test_what_an_edit_computed_counts_no_longer_when_it_is_undone():
+    i = started(TEXT, 3)
+    i.patch(parse(TEXT.replace("100", "400")), 0.28)
+    i.rewind(1)
+    assert i.variables["half"] == 50
+    i.assign("most", 200, 0.25)
+    assert ("half",) in i.outdated
+
+
 def test_a_machine_that_is_spawned_again_computes_its_variables_again():
     i = started(TEXT, 3)
     i.assign("most", 200, 0.25)
