@@ -21,6 +21,7 @@ from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.smalltalk import smalltalk
+from lrp_jupyter.language.smalltalk.reading import UNARY
 from lrp_jupyter.language.suites import parse_block
 from lrp_jupyter.language.tokens import tokenize
 
@@ -90,6 +91,14 @@ def test_a_fix_is_always_python(text: str, is_condition: bool) -> None:
 def test_what_is_nested_too_deeply_is_no_smalltalk(text: str) -> None:
     assert smalltalk(text) is None
     assert scan(f"(var x := [{text}])")[1]
+
+
+@every("message", sorted(UNARY))
+def test_a_message_that_any_object_understands_is_no_attribute_of_a_reading(message: str) -> None:
+    of_variable, of_reading = (smalltalk(f"y := {value} {message}.") for value in ("x", "robot light data"))
+    assert of_variable is not None
+    assert of_reading is not None
+    assert of_reading.message == of_variable.message.replace("x", "robot.light.data", 1)
 
 
 def test_every_block_of_a_long_program_in_smalltalk_has_its_fix() -> None:

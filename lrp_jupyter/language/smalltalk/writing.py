@@ -182,7 +182,7 @@ class _Translation:
         receiver = self.write(node.receiver)
         if root(node) == "robot":
             call = "()" if node.selector in COMMANDS else ""
-            if node.selector not in ("not", "isNil", "notNil", "abs", "negated"):
+            if node.selector not in _UNARY:
                 return _Written(f"{receiver.text}.{node.selector}{call}", _ATOM)
         if node.selector not in _UNARY:
             raise UntranslatableError
