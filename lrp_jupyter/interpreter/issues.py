@@ -160,7 +160,7 @@ class IssueLog(Sequence[Issue]):
     @property
     def newest(self) -> Issue | None:
         """The issue that has occurred last; of those in one tick, the one that is listed last."""
-        return max(self, key=attrgetter("last_tick", "first_tick"), default=None)
+        return max(reversed(self), key=attrgetter("last_tick", "first_tick"), default=None)
 
     def move(self, shift: Callable[[Issue], tuple[int, int]], successors: Successors) -> None:
         """Update the location and element of every issue for a new text; those of removed elements stay."""

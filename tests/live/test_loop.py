@@ -296,6 +296,14 @@ def test_a_pause_names_the_newest_issue_of_its_tick(session):
     assert reasons == [division, division, division, "len()", division, division]
 
 
+def test_of_issues_that_are_new_in_one_tick_the_last_one_is_the_newest(session):
+    faulty = session("(machine m (state a (running [1 / 0] [len(5)])))(spawn m a)", on_issue="pause")
+    faulty.run(1)
+    assert "len()" in faulty.frame.reason
+    assert faulty.frame.paused_by is faulty.issues[1]
+    assert "len()" in str(faulty.interpreter.issues.newest)
+
+
 def test_a_session_that_is_stopped_stays_so_until_it_starts_from_the_beginning(session):
     counting = session(COUNT)
     counting.run(1)
