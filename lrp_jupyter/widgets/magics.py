@@ -324,13 +324,13 @@ class LRPMagics(Magics):
         place = rest[0] if rest and rest[0].replace(":", "").isdecimal() else ""
         connection = _the(rest[1:] if place else rest)
         session, name = connection.session, connection.name
-        if session.status == "running":
-            session.pause("Paused to debug.")
         listed = {f"{issue.line}:{issue.column}": issue for issue in session.issues}
         issue = session.interpreter.issues.newest
         if place:
             found = [at for at in listed if place in (at, at.partition(":")[0])]
             issue = listed[found[-1]] if found else None
+        if issue and session.status == "running":
+            session.pause("Paused to debug.")
         trace = session.traceback_of(issue) if issue else None
         if issue is None or trace is None or self.shell is None:
             known = f" Issues are listed at {', '.join(listed)}." if listed else ""

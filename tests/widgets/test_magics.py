@@ -235,10 +235,12 @@ def test_a_debugger_at_an_issue_sees_and_assigns_everything_in_scope(shell, run,
 
 def test_there_is_nothing_to_debug_where_no_issue_is(shell, run):
     session = cell(shell, "mine --bridge none", A).session
+    session.start()
     assert "`mine` has no issue to debug." in run("debug")
     session.edit(FAULTY)
-    session.run(0.2)
+    session.wait_for(lambda frame: len(frame.issues) == 2, 60)
     assert "no issue at `9` to debug. Issues are listed at 5:3, 4:22." in run("debug 9")
+    assert session.status == "running"
 
 
 @pytest.mark.parametrize(
