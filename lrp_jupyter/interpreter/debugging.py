@@ -36,7 +36,7 @@ class Raised(NamedTuple):
 class FrameNames(MutableMapping[str, object]):
     """The names that a frame can see: its own, then the variables as they are now, `robot`, and `state`.
 
-    `own`: the local names of the frame that are no variables of the program.
+    `own`: the local names of the frame that are not variables of the program.
     `hidden`: names that mean something else in this frame.
     `assign`: assigns a value to a variable.
     """

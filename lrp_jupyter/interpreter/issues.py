@@ -159,7 +159,7 @@ class IssueLog(Sequence[Issue]):
 
     @property
     def newest(self) -> Issue | None:
-        """The issue that has occurred last; of those in one tick, the one that is listed last."""
+        """The issue that occurred last; of those in one tick, the one that is listed last."""
         return max(reversed(self), key=attrgetter("last_tick", "first_tick"), default=None)
 
     def move(self, shift: Callable[[Issue], tuple[int, int]], successors: Successors) -> None:

@@ -228,15 +228,16 @@ class Loop:
             self.pause(bridge.safety.suspended)
 
     def _tell_halted(self) -> None:
-        """Say what stands since the robot was stopped because an `onentry` alone had set it in motion."""
+        """Say what has stood since the robot was stopped because only an `onentry` had set it in motion."""
         visits = self.interpreter.visits.items()
         for name, origin in ((each.name, each.origin) for each in self.bridge.safety.left_halted()):
             state, _, action = origin.block.rpartition(".")
             entered = any(matches(state, path) and count.tick == origin.tick for path, count in visits)
             if action == "onentry" and entered and self.is_active(state):
                 text = (
-                    f"`{name}` ended when the robot was stopped, as by a pause: `onentry` of `{state}` is not"
-                    f" repeated. Put `{name}` into `running`, or, for a pause, into `onresume`."
+                    f"`{name}` ended when the robot was stopped, for instance by a pause, and `onentry` of"
+                    f" `{state}` does not run again. Put `{name}` into `running`, or into `onresume` to"
+                    " repeat it after a pause."
                 )
                 self.bridge.safety.notice("stopped", text, f"{name} {origin.line}", origin)
 

@@ -323,14 +323,14 @@ class Session:
     def traceback_of(self, issue: Issue | None = None) -> TracebackType | None:
         """Return the traceback of an issue's last occurrence, for a debugger: ``pdb.post_mortem(…)``.
 
-        It begins at the block. In each of its frames all variables in scope can be seen and assigned, as they
-        are now; `robot` is the robot, and `state` the path of the state that was active. Pause before, for
-        the program runs on meanwhile.
+        It begins at the block. Each of its frames shows all variables in scope as they are now, and can
+        assign them; `robot` is the robot, and `state` the path of the state that was active. Pause the
+        program first, or it runs on meanwhile.
 
         Parameters
         ----------
         issue : Issue, optional
-            By default the one that has occurred last.
+            By default the one that occurred last.
 
         Returns
         -------
@@ -513,7 +513,7 @@ class Session:
         Warns
         -----
         UserWarning
-            Once, if commands were not sent because nobody has armed the robot.
+            Once, if commands were not sent because the robot was not armed.
         """
         if seconds is None and until is None and after_tick is None:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
@@ -537,7 +537,7 @@ class Session:
             return ended if ends is not None else self._loop.timing.now >= end - 1e-6
 
     def _warn_of_disarmed(self) -> None:
-        """Warn, once, that commands were not sent because nobody has armed the robot."""
+        """Warn, once, that commands were not sent because the robot was not armed."""
         bridge = self.bridge
         kinds = {notice.kind for notice in bridge.safety.notices}
         if self._warned or not bridge.hardware or "armed" in kinds or "disarmed" not in kinds:

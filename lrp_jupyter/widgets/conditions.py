@@ -11,7 +11,7 @@ from lrp_jupyter.widgets.protocol import Edits, GraphMode
 from lrp_jupyter.widgets.texts import Texts
 
 CHOICES: dict[str, tuple[str, ...]] = {"edits": get_args(Edits), "graph": get_args(GraphMode)}
-"""The words of those conditions that are no switches."""
+"""The words of the conditions that are not switches."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ NAMES = tuple(field.name for field in fields(Conditions))
 
 
 def given(**named: Any) -> Conditions | None:
-    """Return the conditions of which some are named: the others are as usual. None: none is named."""
+    """Return the named conditions, with the defaults of the others; None if none is named."""
     known = {name: value for name, value in named.items() if value is not None}
     return Conditions(**known) if known else None
 
@@ -66,7 +66,7 @@ class Study:
         """
         if self._conditions.lock:
             raise LRPError(
-                "This lab is locked for a study: whether edits are held, and what is shown of the run, "
-                "cannot be changed in the page."
+                "This lab is locked for a study: the page can change neither when edits take effect nor "
+                "what is shown of the run."
             )
         self.set(replace(self._conditions, **changes))

@@ -314,23 +314,23 @@ class Lab(Part):
     def set_conditions(
         self, *, edits: Edits = "live", graph: GraphMode = "live", quiet: bool = False, lock: bool = False
     ) -> None:
-        """Set all conditions of a study; those that are left out are as usual.
+        """Set all conditions of a study; those that are left out get their defaults.
 
-        Every page that shows the program obeys them, also after it was loaded again.
+        Every page that shows the program obeys them, even after a reload.
 
         Parameters
         ----------
         edits : str
-            ``"live"``: edits take effect while one types; ``"hold"``: when **Apply** is chosen.
+            ``"live"``: edits take effect as they are typed; ``"hold"``: when **Apply** is chosen.
         graph : str
             ``"live"``: the state graph follows the program and its run; ``"static"``: it is drawn when
-            **Redraw** is chosen, and shows nothing of the run; ``"hidden"``: there is neither a graph nor a
-            tree of machines.
+            **Redraw** is chosen, and shows nothing of the run; ``"hidden"``: neither the graph nor the tree
+            of machines is shown.
         quiet : bool
             Whether nothing of the run is shown outside of the graph by itself: no active line, fired
             transition or value in the text, no active state in the tree, no variables, no timeline.
         lock : bool
-            Whether the page cannot change this. It is a lock for participants, not against them: a cell can.
+            Whether the page refuses to change this. A cell can still do so.
         """
         self._connection.study.set(Conditions(edits, graph, quiet, lock))
         self._connection.wake()

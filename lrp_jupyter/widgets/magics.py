@@ -35,7 +35,7 @@ _HELP = """\
        [--edits live|hold] [--graph live|static|hidden] [--quiet] [--lock]
                       the conditions of a study: edits wait for Apply; the graph is drawn on request,
                       or not shown; nothing of the run is shown outside of it; the page cannot
-                      change that. A cell that names one sets all, one that names none leaves them
+                      change that. Naming one resets the others; naming none changes nothing
        [--log FILE]   record the session, and what its user looks at, in a file of this computer
 %lrp                  list the programs that are open
 %lrp NAME             show the lab of a program again
@@ -320,7 +320,7 @@ class LRPMagics(Magics):
             self.shell.set_next_input(f"%%lrp {connection.name}\n{found.text}")
 
     def debug(self, rest: list[str]) -> None:
-        """Debug an issue, post mortem: the one at a place of the text, or the last one that has occurred."""
+        """Debug an issue, post mortem: the one at a place of the text, or the one that occurred last."""
         place = rest[0] if rest and rest[0].replace(":", "").isdecimal() else ""
         connection = _the(rest[1:] if place else rest)
         session, name = connection.session, connection.name

@@ -129,11 +129,11 @@ def open_program(
     `task`: the challenge that the program is written for: its first world is loaded, its goal shown.
     `conditions`: how the lab is used; None: as before.
     `log`: the file into which the session is recorded from its beginning, with what a person looks at; if
-        it is there, one with a number.
+        it exists, the name gets a number.
     `options`: for the bridge: ``world="line"``.
     Raises BridgeError: there is no such bridge, or its robot cannot be reached.
-    Raises LRPError: it is not a valid name for a program, or ``LRP_KEEP`` names no place to keep texts.
-    Raises LRPError: it is open and not recorded in that file.
+    Raises LRPError: it is not a valid name for a program, ``LRP_KEEP`` names no place to keep texts, or the
+        program is open and not recorded in that file.
     """
     text = text if text and text.strip() else None
     log = None if log is None else FilePath(log)

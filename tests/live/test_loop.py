@@ -147,8 +147,8 @@ def test_who_set_a_robot_in_motion_only_once_is_told_after_a_pause(session, robo
     (notice,) = told.notices
     assert (notice.kind, notice.first.block, notice.first.line) == ("stopped", "driving.onentry", 1)
     assert notice.text == (
-        "`move` ended when the robot was stopped, as by a pause: `onentry` of `driving` is not repeated. "
-        "Put `move` into `running`, or, for a pause, into `onresume`."
+        "`move` ended when the robot was stopped, for instance by a pause, and `onentry` of `driving` does "
+        "not run again. Put `move` into `running`, or into `onresume` to repeat it after a pause."
     )
     paused(running)  # what stood already is no news
     running.run(1)

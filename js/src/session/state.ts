@@ -37,7 +37,7 @@ export interface LabState extends ViewState {
   inspected: { kind: ElementKind; path: string } | null;
   /** Zoom and pan of each machine that was shown. */
   cameras: Record<string, Camera>;
-  /** Whose machine is shown by itself: that of the innermost active state, that of the cursor, or nobody's. */
+  /** Which machine is shown by itself: that of the innermost active state, that of the cursor, or none. */
   follow: "active" | "cursor" | "nothing";
   whatIf: WhatIfView | null;
 }

@@ -156,7 +156,7 @@ def _tokens(text: str) -> Iterator[_Token]:
 
 
 class _SmalltalkReader:
-    """Reads one text; `is_sure`: something in it is no other language's."""
+    """Reads one text; `is_sure`: something in it can only be Smalltalk."""
 
     def __init__(self, text: str) -> None:
         self.tokens = list(_tokens(text))
