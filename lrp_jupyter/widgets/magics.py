@@ -361,9 +361,10 @@ def _one(rest: list[str], usage: str) -> str:
 
 def _the(rest: list[str]) -> PageConnection:
     """Return the program that is named, or the only one that is open."""
-    if len(rest) > 1:
+    name = " ".join(rest)  # `own (2)`
+    if len(rest) > 1 and registry.find(name) is None:
         raise UsageError(f"%lrp: Expected one name, not {len(rest)}.")
-    return registry.named(rest[0] if rest else "")
+    return registry.named(name)
 
 
 WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {

@@ -72,12 +72,12 @@ def running() -> Iterator[PageConnection]:
 
 
 def connection_of(session: Session) -> PageConnection:
-    """Return the connection of a session; one that was created elsewhere is shown as it is."""
+    """Return the connection of a session; one that was created elsewhere is shown under a name of its own."""
     for connection in running():
         if connection.session is session:
             return connection
     connection = PageConnection(session, Saver(Texts()), free_name=_free_name)
-    connection.name = _free_name(session.name)
+    connection.name = session.name = _free_name(session.name)
     return _add(connection)
 
 

@@ -8,6 +8,7 @@ from IPython.core.error import UsageError
 from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
+from lrp_jupyter import Session
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.live.recording import read_recording
@@ -231,6 +232,19 @@ def test_a_debugger_at_an_issue_sees_and_assigns_everything_in_scope(shell, run,
     assert session.variables["q"] == 2
     monkeypatch.setattr("sys.stdin", StringIO("p p, k, state\nq\n"))
     assert "(6, [1, 2], 'm/a')\n" in run("debug 5:3")  # no exception of Python
+
+
+def test_of_sessions_with_one_name_each_is_debugged_by_the_name_that_its_page_has(shell, run, monkeypatch):
+    with Session(A, name="own") as one, Session(FAULTY, name="own") as other:
+        for session in (one, other):
+            Lab(session)
+            session.run(0.2)
+        sent = []
+        page = registry.connection_of(other)
+        page.receive(lambda message, *_: sent.append(message), {"type": "hello", "view": "p", "part": "lab"})
+        (name,) = (message["name"] for message in sent if message["type"] == "snapshot")
+        monkeypatch.setattr("sys.stdin", StringIO("q\n"))
+        assert run(f"debug 4 {name}").startswith("4:")
 
 
 def test_there_is_nothing_to_debug_where_no_issue_is(shell, run):
