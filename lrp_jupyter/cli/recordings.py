@@ -18,7 +18,6 @@ from lrp_jupyter.cli.options import Assignment, check_outputs, with_initials
 from lrp_jupyter.cli.source import read_source
 from lrp_jupyter.errors import LRPError, UnknownElementError, printable
 from lrp_jupyter.files import write_file
-from lrp_jupyter.grading.marks import csv_text
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import scan
@@ -28,6 +27,7 @@ from lrp_jupyter.live.inputs import Input
 from lrp_jupyter.live.looks import Look
 from lrp_jupyter.live.recording import Recording, read_recording
 from lrp_jupyter.live.reproduction import Reproduction, reproduce
+from lrp_jupyter.spreadsheets import csv_text
 
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s

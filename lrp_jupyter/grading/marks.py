@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -16,6 +14,7 @@ from lrp_jupyter.grading.batch import HowRun, Progress, grade_all
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.submissions import Submission
+from lrp_jupyter.spreadsheets import csv_text
 
 
 class Mark(NamedTuple):
@@ -156,21 +155,6 @@ def _unread(submission: Submission, task: Challenge, seeds: int | Iterable[int] 
     """Return the grade of a submission that cannot be read."""
     jobs = jobs_of("", task, seeds)[1]
     return Grade.of(task, {0: failed(jobs[0], "text", "can be read", submission.problem)}, len(jobs))
-
-
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
-
-
-def csv_text(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table for a spreadsheet: UTF-8 with its mark, and no text that would be a formula."""
-    file = io.StringIO()
-    writer = csv.writer(file)
-    writer.writerow(columns)
-    for row in rows:
-        writer.writerow(
-            [f"'{each}" if isinstance(each, str) and each.startswith(_FORMULA) else each for each in row]
-        )
-    return "\ufeff" + file.getvalue()
 
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -8,6 +8,7 @@ papermill and others execute a notebook without a page.
 from __future__ import annotations
 
 import os
+import sys
 from typing import Any
 
 from lrp_jupyter.errors import LRPError
@@ -26,6 +27,8 @@ def is_hub() -> bool:
 
 def debugger() -> str:
     """Return the beginning of the command that debugs an issue in a cell; empty where there are no cells."""
+    if not sys.modules.get("IPython"):  # the page of a site has none
+        return ""
     from IPython.core.getipython import get_ipython
 
     shell: Any = get_ipython()

@@ -15,9 +15,10 @@ from lrp_jupyter.grading.batch import HowRun, grade_all
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import Criterion, drives, no_faults
 from lrp_jupyter.grading.grade import Grade, grade
-from lrp_jupyter.grading.marks import csv_text, grade_class
+from lrp_jupyter.grading.marks import grade_class
 from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.workers import run_jobs
+from lrp_jupyter.spreadsheets import csv_text
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 SLOW = DRIVE.replace("0.2", "0.02")  # which drives 20 cm in ten seconds

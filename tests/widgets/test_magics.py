@@ -1,5 +1,6 @@
 """``%%lrp`` and ``%lrp`` in a real IPython shell."""
 
+import sys
 from io import StringIO
 
 import pytest
@@ -15,6 +16,7 @@ from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.conditions import Conditions
+from lrp_jupyter.widgets.hosts import debugger
 from lrp_jupyter.widgets.lab import Lab
 from lrp_jupyter.widgets.magics import WORDS
 
@@ -457,3 +459,8 @@ def test_the_picture_of_the_graph_shows_what_is_active_and_what_fired_last(shell
     picture = shown[0]["image/svg+xml"]
     assert "b is active." in picture
     assert "From a to b, 300 ms. It fired last." in picture
+
+
+def test_no_debugger_is_offered_where_there_is_no_ipython(monkeypatch):
+    monkeypatch.setitem(sys.modules, "IPython", None)  # as on the plain page of a site
+    assert debugger() == ""
