@@ -43,7 +43,7 @@ def step(lab):
     lab.do("reset")
     lab.has_value("m/n", "—")
     lab.do("step")
-    lab.has_value("m/n", "0")
+    lab.has_value("m/n", "1")
     lab.do("run")
     lab.ready("running")
     lab.goes_on()

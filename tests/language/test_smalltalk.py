@@ -167,6 +167,7 @@ def test_the_listing_becomes_a_program_by_accepting_its_fixes_in_any_order(order
 
 
 def test_the_listing_with_its_fixes_drives_along_the_line_and_ends_at_the_first_wall() -> None:
+    pytest.importorskip("pymunk")
     with Session(_accepted("first"), "sim", world="line", seed=1) as session:
         session.run(400, until="end")
         assert session.frame.variables["follower", "nobump"] == "False"
