@@ -63,6 +63,8 @@ def _is_python(text: str) -> bool:
 @pytest.mark.parametrize(("written", "least"), [(_blocks, 1_000), (_python, 50_000)])
 def test_no_python_is_called_smalltalk(written: Callable[[], Iterator[str]], least: int) -> None:
     texts = list(written())
+    if written is _python and not texts:
+        pytest.skip("Python in a page has no sources of its standard library")
     assert len(texts) >= least
     assert [text for text in dict.fromkeys(texts) if smalltalk(text) and _is_python(text)] == []
 
