@@ -1013,7 +1013,7 @@ export interface ValueView {
   number: number | null;
 }
 
-/** A variable was computed from one that has been assigned by hand since. */
+/** What a variable was computed from has been assigned by hand since. */
 export interface OutdatedView {
   computed: string;
   initial: string;

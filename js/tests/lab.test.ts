@@ -624,7 +624,7 @@ describe("the page", () => {
     await page.drawn();
     vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
     expect(mark.hidden).toBe(false);
-    expect(mark.title).toContain("written into the file p.lrplog,");
+    expect(mark.title).toContain("is recorded in the file p.lrplog on");
     expect(look()).toEqual([
       ["panel", "timeline", false],
       ["hover", "state follower/looking", true],
@@ -726,6 +726,24 @@ describe("the page", () => {
     page.deliver({ type: "reply", id: page.commands("bridge")[0]!.id, error: "No robot answers." });
     await page.drawn();
     expect(select.value).toBe(recording.snapshot.frame.bridge.name);
+  });
+
+  it("says of a variable that what it was computed from was assigned, and recomputes it", async () => {
+    const said = page.find('[data-lrp-variable="lightlim"] .lrp-variable-computed');
+    const recompute = () => said.querySelector<HTMLElement>('[data-lrp-action="compute"]');
+    const show = async (frame: number, outdated: { computed: string; initial: string } | null) => {
+      page.deliver({ type: "frame", frame, outdated: { lightlim: outdated } });
+      await page.drawn();
+    };
+    expect(said.hidden).toBe(true);
+    await show(9, { computed: "Computed from `most` at 6.4 s.", initial: "most / 2" });
+    expect([said.hidden, said.textContent]).toEqual([false, "Computed from most at 6.4 s. Recompute"]);
+    recompute()!.click();
+    expect(page.commands("set_variable")).toMatchObject([{ path: "lightlim", expression: "most / 2" }]);
+    await show(10, { computed: "Computed from `most` at 6.4 s.", initial: "" });
+    expect([said.textContent!.trim(), recompute()]).toEqual(["Computed from most at 6.4 s.", null]);
+    await show(11, null);
+    expect(said.hidden).toBe(true);
   });
 
   it("keeps what is selected and shown when a state is renamed", async () => {

@@ -249,11 +249,10 @@ class BridgeConformance:
         with self._opened(self.make_bridge()):
             pass
         for _ in range(round(self.answer_within / _PERIOD)):  # `join` refuses a thread that is just starting
-            if not set(threading.enumerate()) - before:
-                break
+            if not (left := set(threading.enumerate()) - before):
+                return
             time.sleep(_PERIOD)
-        for thread in set(threading.enumerate()) - before:
-            require(False, f"The thread {thread.name!r} runs on after `close`.")
+        raise ConformanceError(f"The thread {left.pop().name!r} runs on after `close`.")
 
     # -- members ----------------------------------------------------------------------------------
 

@@ -43,7 +43,7 @@ Hindrance = Literal["disarmed", "lost", "held", "blind"]
 Motion = dict[str, tuple[str, float]]
 """What moves, robots or their motors, by name, with the last command and its time; never changed in place.
 
-The time is infinite where the command has no limit in time.
+The time is infinite if the command does not expire.
 """
 
 COMMANDS = 60_000
@@ -333,7 +333,7 @@ class Safety:
             self.halted = {other: motion for other, motion in self.halted.items() if other != mover}
 
     def left_halted(self) -> list[CommandRecord]:
-        """Return the commands of what is :attr:`halted`, once."""
+        """Return the commands that had set in motion what is :attr:`halted`; the next call returns none."""
         halted, self.halted = self.halted, {}
         last = {command.name: command for command in self.commands if command.sent}
         return [last[name] for name, _ in halted.values() if name in last]

@@ -194,9 +194,9 @@ class Interpreter:
 
     @property
     def outdated(self) -> dict[Path, Outdated]:
-        """The variables that were computed from one that has been assigned by hand since.
+        """The variables whose source has been assigned by hand since they were computed.
 
-        Only an edit computes them anew. Paper: §4.
+        Only an edit recomputes them. Paper: §4.
         """
         return outdated(self._run)
 

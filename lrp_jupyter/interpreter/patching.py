@@ -103,9 +103,9 @@ def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
 def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool = False) -> None:
     """Swap plans and carry over what runs; every active state must exist in `program`.
 
-    After an explicit rename nothing is initialised or spawned: only names have changed. Else, what was
-    computed from a variable with another initialiser is computed anew: that is how an edited number counts at
-    once. Paper: §4 (increasing `maxlook` immediately widens the sweeps).
+    After an explicit rename nothing is initialised or spawned: only names have changed. Else, what
+    was computed from a variable whose initialiser has changed is recomputed, so that an edited number counts
+    at once. Paper: §4 (increasing `maxlook` immediately widens the sweeps).
     """
     old, plan = run.plan, link(program)
     run.replace_program(program, successors)
@@ -153,7 +153,7 @@ def _carry(
 ) -> None:
     """Keep the cells of variables that stay; initialise what is new, changed, or computed from what changed.
 
-    `anew`: the variables that were initialised anew so far, or None if none is.
+    `anew`: the variables that have been reinitialised so far; None: reinitialise nothing.
     """
     kept = {}
     for variable in old:

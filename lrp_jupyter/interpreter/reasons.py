@@ -49,7 +49,7 @@ class Cause:
 
     `machine`: the machine of the transition when the tick began, if it ran.
     `fired`: the transition that fired: this one, or the one in the way.
-    `entered`: how the state that the transition leaves was entered in the tick, in which nothing leaves it.
+    `entered`: how its source was entered in this tick, in which nothing can leave that.
     """
 
     code: ReasonCode

@@ -99,7 +99,7 @@ def assign(run: Run, path: Path | str, value: object) -> None:
 
 
 class Outdated(NamedTuple):
-    """A variable was computed from another one, which has been assigned by hand since.
+    """What a variable was computed from has been assigned by hand since.
 
     `source`: the other one, as spawned.
     `computed`: when, in seconds.
@@ -112,7 +112,7 @@ class Outdated(NamedTuple):
 
 
 def outdated(run: Run) -> dict[Path, Outdated]:
-    """Return the variables that were computed from another one before that was assigned by hand, by path."""
+    """Return the variables whose source has been assigned by hand since they were computed, by path."""
     found: dict[Path, Outdated] = {}
     if not run.assigned:
         return found

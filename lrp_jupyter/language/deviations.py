@@ -158,7 +158,7 @@ DEVIATIONS = (
     ),
     Deviation(
         "§6.1",
-        "An edited initialiser initialises its variable anew, and those that are computed from it; an "
+        "Editing an initialiser reinitialises its variable and those that are computed from it; an "
         "assignment changes one variable only.",
         "In §4 an increased `maxlook` widens the sweeps at once, although they are timed by a variable "
         "that is computed from it.",

@@ -25,7 +25,7 @@ class FirstDifference:
     `time`: seconds.
     `machine`: the machine in which it is; empty where that is none, or not known.
     `recorded`, `now`: what happened only in the recording, and only now: the most telling line of the tick.
-    `caveat`: why the recording may differ whatever the program is, a sentence; or nothing.
+    `caveat`: why a replay may differ even if the program is the same, a sentence; or nothing.
     """
 
     tick: int

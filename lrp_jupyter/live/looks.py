@@ -1,4 +1,4 @@
-"""What a person looked at and did, in a recording: no inputs of the run, so a replay leaves them out."""
+"""What a person looked at and did, in a recording; not inputs of the run, so a replay skips them."""
 
 from __future__ import annotations
 

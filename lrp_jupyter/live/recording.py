@@ -18,8 +18,8 @@ Every tick has its readings, and what followed are the lines of a trace (``trace
      "block":"looking.running","line":12}
     {"tick":13,"time":1.2,"readings":{"light.data":255}}
 
-If that was wanted, inputs have the seconds since the recording began, which go on while the run stands still,
-and there are lines about what a person looked at and did. No replay needs them::
+On request, inputs also have the wall time, in seconds since the recording began (pauses included), and there
+are lines about what a person looked at and did. A replay ignores both::
 
     {"tick":12,"time":1.13,"wall":71.4,"look":"why","about":"transition follower:tlooking","on":true}
 
@@ -29,8 +29,8 @@ first difference is told. The readings of a real robot are fed to the program ag
 or an input stands before it, so of a file that was cut off, what comes after its last whole tick or input is
 left out.
 
-Version 2 has the same lines, but when it was recorded, a state did not act in the tick of its entry. A
-program that does is not the same run again; the first difference says so.
+Version 2 has the same lines, but was recorded when a state did not yet act in the tick of its entry, so a
+replay may differ; the first difference says so.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ _LONGEST_PROGRAM = 1_000_000  # characters
 Line = dict[str, Any]
 
 _OF_THE_RUN = ("rest", "hold")
-"""Inputs that come from no person: the run ended, commands were held back."""
+"""Inputs that no person causes: the run ended, commands were held back."""
 
 _FIELDS: dict[object, dict[str, type]] = {
     "entered": {"state": str},
@@ -195,12 +195,12 @@ class Recording:
 
     @property
     def caveat(self) -> str:
-        """A sentence: why what is repeated may not be what was recorded; empty if it must be."""
+        """Why a replay may differ from the recording, a sentence; empty if it must not."""
         if self.version > _BEFORE_ACTING_AT_ONCE:
             return ""
         return (
             "The recording was made by an earlier release, in which a state did not act in the tick of its "
-            "entry, so a replay may differ for this reason alone. What was recorded is in "
+            "entry, so a replay may differ even if the program is the same. What was recorded is in "
             "`read_recording(FILE).followed`."
         )
 

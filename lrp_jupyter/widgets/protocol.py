@@ -170,10 +170,10 @@ class ValueView(TypedDict):
 
 
 class OutdatedView(TypedDict):
-    """A variable was computed from one that has been assigned by hand since.
+    """What a variable was computed from has been assigned by hand since.
 
-    `computed`: from which one and when, a sentence.
-    `initial`: the expression that computes it anew; empty if its initialiser is none.
+    `computed`: from which variable and when, a sentence.
+    `initial`: the expression that recomputes it; empty if its initialiser is not an expression.
     """
 
     computed: str

@@ -72,7 +72,7 @@ def running() -> Iterator[PageConnection]:
 
 
 def connection_of(session: Session) -> PageConnection:
-    """Return the connection of a session; one that was created elsewhere is shown under a name of its own."""
+    """Return the connection of a session; one that was created elsewhere gets a unique name."""
     for connection in running():
         if connection.session is session:
             return connection

@@ -458,7 +458,7 @@ def _value_view(text: str, number: float | None) -> ValueView:
 
 
 def _outdated_view(outdated: Outdated) -> OutdatedView:
-    """Return what a variable was computed from, and how it is computed anew."""
+    """Return what a variable was computed from, and the expression that recomputes it."""
     computed = f"Computed from `{outdated.source[-1]}` at {outdated.computed:.1f} s."
     return {"computed": computed, "initial": outdated.initial}
 

@@ -216,7 +216,7 @@ def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(sess
     assert loop.interpreter.tick == pytest.approx(loop.timing.now * 10, abs=1.01)
 
 
-def test_a_run_whose_commands_were_not_sent_says_once_that_nobody_has_armed_the_robot(session):
+def test_a_run_whose_commands_were_not_sent_says_once_that_the_robot_was_never_armed(session):
     def made(hardware, text="[robot.move(1)]"):
         bridge = Bare(lambda robot: robot.add_method("move", lambda linear: None), hardware=hardware)
         return session(f"(machine m (state a (running {text}))) (spawn m a)", bridge)

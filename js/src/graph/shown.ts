@@ -1,6 +1,6 @@
 /**
- * Which machine the graph shows: the one that the user chose, whatever is typed; or, if that is wanted, the one in
- * which the cursor is.
+ * Which machine the graph shows: the one that the user has chosen, wherever they type; or, with *Follow the cursor*,
+ * the one around the cursor.
  */
 
 import { type Extension, Transaction } from "@codemirror/state";
@@ -14,14 +14,14 @@ import { isDrawnIn } from "./inside";
 
 const KEPT = "follow-cursor";
 
-/** Show a machine. One that is not the active one would not be shown for long while the graph follows that. */
+/** Show a machine, and stop following the active one, which would soon replace it. */
 export function showMachine(store: Store, path: string): void {
   if (path === store.state.machine) return;
   if (store.state.follow === "active") store.set("follow", "nothing");
   store.set("machine", path);
 }
 
-/** The switch of the graph; one that was on stays so in other labs and after a reload. */
+/** The switch in the toolbar of the graph; its position is kept for other labs and after a reload. */
 export function cursorSwitch(store: Store): HTMLButtonElement {
   const follows = () => store.state.follow === "cursor";
   const element = button({

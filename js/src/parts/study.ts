@@ -28,7 +28,7 @@ export function looked(lab: Lab, what: Looked, about: string, on: boolean): void
   if (lab.store.state.settings.log) lab.tell({ what, about, on });
 }
 
-/** Record what is under the pointer, if it stays there; returns what ends that. */
+/** Record what the pointer rests on; the function that is returned ends that. */
 export function lookedAt(lab: Lab, about: string): () => void {
   let isLong = false;
   const timer = setTimeout(() => {
@@ -81,11 +81,11 @@ export function recorded(lab: Lab): HTMLElement {
     const { log } = lab.store.state.settings;
     setHidden(mark, !log);
     const what =
-      "What you do in this lab, and what you look at (cards, panels, the timeline, what the pointer rests on),";
+      "What you do and look at in this lab (cards, panels, the timeline, what the pointer rests on)";
     setAttribute(
       mark,
       "title",
-      unmarked(`${what} is written into the file \`${log}\`, where the kernel runs, and goes nowhere else.`),
+      unmarked(`${what} is recorded in the file \`${log}\` on the kernel's computer, and sent nowhere else.`),
     );
   });
   return mark;

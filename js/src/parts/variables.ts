@@ -2,9 +2,10 @@
 
 import { AFTERGLOW } from "../graph/marks";
 import { nameOf } from "../language/paths";
+import type { OutdatedView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, prose, reconcile, s, setAttribute, setText } from "../ui/dom";
+import { h, prose, reconcile, s, setAttribute, setHidden, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 
 interface Group {
@@ -82,7 +83,7 @@ class Row {
   private readonly value: HTMLButtonElement;
   private readonly spark = new Spark();
   private readonly computed = h("div", { class: "lrp-variable-computed", hidden: true });
-  private said = "\n";
+  private outdated: OutdatedView | undefined;
   private text: string | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
@@ -140,25 +141,26 @@ class Row {
     this.value.disabled = text === undefined;
   }
 
-  /** Say what it was computed from if that was assigned since, and offer to compute it anew. */
+  /** Say what the value was computed from if that has been assigned since, and offer to recompute it. */
   private updateOutdated(): void {
-    const { computed, initial } = this.lab.store.state.outdated[this.path] ?? { computed: "", initial: "" };
-    const said = `${computed}\n${initial}`;
-    if (said === this.said) return;
-    this.said = said;
-    const anew = h(
+    const outdated = this.lab.store.state.outdated[this.path];
+    if (outdated === this.outdated) return;
+    this.outdated = outdated;
+    setHidden(this.computed, !outdated);
+    if (!outdated) return;
+    const { computed, initial } = outdated;
+    const again = h(
       "button",
       {
         type: "button",
         class: "lrp-link",
         "data-lrp-action": "compute",
-        title: `Assign ${initial} as it is now`,
+        title: `Assign the present value of ${initial}`,
         onclick: () => void this.lab.act({ do: "set_variable", path: this.path, expression: initial }, true),
       },
-      "Compute anew",
+      "Recompute",
     );
-    this.computed.replaceChildren(...prose(computed), " ", ...(initial ? [anew] : []));
-    this.computed.hidden = !computed;
+    this.computed.replaceChildren(...prose(computed), " ", ...(initial ? [again] : []));
   }
 
   private glow(): void {

@@ -37,12 +37,12 @@ export interface LabState extends ViewState {
   inspected: { kind: ElementKind; path: string } | null;
   /** Zoom and pan of each machine that was shown. */
   cameras: Record<string, Camera>;
-  /** Which machine is shown by itself: that of the innermost active state, that of the cursor, or none. */
+  /** Which machine is shown automatically: the one with the innermost active state, the one around the cursor, or none. */
   follow: "active" | "cursor" | "nothing";
   whatIf: WhatIfView | null;
 }
 
-/** What is shown of the run by itself. */
+/** The parts of the run that are shown unasked. */
 type Run = Pick<ViewState, "active" | "lit" | "entered" | "fired" | "variables" | "events">;
 
 const NOTHING: Run = { active: [], lit: [], entered: {}, fired: {}, variables: {}, events: {} };
@@ -52,7 +52,7 @@ export function inGraph(state: LabState): Run {
   return state.settings.graph === "live" ? state : NOTHING;
 }
 
-/** The run as everything else shows it by itself: in a quiet lab, nothing. */
+/** The run as all other parts show it unasked: in a quiet lab, nothing. */
 export function besideGraph(state: LabState): Run {
   return state.settings.quiet ? NOTHING : state;
 }

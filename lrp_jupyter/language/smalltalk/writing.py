@@ -167,7 +167,7 @@ class _Translation:
     # Expressions
 
     def write(self, node: Node, is_tested: bool = False) -> _Written:
-        """Return an expression; `is_tested`: its value is a truth, whatever it is."""
+        """Return an expression; `is_tested`: it is used as a condition."""
         if isinstance(node, SmalltalkName):
             return _Written(node.text, _ATOM)
         if isinstance(node, Literal):
@@ -259,8 +259,8 @@ class _Translation:
     def _operation(self, node: Operation, is_tested: bool) -> _Written:
         """Return operands with their operators, from left to right, as Smalltalk computes.
 
-        `robot light data > lightlim + 10` would then add 10 to a truth, which no Smalltalk can do: where the
-        order from left to right is nonsense, its author meant that of mathematics, which is Python's.
+        `robot light data > lightlim + 10` would then add 10 to a truth value. Where the order from left to
+        right makes no sense, the author must have meant that of mathematics, which is Python's.
         """
         operands = [self.write(each) for each in node.operands]
         if _is_sensible(operands, node.operators):

@@ -142,7 +142,7 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
 
 
 def _last_enabled(case: Case, run: RecordedRun, first: int) -> tuple[int, str] | None:
-    """Return the last tick, from `first` on, in which it was enabled as its state was entered; and that.
+    """Return the last tick, from `first` on, in which it was enabled on entry of its state, and that state.
 
     Its condition was tested then, with values that no tick has begun or ended with.
     """
