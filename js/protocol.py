@@ -2,8 +2,9 @@
 
 Reads the sources without importing them, so it needs nothing but Python. Everything is written that
 `FromPage` and `FromKernel` lead to: TypedDicts and dataclasses as interfaces (with the fields that they
-inherit, and the ``type`` and ``do`` of a page's message), aliases as types, each with the first line of its
-docstring. Also written is `EMPTY_VIEW_STATE`, what a view knows before it is sent anything.
+inherit, and the ``type`` of a page's message), functions that a page calls as interfaces (with the ``type``
+or ``do``, and their parameters), aliases as types, each with the first line of its docstring. Also written
+is `EMPTY_VIEW_STATE`, what a view knows before it is sent anything.
 """
 
 from __future__ import annotations
@@ -47,7 +48,9 @@ export type Changes<T> = { [K in keyof T]?: Changed<T[K]> };
 SIMPLE = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "None": "null"}
 ZERO = {"str": '""', "int": "0", "float": "0", "bool": "false"}
 
-Definition = ast.ClassDef | ast.Assign
+DECORATORS = {"act": "do", "world_act": "do", "question": "type"}
+
+Definition = ast.ClassDef | ast.FunctionDef | ast.Assign
 
 
 @cache
@@ -60,9 +63,29 @@ def definitions(module: str) -> dict[str, ast.stmt]:
         match node:
             case ast.ClassDef(name=name) | ast.Assign(targets=[ast.Name(id=name)]):
                 found[name] = node
+            case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id=decorator))]) if (
+                tag := DECORATORS.get(decorator)
+            ):
+                found[message_name(node, tag)] = node
             case ast.ImportFrom(module=str(source), names=names) if source.startswith("lrp_jupyter"):
                 found |= {alias.name: node for alias in names}
     return found
+
+
+def message_name(function: ast.FunctionDef, tag: str) -> str:
+    """Return the name of the message that calls a function."""
+    words = function.name.rstrip("_").title().replace("_", "")
+    return words + ("Command" if tag == "do" else "Request")
+
+
+def tag_of(node: ast.stmt) -> str:
+    """Return what names a message of the page: ``type`` or ``do``; empty for anything else."""
+    match node:
+        case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id=decorator))]):
+            return DECORATORS[decorator]
+        case ast.ClassDef(keywords=[ast.keyword(arg="type")]) if node.name != "AskedMessage":
+            return "type"
+    return ""
 
 
 def find(module: str, name: str) -> tuple[str, Definition]:
@@ -70,7 +93,7 @@ def find(module: str, name: str) -> tuple[str, Definition]:
     node = definitions(module).get(name)
     if isinstance(node, ast.ImportFrom):
         return find(str(node.module), name)
-    if not isinstance(node, (ast.ClassDef, ast.Assign)):
+    if not isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.Assign)):
         raise LookupError(f"{module} has no {name}")
     return module, node
 
@@ -91,9 +114,9 @@ class Writer:
             where, node = find(module, name)
             self.written.pop(name)
             self.written[name] = (
-                self.interface(where, node)
-                if isinstance(node, ast.ClassDef)
-                else self.alias(where, name, node)
+                self.alias(where, name, node)
+                if isinstance(node, ast.Assign)
+                else self.interface(where, name, node)
             )
         return name
 
@@ -102,18 +125,20 @@ class Writer:
         self.zeros[name] = self.zero(module, node.value)
         return f"export type {name} = {self.type(module, node.value)};\n"
 
-    def interface(self, module: str, node: ast.ClassDef) -> str:
-        """Write a TypedDict or dataclass with all of its fields."""
-        fields = self.fields(module, node)
-        self.zeros[node.name] = "{ " + ", ".join(f"{f}: {zero}" for f, (_, zero) in fields.items()) + " }"
+    def interface(self, module: str, name: str, node: ast.ClassDef | ast.FunctionDef) -> str:
+        """Write a TypedDict or dataclass with all of its fields, or a function with its parameters."""
+        is_class = isinstance(node, ast.ClassDef)
+        fields = self.fields(module, node) if is_class else self.parameters(module, node)
+        self.zeros[name] = "{ " + ", ".join(f"{f}: {zero}" for f, (_, zero) in fields.items()) + " }"
         (first, *_) = (ast.get_docstring(node) or "").split("\n\n")
-        base = next((b.id for b in node.bases if isinstance(b, ast.Name) and b.id == "ViewState"), None)
+        bases = [b.id for b in node.bases if isinstance(b, ast.Name)] if is_class else []
+        base = next((each for each in bases if each == "ViewState"), None)
         inherits = f" extends Changes<{self.reference(module, base)}>" if base else ""
         lines = [f"  {field}: {type_};" for field, (type_, _) in fields.items()]
         return "\n".join(
             [
                 f"/** {' '.join(first.split())} */",
-                f"export interface {node.name}{inherits} {{",
+                f"export interface {name}{inherits} {{",
                 *lines,
                 "}",
                 "",
@@ -142,6 +167,21 @@ class Writer:
                     annotation = annotation.slice
                 key = f"{name}?" if optional else name
                 found[key] = self.type(module, annotation), self.zero(module, annotation)
+        return found
+
+    def parameters(self, module: str, node: ast.FunctionDef) -> dict[str, tuple[str, str]]:
+        """Return type and empty value of what a page passes to a function, and of what names it."""
+        found = self.fields(*self.class_of(f"{WIDGETS}.messages", "PageMessage"))
+        tag, name = tag_of(node), f'"{node.name.rstrip("_")}"'
+        if tag == "do":
+            found["type"] = '"command"', ""
+        found |= {"id": ("number", "0"), tag: (name, "")}
+        own = node.args.args[1:]  # without the open program
+        required = len(own) - len(node.args.defaults)
+        for place, each in enumerate(own):
+            assert each.annotation is not None
+            key = each.arg if place < required else f"{each.arg}?"
+            found[key] = self.type(module, each.annotation), self.zero(module, each.annotation)
         return found
 
     def class_of(self, module: str, name: str) -> tuple[str, ast.ClassDef]:
@@ -197,9 +237,8 @@ def generate() -> str:
     unions: dict[str, list[str]] = {"FromPage": [], "Command": []}
     for module in MESSAGES:
         for name, node in definitions(module).items():
-            tags = {tag.arg for tag in node.keywords} if isinstance(node, ast.ClassDef) else set()
-            if tags & {"type", "do"} and name != "PageCommand":
-                unions["Command" if "do" in tags else "FromPage"].append(writer.reference(module, name))
+            if tag := tag_of(node):
+                unions["Command" if tag == "do" else "FromPage"].append(writer.reference(module, name))
     unions["FromPage"].append("Command")
     writer.reference(f"{WIDGETS}.protocol", "FromKernel")
     parts = [HEAD, *(text for text in writer.written.values() if text)]

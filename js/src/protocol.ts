@@ -288,7 +288,7 @@ export interface PanelCommand {
   do: "panel";
   key: string;
   row?: string;
-  values?: Record<string, string>;
+  values?: Record<string, string> | null;
 }
 
 /** Switch holding of edits on or off; a held text is applied when it is switched off. */
@@ -734,7 +734,7 @@ export interface TimelineRequest {
   type: "timeline";
   epoch: number;
   tick: number;
-  plots?: Record<string, number>;
+  plots?: Record<string, number> | null;
 }
 
 /** Show an earlier moment, by its tick or its time in seconds; without both, show the present again. */

@@ -323,7 +323,6 @@ class Call(Command):
 
     misuse: ClassVar[tuple[type[BaseException], ...]] = (BaseException,)  # it runs code of the caller
     function: Callable[[], Any]
-    name: str = "call"
 
     def apply(self, loop: Loop) -> Any:
         """See :class:`Command`."""

@@ -1,23 +1,22 @@
-"""The commands of a page: one class for each act, with its own fields.
+"""What a page can do to a program, its text, its robot and its graph.
 
-`apply` runs on the thread that delivers messages. It queues a command of the session and returns its future,
-does at once what any thread may do, or hands to the worker what has to wait.
+An act runs on the thread that delivers messages. It queues a command of the session and returns its future,
+does at once what any thread may do, or hands to the worker what has to wait. Then the views are updated.
 """
 
 from __future__ import annotations
 
 import math
-from abc import ABC
 from concurrent.futures import Future
-from dataclasses import dataclass, field
 from functools import partial
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.safety import OF_COMMANDS
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
+from lrp_jupyter.live.codec import Between
+from lrp_jupyter.widgets.messages import OpenProgram, act
 from lrp_jupyter.widgets.places import path_of
 from lrp_jupyter.widgets.protocol import GraphMode, OnActiveEdit
 
@@ -26,266 +25,166 @@ Ticks = Annotated[int, Between(1, 10_000)]
 PastTicks = Annotated[int, Between(1, 1_000_000)]
 Positive = Annotated[float, Between(0, 1e6)]
 
-
-class InterruptingCommand(PageCommand, ABC):
-    """Base class of commands that are applied between two ticks, if need be by interrupting a block."""
-
-    patience: ClassVar[float] = 5.0  # longer than it takes to interrupt a block that does not return
-
-
-class ConnectingCommand(PageCommand, ABC):
-    """Base class of commands that may have to connect to a robot."""
-
-    patience: ClassVar[float] = 20.0
+INTERRUPTING = 5.0
+"""Wall seconds: longer than it takes to interrupt a block that does not return."""
+CONNECTING = 20.0
+"""Wall seconds in which a robot, or its guard, is reached."""
 
 
 # -- control -----------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class RunCommand(ConnectingCommand, do="run"):
+@act(CONNECTING)
+def run(opened: OpenProgram) -> Applied:
     """Start or resume the program; after a stop, or if the session itself failed, from the beginning."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        session = opened.session
-        if session.status in ("ready", "stopped", "broken"):
-            return opened.work(session.start)
-        return session.ask(do.Resume())
+    session = opened.session
+    if session.status in ("ready", "stopped", "broken"):
+        return opened.work(session.start)
+    return session.ask(do.Resume())
 
 
-@dataclass(frozen=True)
-class PauseCommand(InterruptingCommand, do="pause"):
+@act(INTERRUPTING)
+def pause(opened: OpenProgram) -> Applied:
     """Pause the program."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.Pause())
+    return opened.session.ask(do.Pause())
 
 
-@dataclass(frozen=True)
-class StepCommand(InterruptingCommand, do="step"):
+@act(INTERRUPTING)
+def step(opened: OpenProgram, value: Ticks = 1) -> Applied:
     """Run this number of ticks."""
-
-    value: Ticks = 1
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        if not opened.session.bridge.is_open:
-            return opened.work(opened.session.step)
-        *_, last = [opened.session.ask(do.Step()) for _ in range(self.value)]
-        return last
+    if not opened.session.bridge.is_open:
+        return opened.work(opened.session.step)
+    *_, last = [opened.session.ask(do.Step()) for _ in range(value)]
+    return last
 
 
-@dataclass(frozen=True)
-class StepBackCommand(InterruptingCommand, do="step_back"):
+@act(INTERRUPTING)
+def step_back(opened: OpenProgram, value: PastTicks = 1) -> Applied:
     """Step back by this number of ticks."""
-
-    value: PastTicks = 1
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.work(partial(opened.session.rewind, self.value))
+    return opened.work(partial(opened.session.rewind, value))
 
 
-@dataclass(frozen=True)
-class ResetCommand(InterruptingCommand, do="reset"):
+@act(INTERRUPTING, is_present=True)
+def reset(opened: OpenProgram) -> Applied:
     """Start the program from scratch."""
-
-    is_present: ClassVar[bool] = True
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        session = opened.session
-        if session.status == "broken":
-            return opened.work(session.reset)
-        return session.ask(do.Reset())
+    session = opened.session
+    if session.status == "broken":
+        return opened.work(session.reset)
+    return session.ask(do.Reset())
 
 
-@dataclass(frozen=True)
-class StopCommand(PageCommand, do="stop"):
+@act()
+def stop(opened: OpenProgram) -> None:
     """Stop the robot now, whatever the program does, then pause; never waits for a tick."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.session.stop_robot()
-        return None
+    opened.session.stop_robot()
 
 
-@dataclass(frozen=True)
-class InterruptCommand(PageCommand, do="interrupt"):
+@act()
+def interrupt(opened: OpenProgram) -> None:
     """Interrupt the block that does not return."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        if not opened.session.interrupt():
-            raise LRPError("No block is running now, so there is nothing to interrupt.")
-        return None
+    if not opened.session.interrupt():
+        raise LRPError("No block is running now, so there is nothing to interrupt.")
 
 
-@dataclass(frozen=True)
-class RateCommand(PageCommand, do="rate"):
+@act()
+def rate(opened: OpenProgram, value: Positive) -> Applied:
     """Set the ticks per second; 0 is as many as possible."""
-
-    value: Positive
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.SetRate(self.value))
+    return opened.session.ask(do.SetRate(value))
 
 
-@dataclass(frozen=True)
-class SpeedCommand(PageCommand, do="speed"):
+@act()
+def speed(opened: OpenProgram, value: Positive) -> Applied:
     """Set the simulated seconds per second; 0 is as many as possible."""
-
-    value: Positive
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.SetSpeed(self.value or math.inf))
+    return opened.session.ask(do.SetSpeed(value or math.inf))
 
 
-@dataclass(frozen=True)
-class ArmedCommand(PageCommand, do="armed"):
+@act(CONNECTING)
+def armed(opened: OpenProgram, on: bool) -> Applied:
     """Arm or disarm the robot."""
-
-    on: bool
-    patience: ClassVar[float] = 20.0  # the guard of the robot has to reach it
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        bridge = opened.session.bridge
-        if self.on:
-            return opened.work(bridge.arm)
-        bridge.disarm()
-        return None
+    bridge = opened.session.bridge
+    if on:
+        return opened.work(bridge.arm)
+    bridge.disarm()
+    return None
 
 
-@dataclass(frozen=True)
-class BridgeCommand(ConnectingCommand, do="bridge"):
+@act(CONNECTING)
+def bridge(opened: OpenProgram, name: str) -> Applied:
     """Continue with another bridge: a new session of the same program."""
-
-    name: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.work(partial(opened.change_bridge, self.name))
+    return opened.work(partial(opened.change_bridge, name))
 
 
-@dataclass(frozen=True)
-class PanelCommand(ConnectingCommand, do="panel"):
+@act(CONNECTING)
+def panel(opened: OpenProgram, key: str, row: str = "", values: dict[str, str] | None = None) -> Applied:
     """Press a button of the bridge's panel, or answer its question.
 
     `row` is the key of the row of a table that holds the button, `values` are those of all fields.
     """
-
-    key: str
-    row: str = ""
-    values: dict[str, str] = field(default_factory=dict)
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        key, values, session = self.key, self.values, opened.session
-        bridge = session.bridge
-        if key == "stop":
-            session.stop_robot()
-            return None
-        panel = bridge.panel()
-        if panel is not None and any(question.key == key for question in panel.questions):
-            return session.ask(do.Call(partial(bridge.answer, key, values.get(key, "")), "answer"))
-        return session.ask(do.Call(partial(bridge.press, key, self.row, values), "press"))
+    session, bridge, values = opened.session, opened.session.bridge, values or {}
+    if key == "stop":
+        session.stop_robot()
+        return None
+    panel = bridge.panel()
+    if panel is not None and any(question.key == key for question in panel.questions):
+        return session.ask(do.Call(partial(bridge.answer, key, values.get(key, ""))))
+    return session.ask(do.Call(partial(bridge.press, key, row, values)))
 
 
 # -- text --------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class HoldCommand(PageCommand, do="hold"):
+@act()
+def hold(opened: OpenProgram, on: bool) -> None:
     """Switch holding of edits on or off; a held text is applied when it is switched off."""
-
-    on: bool
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.study.switch(edits="hold" if self.on else "live")
-        opened.wake()
-        return None
+    opened.study.switch(edits="hold" if on else "live")
 
 
-@dataclass(frozen=True)
-class GraphCommand(PageCommand, do="graph"):
+@act()
+def graph(opened: OpenProgram, mode: GraphMode) -> None:
     """Set when the state graph is redrawn, and whether it is shown."""
-
-    mode: GraphMode
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.study.switch(graph=self.mode)
-        opened.wake()
-        return None
+    opened.study.switch(graph=mode)
 
 
-@dataclass(frozen=True)
-class ApplyCommand(PageCommand, do="apply"):
+@act()
+def apply(opened: OpenProgram) -> None:
     """Apply the held text."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.apply()
-        return None
+    opened.texts.apply()
 
 
-@dataclass(frozen=True)
-class RevertCommand(PageCommand, do="revert"):
+@act()
+def revert(opened: OpenProgram) -> None:
     """Return to the text of the running program."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.write(opened.session.program.text)
-        return None
+    opened.texts.write(opened.session.program.text)
 
 
-@dataclass(frozen=True)
-class LoadCommand(PageCommand, do="load"):
+@act()
+def load(opened: OpenProgram, name: str) -> None:
     """Replace the text and the name by those of a bundled program."""
-
-    name: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.load(self.name, programs.load(self.name))
-        return None
+    opened.load(name, programs.load(name))
 
 
-@dataclass(frozen=True)
-class TakeCommand(PageCommand, do="take"):
+@act()
+def take(opened: OpenProgram, number: int | None = None) -> None:
     """End a conflict with its text. Without a number, the present one."""
-
-    number: int | None = None
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.end_conflict(self.number, use=True)
-        opened.wake()
-        return None
+    opened.texts.end_conflict(number, use=True)
 
 
-@dataclass(frozen=True)
-class KeepCommand(PageCommand, do="keep"):
+@act()
+def keep(opened: OpenProgram, number: int | None = None) -> None:
     """End a conflict with the present text. Without a number, the present one."""
-
-    number: int | None = None
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.end_conflict(self.number, use=False)
-        opened.wake()
-        return None
+    opened.texts.end_conflict(number, use=False)
 
 
-@dataclass(frozen=True)
-class RecoverCommand(PageCommand, do="recover"):
+@act(is_noted=False)  # the page sends it by itself
+def recover(opened: OpenProgram, text: str) -> None:
     """Ask about a text that was typed in a view whose kernel had ended."""
-
-    is_automatic: ClassVar[bool] = True
-
-    text: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.recover(self.text)
-        opened.wake()
-        return None
+    opened.texts.recover(text)
 
 
-@dataclass(frozen=True)
-class VersionCommand(PageCommand, do="version"):
+@act()
+def version(opened: OpenProgram, key: str) -> Applied:
     """Return to an earlier text."""
-
-    key: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.work(partial(_return_to, opened, self.key))
+    return opened.work(partial(_return_to, opened, key))
 
 
 def _return_to(opened: OpenProgram, key: str) -> None:
@@ -298,151 +197,80 @@ def _return_to(opened: OpenProgram, key: str) -> None:
 # -- forcing -----------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class TransitionCommand(InterruptingCommand, do="transition"):
+@act(INTERRUPTING, is_present=True)
+def transition(opened: OpenProgram, path: str) -> Applied:
     """Go to a state as if a transition led there."""
-
-    is_present: ClassVar[bool] = True
-
-    path: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.Force(path_of("state", self.path)))
+    return opened.session.ask(do.Force(path_of("state", path)))
 
 
-@dataclass(frozen=True)
-class TeleportCommand(InterruptingCommand, do="teleport"):
+@act(INTERRUPTING, is_present=True)
+def teleport(opened: OpenProgram, path: str) -> Applied:
     """Make a state active without running any action."""
-
-    is_present: ClassVar[bool] = True
-
-    path: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.Force(path_of("state", self.path), teleport=True))
+    return opened.session.ask(do.Force(path_of("state", path), teleport=True))
 
 
-@dataclass(frozen=True)
-class FireCommand(InterruptingCommand, do="fire"):
+@act(INTERRUPTING, is_present=True)
+def fire(opened: OpenProgram, path: str) -> Applied:
     """Fire a transition now: its source must be active."""
-
-    is_present: ClassVar[bool] = True
-
-    path: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.Fire(path_of("transition", self.path)))
+    return opened.session.ask(do.Fire(path_of("transition", path)))
 
 
-@dataclass(frozen=True)
-class SetVariableCommand(PageCommand, do="set_variable"):
+@act(is_present=True)
+def set_variable(opened: OpenProgram, path: str, expression: str) -> Applied:
     """Assign the value of an expression."""
-
-    is_present: ClassVar[bool] = True
-
-    path: str
-    expression: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.SetVariable(path_of("variable", self.path), self.expression))
+    return opened.session.ask(do.SetVariable(path_of("variable", path), expression))
 
 
 # -- policies and issues -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class OnActiveEditCommand(PageCommand, do="on_active_edit"):
+@act()
+def on_active_edit(opened: OpenProgram, name: OnActiveEdit) -> Applied:
     """Set whether an edit of the active state restarts the program."""
-
-    name: OnActiveEdit
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return _set(opened, do.SetPolicy("on_active_edit", self.name))
+    return opened.session.ask(do.SetPolicy("on_active_edit", name))
 
 
-@dataclass(frozen=True)
-class PauseOnIssueCommand(PageCommand, do="pause_on_issue"):
+@act()
+def pause_on_issue(opened: OpenProgram, on: bool) -> Applied:
     """Set whether an issue pauses the program, whenever it occurs."""
-
-    on: bool
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        return _set(opened, do.SetPolicy("on_issue", "pause" if self.on else "record"))
+    return opened.session.ask(do.SetPolicy("on_issue", "pause" if on else "record"))
 
 
-def _set(opened: OpenProgram, policy: do.SetPolicy) -> Applied:
-    answer = opened.session.ask(policy)
-    answer.add_done_callback(lambda _: opened.wake())
-    return answer
-
-
-@dataclass(frozen=True)
-class ClearIssuesCommand(PageCommand, do="clear_issues"):
+@act()
+def clear_issues(opened: OpenProgram) -> Applied:
     """Clear the issues of the run."""
+    session = opened.session
 
-    def apply(self, opened: OpenProgram) -> Applied:
-        session = opened.session
+    def clear() -> None:
+        session.interpreter.issues.clear()
+        session.bridge.safety.forget_notices(*OF_COMMANDS)
 
-        def clear() -> None:
-            session.interpreter.issues.clear()
-            session.bridge.safety.forget_notices(*OF_COMMANDS)
-
-        return session.ask(do.Call(clear))
+    return session.ask(do.Call(clear))
 
 
 # -- the graph ---------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class PinCommand(PageCommand, do="pin"):
+@act()
+def pin(opened: OpenProgram, path: str, name: str, x: float, y: float) -> None:
     """Pin a node of a machine's graph to the place where it was dragged, in px."""
-
-    path: str
-    name: str
-    x: float
-    y: float
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.layouts.pin(self.path, self.name, self.x, self.y)
-        opened.wake()
-        return None
+    opened.layouts.pin(path, name, x, y)
 
 
-@dataclass(frozen=True)
-class FitCommand(PageCommand, do="fit"):
+@act(is_noted=False)  # the page sends it by itself
+def fit(opened: OpenProgram, width: float, height: float) -> None:
     """Choose places for new states so that the graph fits into a panel of this size, in px."""
-
-    is_automatic: ClassVar[bool] = True
-
-    width: float
-    height: float
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        if self.width > 0 and self.height > 0:
-            opened.layouts.fit((self.width, self.height))
-            opened.wake()
-        return None
+    if width > 0 and height > 0:
+        opened.layouts.fit((width, height))
 
 
-@dataclass(frozen=True)
-class NestCommand(PageCommand, do="nest"):
+@act()
+def nest(opened: OpenProgram, on: bool) -> None:
     """Draw nested machines inside their states, or each machine by itself."""
-
-    on: bool
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.layouts.nest(self.on)
-        opened.wake()
-        return None
+    opened.layouts.nest(on)
 
 
-@dataclass(frozen=True)
-class ArrangeCommand(PageCommand, do="arrange"):
+@act()
+def arrange(opened: OpenProgram, path: str) -> None:
     """Lay out a machine as if for the first time."""
-
-    path: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.layouts.arrange(self.path)
-        opened.wake()
-        return None
+    opened.layouts.arrange(path)

@@ -24,6 +24,7 @@ from typing import Any
 
 from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.codec import DecodeError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import breakpoint_commands as breakpoint_commands
 from lrp_jupyter.widgets import commands as commands  # as the other seven: messages that `decode` knows
@@ -39,15 +40,13 @@ from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.messages import (
+    AskedMessage,
     ByeMessage,
     CursorMessage,
     HelloMessage,
     LookedMessage,
-    MessageError,
-    PageCommand,
-    PageRequest,
     TextMessage,
-    decode,
+    decode_message,
 )
 from lrp_jupyter.widgets.places import path_of
 from lrp_jupyter.widgets.protocol import ViewState
@@ -119,24 +118,15 @@ class PageConnection:
         `waits`: whether it would have waited for a cell that runs.
         """
         try:
-            message = decode(content)
+            message = decode_message(content)
             if self._publisher.hear(message.view, message.frame, waits):
                 self.session.seen()
             if isinstance(message, HelloMessage):
                 known = message.revision if message.document == self.texts.document.name else None
                 self._publisher.welcome(message.view, message.part, send, known, message.seq)
                 self.start()
-            elif isinstance(message, PageCommand):  # also of a view that was forgotten: stop means stop
-                if not message.is_automatic:
-                    self.session.looked(*message.look)
-                if message.is_present:
-                    self.looking.back(self.session)
-                self._reply(
-                    message, partial(message.apply, self), message.patience, describes=message.changes_world
-                )
-            elif isinstance(message, PageRequest):
-                answer = partial(self.work, partial(message.answer, self))
-                self._reply(message, answer, message.patience, fields_of=dict)
+            elif isinstance(message, AskedMessage):  # also of a view that was forgotten: stop means stop
+                self._do(message)
             elif not self._publisher.knows(message.view):
                 return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
@@ -149,7 +139,7 @@ class PageConnection:
                 self.texts.move_cursor(
                     message.view, message.seq, message.revision, message.selection, message.meant
                 )
-        except MessageError as error:
+        except DecodeError as error:
             self._refuse(content, error)
         except Exception:
             self.report(traceback.format_exc())
@@ -168,7 +158,7 @@ class PageConnection:
         except ValueError:
             self._publisher.begin_again(message.view)
 
-    def _refuse(self, content: object, error: MessageError) -> None:
+    def _refuse(self, content: object, error: DecodeError) -> None:
         """Reply to a message that cannot be decoded; one that expects no reply is a fault of the page."""
         view, id_ = (content.get("view"), content.get("id")) if isinstance(content, dict) else ("", 0)
         if isinstance(view, str) and isinstance(id_, int) and id_ > 0:
@@ -178,22 +168,26 @@ class PageConnection:
         else:
             self.report(f"A message from the page was refused. {error}")
 
-    def _reply(
-        self,
-        message: PageCommand | PageRequest,
-        begin: Callable[[], Future[Any] | None],
-        patience: float,
-        fields_of: Callable[[Any], Mapping[str, Any]] = lambda _: {},
-        describes: bool = False,
-    ) -> None:
-        """Start a command or request; reply when its future is done, or at once if it cannot start."""
-        answer = _done(begin)
+    def _do(self, asked: AskedMessage) -> None:
+        """Do or answer what a page asks for; reply when that is done, or at once if it cannot begin."""
+        handler = asked.handler
+        if handler.is_noted:
+            self.session.looked("command", handler.name)
+        if handler.is_present:
+            self.looking.back(self.session)
+        job = partial(handler.function, self, **asked.given)
+        answer = _done(partial(self.work, job) if handler.is_question else job)
         if answer.exception() is None and answer.result() is not None:
             answer = answer.result()
-        if message.id:
-            deadline = self._clock() + patience
-            reply = PendingReply(message.view, message.id, answer, deadline, fields_of, describes)
-            self._publisher.reply_later(reply)
+        if asked.id:
+            deadline = self._clock() + handler.patience
+            self._publisher.reply_later(
+                PendingReply(
+                    asked.view, asked.id, answer, deadline, handler.is_question, handler.changes_world
+                )
+            )
+        else:
+            answer.add_done_callback(lambda _: self.wake())
 
     def change_bridge(self, bridge: str, **options: Any) -> None:
         """Continue with another bridge: the same program starts again in another session.

@@ -1,15 +1,15 @@
-"""The commands of a page about the challenge: check, show a run, give a hint, start over."""
+"""What a page can do about the challenge: check, show a run, give a hint, start over."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.live.codec import Between
 from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.goal import Goal
-from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
+from lrp_jupyter.widgets.messages import OpenProgram, act
 
 
 def _goal(opened: OpenProgram) -> Goal:
@@ -18,49 +18,26 @@ def _goal(opened: OpenProgram) -> Goal:
     return opened.goal
 
 
-@dataclass(frozen=True)
-class CheckCommand(PageCommand, do="check"):
+@act()
+def check(opened: OpenProgram) -> None:
     """Run the text in every world of the challenge, with every seed, beside the program that runs."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        """See the base class."""
-        opened.saver.save(at_once=True)  # where there are no processes, a check may not return
-        _goal(opened).check(opened.session, opened.texts.text)
-        return None
+    opened.saver.save(at_once=True)  # where there are no processes, a check may not return
+    _goal(opened).check(opened.session, opened.texts.text)
 
 
-@dataclass(frozen=True)
-class HintCommand(PageCommand, do="hint"):
+@act()
+def hint(opened: OpenProgram) -> None:
     """Show one more hint about what the check has found."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        """See the base class."""
-        _goal(opened).hint()
-        return None
+    _goal(opened).hint()
 
 
-@dataclass(frozen=True)
-class ShowAttemptCommand(PageCommand, do="show_attempt"):
+@act(30.0)
+def show_attempt(opened: OpenProgram, index: Annotated[int, Between(0, 100_000)]) -> Applied:
     """Repeat a run of the check in the lab, and look at the moment at which it failed."""
-
-    index: Annotated[int, Between(0, 100_000)]
-    patience: ClassVar[float] = 30.0
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        """See the base class."""
-        goal = _goal(opened)
-        return opened.work(partial(goal.show, opened.session, opened.looking, self.index))
+    return opened.work(partial(_goal(opened).show, opened.session, opened.looking, index))
 
 
-@dataclass(frozen=True)
-class StartOverCommand(PageCommand, do="start_over"):
+@act(is_present=True)
+def start_over(opened: OpenProgram, world: Annotated[int, Between(-1, 1_000)] = -1) -> Applied:
     """Put the robot back to the start of a world of the challenge (-1: the present one), and run."""
-
-    world: Annotated[int, Between(-1, 1_000)] = -1
-    is_present: ClassVar[bool] = True
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        """See the base class."""
-        return opened.work(
-            partial(_goal(opened).start_over, opened.session, None if self.world < 0 else self.world)
-        )
+    return opened.work(partial(_goal(opened).start_over, opened.session, None if world < 0 else world))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import inspect as inspection
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from inspect import getattr_static
 from itertools import islice
 from typing import Any
 
@@ -13,7 +12,7 @@ from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.program import Path, Program, Span, Spawn, not_found, path_text
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
+from lrp_jupyter.widgets.messages import OpenProgram, question
 from lrp_jupyter.widgets.places import id_of, path_of
 from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState
 
@@ -21,20 +20,13 @@ _MOST = 100  # facets of one object
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 
-@dataclass(frozen=True)
-class InspectRequest(PageRequest, type="inspect"):
-    """Inspect an element, or (`into`: steps of earlier facets) a part of its value. Answered by `inspect`."""
+@question()
+def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) -> Mapping[str, Any]:
+    """Inspect an element, or (`into`: steps of earlier facets) a part of its value. Answered by `inspect`.
 
-    kind: ElementKind
-    path: str
-    into: list[str]
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return the inspected object.
-
-        Raises UnknownElementError: there is no such element, or it has no value now.
-        """
-        return {"inspect": _inspect(opened, self.kind, path_of(self.kind, self.path), self.into)}
+    Raises UnknownElementError: there is no such element, or it has no value now.
+    """
+    return {"inspect": _inspect(opened, kind, path_of(kind, path), into)}
 
 
 def _inspect(opened: OpenProgram, kind: ElementKind, path: Path, into: Sequence[str]) -> InspectView:
@@ -184,7 +176,7 @@ def _inside(value: object) -> Iterator[tuple[str, str, object]]:
     for name in [*getattr(value, "__slots__", ()), *getattr(value, "__dict__", ())]:
         if isinstance(name, str) and not name.startswith("__"):
             try:
-                held = inspection.getattr_static(value, name)
+                held = getattr_static(value, name)
                 yield f".{name}", name, getattr(value, name) if not isinstance(held, property) else held
             except AttributeError:  # a slot that is empty
                 continue

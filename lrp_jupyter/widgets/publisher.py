@@ -24,7 +24,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from time import monotonic
 from typing import Any
 
@@ -192,7 +192,7 @@ class PendingReply:
 
     `view`: the view that sent it.
     `deadline`: when it is answered with the reason for the delay.
-    `fields_of`: converts the result to the reply's fields.
+    `is_question`: whether the result is the reply's fields.
     `describes`: whether a changed world is described before the reply.
     """
 
@@ -200,7 +200,7 @@ class PendingReply:
     id: int
     answer: Future[Any]
     deadline: float
-    fields_of: Callable[[Any], Mapping[str, Any]] = field(default=lambda _: {})
+    is_question: bool = False
     describes: bool = False
 
     def outcome(self) -> tuple[str | None, Mapping[str, Any]]:
@@ -209,7 +209,7 @@ class PendingReply:
             return "A newer request replaced this one.", {}
         error = self.answer.exception()
         if error is None:
-            return None, self.fields_of(self.answer.result() or {})
+            return None, self.answer.result() if self.is_question else {}
         if isinstance(error, (ValueError, OSError)) and str(error):
             return str(error), {}
         return sentence_of(error), {}

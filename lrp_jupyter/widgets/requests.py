@@ -1,4 +1,4 @@
-"""Requests of an editor: completion, hover, references, format, versions, files.
+"""The questions of an editor: completion, hover, references, format, versions, files.
 
 They are answered on the worker's thread. Live values are read between two ticks, on the interpreter's
 thread, which passes on only texts of bounded length.
@@ -11,14 +11,13 @@ import inspect
 import keyword
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
+from lrp_jupyter import codes
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.nodes import RobotMethod
-from lrp_jupyter.codes import explain
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.format import formatting
@@ -28,7 +27,7 @@ from lrp_jupyter.language.provided import builtin, degrees
 from lrp_jupyter.language.rename import references as find_references
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
+from lrp_jupyter.widgets.messages import OpenProgram, question
 from lrp_jupyter.widgets.places import edits_view, id_of, offset_of, path_of, range_of
 from lrp_jupyter.widgets.protocol import (
     ElementKind,
@@ -48,125 +47,81 @@ class _NothingError(Exception):
     """A name has no meaning here."""
 
 
-@dataclass(frozen=True)
-class CompleteRequest(PageRequest, type="complete"):
+@question()
+def complete(opened: OpenProgram, prefix: str, scope: str) -> Mapping[str, Any]:
     """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
 
     The page itself completes keywords and the program's names. Answered by `options`.
     """
-
-    prefix: str
-    scope: str
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return the completions."""
-        return {"options": _completions(opened.session, self.prefix, self.scope)}
+    return {"options": _completions(opened.session, prefix, scope)}
 
 
-@dataclass(frozen=True)
-class HoverRequest(PageRequest, type="hover"):
+@question()
+def hover(opened: OpenProgram, chain: str, scope: str) -> Mapping[str, Any]:
     """Describe a dotted name (``robot.light.data``) in a scope. Answered by `hover`."""
-
-    chain: str
-    scope: str
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return the card of the name."""
-        return {"hover": _hover(opened.session, self.chain, self.scope)}
+    return {"hover": _hover(opened.session, chain, scope)}
 
 
-@dataclass(frozen=True)
-class ReferencesRequest(PageRequest, type="references"):
+@question()
+def references(opened: OpenProgram, line: int, column: int) -> Mapping[str, Any]:
     """Find the element named at a place of the last text sent. Answered by `references`."""
-
-    line: int
-    column: int
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return the element and all places of its name."""
-        return {"references": _references(opened.texts.text, self.line, self.column)}
+    return {"references": _references(opened.texts.text, line, column)}
 
 
-@dataclass(frozen=True)
-class FormatRequest(PageRequest, type="format"):
+@question()
+def format_(opened: OpenProgram, text: str) -> Mapping[str, Any]:
     """Lay out a program's text; only white space changes. Answered by `edits` of this text."""
-
-    text: str
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return the edits."""
-        try:
-            edits = formatting(self.text)
-        except LRPSyntaxError:
-            raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
-        return {"edits": edits_view(self.text, edits)}
+    try:
+        edits = formatting(text)
+    except LRPSyntaxError:
+        raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
+    return {"edits": edits_view(text, edits)}
 
 
-@dataclass(frozen=True)
-class WhyRequest(PageRequest, type="why"):
+@question()
+def why(opened: OpenProgram, kind: ElementKind, path: str) -> Mapping[str, Any]:
     """Ask why a transition did not fire, why a state is active, or why the robot does what it does.
 
     `kind` is ``transition``, ``state`` or ``robot``, whose `path` is the name of a command, or empty for the
     command that moves it. Answered by `why`.
     """
-
-    kind: ElementKind
-    path: str
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return the reason."""
-        return {"why": _why(opened, self.kind, self.path)}
+    return {"why": _why(opened, kind, path)}
 
 
-@dataclass(frozen=True)
-class ExplainRequest(PageRequest, type="explain"):
+@question()
+def explain(opened: OpenProgram, code: str) -> Mapping[str, Any]:
     """Explain a code, such as ``LRP301``. Answered by `explanation`."""
-
-    code: str
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return what it means."""
-        code, *_ = explain(self.code)
-        explanation: ExplanationView = {
-            "code": code.code,
-            "title": code.title,
-            "explanation": code.explanation,
-            "example": code.example,
-            "script": code.script,
-            "remedy": code.remedy,
-            "repaired": code.repaired,
-            "address": code.address,
-        }
-        return {"explanation": explanation}
+    found, *_ = codes.explain(code)
+    explanation: ExplanationView = {
+        "code": found.code,
+        "title": found.title,
+        "explanation": found.explanation,
+        "example": found.example,
+        "script": found.script,
+        "remedy": found.remedy,
+        "repaired": found.repaired,
+        "address": found.address,
+    }
+    return {"explanation": explanation}
 
 
-@dataclass(frozen=True)
-class VersionsRequest(PageRequest, type="versions"):
+@question()
+def versions(opened: OpenProgram) -> Mapping[str, Any]:
     """List the earlier texts, the newest first. Answered by `versions`."""
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return the versions."""
-        return {
-            "versions": [
-                {"key": version.key, "when": version.when, "text": version.text}
-                for version in opened.saver.versions
-            ]
-        }
+    return {
+        "versions": [
+            {"key": version.key, "when": version.when, "text": version.text}
+            for version in opened.saver.versions
+        ]
+    }
 
 
-@dataclass(frozen=True)
-class SaveRequest(PageRequest, type="save"):
+@question()
+def save(opened: OpenProgram, name: str, replace: bool) -> Mapping[str, Any]:
     """Write the text to a file. Answered by `exists`: another file is there, and nothing was written."""
-
-    name: str
-    replace: bool
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return whether another file is in the way."""
-        name = self.name.strip()
-        if not name:
-            raise LRPError("Enter a name for the file.")
-        return {"exists": not opened.saver.save_as(name, self.replace)}
+    if not name.strip():
+        raise LRPError("Enter a name for the file.")
+    return {"exists": not opened.saver.save_as(name.strip(), replace)}
 
 
 # -- Python names ----------------------------------------------------------------------------------------

@@ -3,122 +3,98 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from functools import partial
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from lrp_jupyter.language.program import path_text
+from lrp_jupyter.live.codec import Between
 from lrp_jupyter.live.plots import Plot
 from lrp_jupyter.live.timeline import Happening, TimelineCursor
 from lrp_jupyter.live.what_if import Course
-from lrp_jupyter.widgets.commands import Applied, InterruptingCommand
-from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand, PageRequest
+from lrp_jupyter.widgets.commands import INTERRUPTING, Applied
+from lrp_jupyter.widgets.messages import OpenProgram, act, question
 from lrp_jupyter.widgets.places import id_of
 from lrp_jupyter.widgets.protocol import CourseView, HappeningView, PlotView, TimelineView, WhatIfView
 
 
-@dataclass(frozen=True)
-class TimelineRequest(PageRequest, type="timeline"):
+@question()
+def timeline(
+    opened: OpenProgram, epoch: int, tick: int, plots: dict[str, int] | None = None
+) -> Mapping[str, Any]:
     """Ask what happened since a tick that the page knows, in the run of this `epoch`, 0 for none.
 
     `plots` are the names to plot, such as ``robot.light.data`` or ``follower/lightlim``, each with the tick
     up to which the page has its samples. Answered by `timeline`.
     """
-
-    epoch: int
-    tick: int
-    plots: dict[str, int] = field(default_factory=dict)
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return what happened."""
-        since = TimelineCursor(self.epoch - 1, self.tick) if self.epoch else None
-        told = opened.session.timeline(since, self.plots)
-        view: TimelineView = {
-            "epoch": told.epoch + 1,
-            "first": told.first,
-            "last": told.last,
-            "begin": told.begin,
-            "end": told.end,
-            "kept": told.kept,
-            "happenings": _happening_views(told.happenings),
-            "plots": [_plot_view(plot) for plot in told.plots],
-            "names": list(told.names),
-        }
-        return {"timeline": view}
+    since = TimelineCursor(epoch - 1, tick) if epoch else None
+    told = opened.session.timeline(since, plots)
+    view: TimelineView = {
+        "epoch": told.epoch + 1,
+        "first": told.first,
+        "last": told.last,
+        "begin": told.begin,
+        "end": told.end,
+        "kept": told.kept,
+        "happenings": _happening_views(told.happenings),
+        "plots": [_plot_view(plot) for plot in told.plots],
+        "names": list(told.names),
+    }
+    return {"timeline": view}
 
 
-@dataclass(frozen=True)
-class LookCommand(PageCommand, do="look"):
+@act(is_noted=False)
+def look(opened: OpenProgram, tick: int | None = None, time: float | None = None) -> Applied:
     """Show an earlier moment, by its tick or its time in seconds; without both, show the present again."""
+    session, looking = opened.session, opened.looking
+    at: int | float | None = tick
+    if tick is not None:
+        session.looked("playhead", f"tick {tick}")
+    elif time is not None:
+        at = float(time)  # a page writes whole numbers without a point
+        session.looked("playhead", f"{time:g} s")
+    else:
+        session.looked("playhead", "now")
 
-    tick: int | None = None
-    time: float | None = None
+    def show() -> None:
+        if at is None:
+            resumed = looking.back(session)
+            if resumed is not None:
+                resumed.result()
+        else:
+            looking.look(session, at)
 
-    @property
-    def look(self) -> tuple[str, str]:
-        """See the base class."""
-        if self.tick is not None:
-            return "playhead", f"tick {self.tick}"
-        return "playhead", "now" if self.time is None else f"{self.time:g} s"
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        """See the base class."""
-        at: int | float | None = self.tick
-        if at is None and self.time is not None:
-            at = float(self.time)  # a page writes whole numbers without a point
-        session, looking = opened.session, opened.looking
-
-        def look() -> None:
-            if at is None:
-                resumed = looking.back(session)
-                if resumed is not None:
-                    resumed.result()
-            else:
-                looking.look(session, at)
-            opened.wake()
-
-        return opened.work(look)
+    return opened.work(show)
 
 
-@dataclass(frozen=True)
-class RunFromCommand(InterruptingCommand, do="run_from"):
+@act(INTERRUPTING)
+def run_from(opened: OpenProgram) -> Applied:
     """Go back to the moment looked at, and run on from there; with the edited program, if it was edited."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        """See the base class."""
-        return opened.work(partial(opened.looking.run_on, opened.session))
+    return opened.work(partial(opened.looking.run_on, opened.session))
 
 
-@dataclass(frozen=True)
-class WhatIfRequest(PageRequest, type="what_if"):
+@question(30.0)  # a long run is repeated up to that moment, and the page asks once
+def what_if(opened: OpenProgram, seconds: Annotated[float, Between(0.1, 600)]) -> Mapping[str, Any]:
     """Ask how the present program goes on from the moment looked at, or from now, for some seconds.
 
     Answered by `what_if`.
     """
-
-    patience: ClassVar[float] = 30.0  # a long run is repeated up to that moment, and the page asks once
-
-    seconds: Annotated[float, Between(0.1, 600)]
-
-    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
-        """Return both courses."""
-        session = opened.session
-        what_if = session.what_if(opened.looking.tick(session), seconds=self.seconds)
-        difference, touch = what_if.divergence, what_if.changed.touch
-        view: WhatIfView = {
-            "tick": what_if.tick,
-            "begin": what_if.begin,
-            "end": what_if.end,
-            "recorded": _course_view(what_if.recorded),
-            "changed": _course_view(what_if.changed),
-            "divergence": None
-            if difference is None
-            else {"tick": difference.tick, "time": difference.time, "text": difference.text},
-            "collision": "" if touch is None else str(touch),
-            "collision_at": None if touch is None else touch.time,
-            "open_loop": what_if.open_loop,
-        }
-        return {"what_if": view}
+    session = opened.session
+    answer = session.what_if(opened.looking.tick(session), seconds=seconds)
+    difference, touch = answer.divergence, answer.changed.touch
+    view: WhatIfView = {
+        "tick": answer.tick,
+        "begin": answer.begin,
+        "end": answer.end,
+        "recorded": _course_view(answer.recorded),
+        "changed": _course_view(answer.changed),
+        "divergence": None
+        if difference is None
+        else {"tick": difference.tick, "time": difference.time, "text": difference.text},
+        "collision": "" if touch is None else str(touch),
+        "collision_at": None if touch is None else touch.time,
+        "open_loop": answer.open_loop,
+    }
+    return {"what_if": view}
 
 
 def _happening_views(happenings: Iterable[Happening]) -> list[HappeningView]:

@@ -3,7 +3,7 @@ from hypothesis import strategies as st
 
 from lrp_jupyter.widgets import places
 from lrp_jupyter.widgets.places import offset_of, range_of
-from lrp_jupyter.widgets.requests import FormatRequest
+from lrp_jupyter.widgets.requests import format_
 
 
 @given(st.text(alphabet="ab \n\r𝄞é"), st.data())
@@ -29,7 +29,7 @@ def test_the_lines_of_a_text_are_counted_once_for_all_edits(monkeypatch):
     count = places.line_starts
     monkeypatch.setattr(places, "line_starts", lambda text: counted.append(text) or count(text))
     text = "(machine m\r\n(state a)(state b)\r\n(on  [a]  a->a))\n"
-    answer = FormatRequest(view="v", id=1, text=text).answer(None)
+    answer = format_(None, text)
     assert len(answer["edits"]) > 4
     assert answer["edits"][1] == {
         "range": {"line": 2, "column": 10, "end_line": 2, "end_column": 10},

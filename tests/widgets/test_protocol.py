@@ -3,15 +3,14 @@ import importlib.util
 import re
 import struct
 from pathlib import Path
-from typing import get_type_hints
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.widgets import protocol
-from lrp_jupyter.widgets.connection import MessageError, decode  # with all messages defined
-from lrp_jupyter.widgets.messages import PageMessage
+from lrp_jupyter.widgets.connection import DecodeError, decode_message  # with all messages defined
+from lrp_jupyter.widgets.messages import ACTS, QUESTIONS, PageMessage
 from lrp_jupyter.widgets.world_state import pack_poses
 
 WIDGETS = Path(protocol.__file__).parent
@@ -42,17 +41,19 @@ def test_the_types_of_the_page_are_those_of_the_kernel():
     assert plain((JS / "src" / "protocol.ts").read_text("utf-8")) == plain(generated)
 
 
-def test_every_class_is_explained():
-    for name in ("protocol", "messages", "commands", "requests", "inspection"):
+def test_every_message_is_explained():
+    for name in ("protocol", "messages"):
         for node in ast.parse((WIDGETS / f"{name}.py").read_text()).body:
             if isinstance(node, ast.ClassDef):
                 assert ast.get_docstring(node), node.name
+    for handler in (ACTS | QUESTIONS).values():
+        assert handler.function.__doc__, handler.name
 
 
 def test_a_message_is_decoded_with_its_types():
-    message = decode({"type": "command", "view": "v", "id": 3, "do": "stroke", "points": POINTS})
-    assert message.points == [(0.5, 0.5), (1.0, 0.5)]
-    assert (message.id, message.width, message.grey) == (3, 0.03, 0)
+    message = decode_message({"type": "command", "view": "v", "id": 3, "do": "stroke", "points": POINTS})
+    assert (message.id, message.handler.name) == (3, "stroke")
+    assert message.given == {"points": [(0.5, 0.5), (1.0, 0.5)]}
 
 
 def command(act, **fields):
@@ -110,28 +111,25 @@ def command(act, **fields):
     ],
 )
 def test_a_message_of_the_wrong_form_is_refused_in_a_sentence(content, sentence):
-    with pytest.raises(MessageError) as refusal:
-        decode(content)
+    with pytest.raises(DecodeError) as refusal:
+        decode_message(content)
     assert str(refusal.value) == sentence
 
 
 @given(
-    st.sampled_from(sorted(PageMessage.types)),
-    st.sampled_from(sorted(PageMessage.acts)),
+    st.sampled_from(sorted({**PageMessage.types, **QUESTIONS})),
+    st.sampled_from(sorted(ACTS)),
     st.dictionaries(
         st.sampled_from(
-            sorted(
-                {name for kind in PageMessage.acts.values() for name in get_type_hints(kind)}
-                | {"seq", "into"}
-            )
+            sorted({name for act in ACTS.values() for name in act.fields} | {"view", "id", "seq", "into"})
         ),
         JSON,
     ),
 )
 def test_whatever_comes_from_a_page_is_a_message_or_refused(kind, act, fields):
     try:
-        message = decode({**fields, "type": kind, "do": act})
-    except MessageError:
+        message = decode_message({**fields, "type": kind, "do": act})
+    except DecodeError:
         return
     assert isinstance(message, PageMessage)
 

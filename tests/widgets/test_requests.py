@@ -7,7 +7,7 @@ import pytest
 from support.robots import Bare
 
 from lrp_jupyter.codes import CODES
-from lrp_jupyter.widgets.requests import CompleteRequest, HoverRequest, fields_of
+from lrp_jupyter.widgets.requests import complete, fields_of, hover
 
 PROGRAM = """\
 (var table := [{"near": [1, 2], "far": math.pi}])
@@ -100,7 +100,7 @@ class Marked:
 
 def hovered(lab, chain):
     """Return the card of a name, asked for on a thread of its own, and publish nothing."""
-    return HoverRequest("page", 1, chain, "").answer(lab.connection)["hover"]
+    return hover(lab.connection, chain, "")["hover"]
 
 
 def test_hover_calls_the_code_of_a_value_only_on_the_loops_thread(bench):
@@ -114,7 +114,7 @@ def test_hover_calls_the_code_of_a_value_only_on_the_loops_thread(bench):
     assert threading.current_thread() not in marked.threads
     marked.threads.clear()
     assert fields_of(lab.session.bridge, "robot.thing") is None
-    assert CompleteRequest("page", 1, "robot.thi", "").answer(lab.connection)
+    assert complete(lab.connection, "robot.thi", "")
     assert threading.current_thread() not in marked.threads
 
 

@@ -64,7 +64,9 @@ def scene():
 def test_a_page_sees_the_program_run(scene):
     async def scenario(connection, view):
         first = await view.next("frame", lambda frame: "m/b" in frame.get("lit", []))
-        await view.next("frame", lambda frame: frame["frame"] > first["frame"] and "m/a" in frame["lit"])
+        await view.next(
+            "frame", lambda frame: frame["frame"] > first["frame"] and "m/a" in frame.get("lit", [])
+        )
 
     scene(scenario)
 
