@@ -10,53 +10,33 @@ earlier content runs the tick again.
 
 from __future__ import annotations
 
-from bisect import bisect_left
+import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from operator import attrgetter
+from operator import itemgetter
 from types import CellType
-from typing import Any
+from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET
-from lrp_jupyter.interpreter.facts import Commanded, Fact, Fired
+from lrp_jupyter.interpreter.facts import Commanded, Fact
 from lrp_jupyter.interpreter.journal import Log, SavedState, note, undo_attribute, undo_write, values_of
 from lrp_jupyter.interpreter.run import Run, undo_change, undo_fired
-from lrp_jupyter.interpreter.tree import Activation
+from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 
 _Record = tuple[Any, list[Any]]
 """A function that undoes a change, and its values; or None, and the time at which a tick ended."""
-_tick = attrgetter("tick")
+_when = itemgetter(0)
 
 
-@dataclass(frozen=True, slots=True)
-class TickFacts:
-    """What happened in a tick.
+class Dated(NamedTuple):
+    """What happened, and when: in which tick; between two ticks, that of the first one and a half."""
 
-    `tick`: the first is 1.
-    `now`: seconds.
-    `before`: what happened between the tick before and this one.
-    `facts`: what happened in it, in order.
-    `history`: whose tick it is.
-    """
-
-    tick: int
-    now: float
-    before: tuple[Fact, ...]
-    facts: tuple[Fact, ...]
-    history: History = field(repr=False, compare=False)
-
-    @property
-    def fired(self) -> list[Fired]:
-        """The transitions that fired, in order."""
-        return [fact for fact in self.facts if type(fact) is Fired]
-
-    @property
-    def written(self) -> frozenset[int]:
-        """The ids of the cells that were written in it; read from the journal, which must hold it still."""
-        return self.history.written(self.tick)
+    when: float
+    fact: Fact
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,8 +115,8 @@ class History:
         self.run = run
         self._last = 0  # the last tick that was read
         self._times: list[float] = []  # of the ticks that were read, in order
-        self._told: list[TickFacts] = []  # those of them in which something happened
-        self._epoch = run.epoch
+        self._told: list[Dated] = []  # what happened in them and since
+        self._seen = run.epoch, 0, 0  # what there was to read the last time
         self._programs: dict[object, Program] = {}
 
     @property
@@ -161,17 +141,6 @@ class History:
         known = f"ticks {first} to {last}" if first < last else f"tick {last}"
         return f"Tick {tick} is not remembered. Ask about {known}."
 
-    def facts(self, tick: int) -> TickFacts:
-        """Return what happened in a tick.
-
-        Raises KeyError: the journal does not hold this tick.
-        """
-        now = self.time(tick)
-        place = self._place(tick)
-        if place < len(self._told) and self._told[place].tick == tick:
-            return self._told[place]
-        return TickFacts(tick, now, (), (), self)
-
     def time(self, tick: int) -> float:
         """Return the time of a tick, in seconds.
 
@@ -182,100 +151,71 @@ class History:
             raise KeyError(tick)
         return self._times[tick - self._last - 1]
 
-    def told(self, first: int = 0) -> list[TickFacts]:
-        """Return what happened in the ticks from one on, in order; without those in which nothing did."""
+    def told(self, first: float = 0, last: float = math.inf) -> list[Dated]:
+        """Return what happened, in order: all that the journal holds, or from one moment to another."""
         self._read()
-        return self._told[self._place(max(first, self.ticks.start)) :]
+        begin, end = bisect_left(self._told, first, key=_when), bisect_right(self._told, last, key=_when)
+        return self._told[begin:end]
 
-    def since(self) -> tuple[Fact, ...]:
-        """Return what happened after the last tick."""
-        found: list[Fact] = []
-        for function, values in _backward(self._log):
-            if function is None:
-                break
-            if function is note or function is undo_fired:
-                found.append(values[0])
-        return tuple(reversed(found))
-
-    def written(self, tick: int) -> frozenset[int]:
-        """Return the ids of the cells that were written in a tick."""
-        number, found = self.run.ticks + 1, set()
-        for function, values in _backward(self._log):
-            if function is None:
-                number -= 1
-            if number < tick or (number == tick and function is note and type(values[0]) is Commanded):
-                break
-            if number == tick and function is undo_write:
-                found.add(id(values[1]))
-        return frozenset(found)
-
-    def _place(self, tick: int) -> int:
-        """Return how many of the ticks in which something happened were before a tick."""
-        return bisect_left(self._told, tick, key=_tick)
+    def facts(self, when: float) -> list[Fact]:
+        """Return what happened in a tick, or between two, in order."""
+        return [fact for _, fact in self.told(when, when)]
 
     def _read(self) -> None:
-        """Read the ticks that were added to the journal, and forget those that it has dropped."""
-        run, ticks = self.run, self.ticks
-        if self._epoch != run.epoch:  # it was undone, and other ticks may have the same numbers now
-            self._epoch = run.epoch
-            self._forget(ticks.start, run.kept)
-        if self._last == run.ticks:
+        """Read what was added to the journal, and forget what it has dropped."""
+        run, first = self.run, self.ticks.start
+        seen, self._seen = self._seen, (run.epoch, run.ticks, len(self._log))
+        if self._seen == seen:
             return
-        self._forget(ticks.start, self._last)
-        tick, times, told = run.ticks, list[float](), list[TickFacts]()
-        facts: list[Fact] | None = None
-        before: list[Fact] = []
-        now = 0.0
+        last = self._last
+        if run.epoch != seen[0]:  # it was undone, and other ticks may have the same numbers now
+            last = min(last, run.kept)
+        begun = self._last - len(self._times) + 1
+        del self._times[max(0, last + 1 - begun) :]
+        del self._times[: max(0, first - begun)]
+        self._last = last = last if self._times else first - 1
+        del self._told[bisect_right(self._told, last, key=_when) :]
+        del self._told[: bisect_left(self._told, first - 0.5, key=_when)]
+        tick = run.ticks + 1
+        when = tick - 0.5
+        times, told = list[float](), list[Dated]()
         for function, values in _backward(self._log):
             if function is None:
-                if facts is not None:
-                    times.append(now)
-                    if facts or before:
-                        told.append(TickFacts(tick, now, tuple(before[::-1]), tuple(facts[::-1]), self))
-                    tick -= 1
-                if tick < max(self._last + 1, ticks.start):
+                tick -= 1
+                when = tick
+                if tick == last:
                     break
-                now, facts, before = values[0], [], []
-            elif facts is not None and (function is note or function is undo_fired):
-                if before or type(values[0]) is Commanded:  # what comes before it happened before the tick
-                    before.append(values[0])
-                else:
-                    facts.append(values[0])
+                times.append(values[0])
+            elif function is note or function is undo_fired:
+                if type(values[0]) is Commanded:  # what comes before it happened before the tick
+                    when = tick - 0.5
+                told.append(Dated(when, values[0]))
         self._last = run.ticks
         self._times += reversed(times)
         self._told += reversed(told)
 
-    def _forget(self, first: int, last: int) -> None:
-        """Forget the ticks before the first and after the last one."""
-        begun = self._last - len(self._times) + 1
-        del self._times[max(0, last + 1 - begun) :]
-        del self._times[: max(0, first - begun)]
-        del self._told[self._place(last + 1) :]
-        del self._told[: self._place(first)]
-        self._last = min(self._last, last) if self._times else first - 1
+    def written(self, tick: int) -> frozenset[int]:
+        """Return the ids of the cells that were written in a tick."""
+        view = _View()
+        for when in _moments(self._log, self.run.ticks, view):
+            if when == tick:
+                view.written.clear()
+            elif when < tick:
+                break
+        return frozenset(view.written)
 
     def state(self, tick: int, *, before: bool = False) -> PastState:
         """Return the state after a tick; or `before` it, when it began.
 
         Raises ValueError: the journal does not hold this tick.
         """
-        run = self.run
         ticks = self.ticks
         if not (tick in ticks or (tick == ticks.start - 1 and not before)):
             raise ValueError(self.refusal(tick))
-        view = _View()
-        number = run.ticks + 1
-        for function, values in _backward(self._log):
-            if function is None:
-                number -= 1
-                if number == tick and not before:
-                    break
-                if number < tick:
-                    break
-                continue
-            if before and number == tick and function is note and type(values[0]) is Commanded:
-                break  # what comes before it happened before the tick began
-            view.undo(function, values)
+        view, wanted = _View(), tick - 0.5 if before else tick
+        for when in _moments(self._log, self.run.ticks, view):
+            if when == wanted:
+                break
         return self._built(view)
 
     def followed(self, paths: Iterable[Path], after: int = 0) -> Iterator[tuple[int, dict[Path, object]]]:
@@ -289,38 +229,24 @@ class History:
         view = _View()
         view.restore(run.saved_state())
         log = [] if run.journal is None else run.journal.since(first)
-        return self._followed(list(paths), view, log, range(first, run.ticks + 1))
+        return self._followed(list(paths), view, _moments(log, run.ticks, view), first)
 
     def _followed(
-        self, paths: list[Path], view: _View, log: Log, ticks: range
+        self, paths: list[Path], view: _View, moments: Iterator[float], first: int
     ) -> Iterator[tuple[int, dict[Path, object]]]:
-        number = ticks.stop - 1
-        cells: dict[Path, CellType] | None = self._cells(view, paths)
-        begun = False  # what was done since the last tick comes first
-        for function, values in _backward(log):
-            if function is None:
-                if begun:
-                    number -= 1
-                begun = True
-                if number not in ticks:
-                    return
-                if cells is None:
-                    cells = self._cells(view, paths)
-                found = {path: view.value(cell) for path, cell in cells.items()}
-                yield number, {path: value for path, value in found.items() if value is not UNSET}
+        cells: dict[Path, CellType] = {}
+        for when in moments:
+            if when < first:
+                return
+            if when != (tick := int(when)):
                 continue
-            if view.undo(function, values):
-                cells = None
-
-    def _cells(self, view: _View, paths: Iterable[Path]) -> dict[Path, CellType]:
-        """Return the cells of those variables that exist in a view."""
-        own: dict[Path, dict[str, Slot]] = {(): view.get(view.get(self.run, "globals"), "own")}
-        waiting = list(view.get(self.run, "roots"))
-        while waiting:
-            act = waiting.pop()
-            own[view.get(act, "path")] = view.get(act, "own")
-            waiting += view.get(act, "children")
-        return {path: slots[path[-1]].cell for path in paths if path[-1] in (slots := own.get(path[:-1], {}))}
+            if view.is_other:
+                view.is_other = False
+                own = {view.get(each, "path"): view.get(each, "own") for each in self._environments(view)}
+                slots = {path: own.get(path[:-1], {}).get(path[-1]) for path in paths}
+                cells = {path: slot.cell for path, slot in slots.items() if slot is not None}
+            found = {path: view.value(cell) for path, cell in cells.items()}
+            yield tick, {path: value for path, value in found.items() if value is not UNSET}
 
     def scopes_before(
         self, tick: int, machine_at: Callable[[int], Path]
@@ -332,38 +258,33 @@ class History:
 
         `machine_at`: returns the path of definition that the machine had in a tick; empty for the top level.
         """
-        view, number = _View(), self.run.ticks + 1
-        passed = True  # whether the beginning of the tick is behind
+        view = _View()
         cells: Mapping[str, CellType] | None = None
-        is_known = False  # whether `cells` are those of the moment
-        for function, values in _backward(self._log):
-            begins = function is None or (function is note and type(values[0]) is Commanded)
-            if begins and not passed:
-                passed = True
-                if number < tick:
-                    if not is_known:
-                        cells, is_known = self._visible(view, machine_at(number)), True
-                    if cells is not None:
-                        yield number, cells, view.value
-            if function is None:
-                number -= 1
-                passed = False
-            elif view.undo(function, values):
-                is_known = False
+        for when in _moments(self._log, self.run.ticks, view):
+            number = int(when + 0.5)
+            if when == number or number >= tick:
+                continue
+            if view.is_other:
+                view.is_other = False
+                cells = self._visible(view, machine_at(number))
+            if cells is not None:
+                yield number, cells, view.value
+
+    def _environments(self, view: _View) -> Iterator[Environment]:
+        """Yield the top level, then the machines that ran."""
+        yield view.get(self.run, "globals")
+        waiting = list(view.get(self.run, "roots"))
+        while waiting:
+            act = waiting.pop()
+            yield act
+            waiting += view.get(act, "children")
 
     def _visible(self, view: _View, machine: Path) -> dict[str, CellType] | None:
         """Return the variables in the scope of a machine, or of the top level; None if it did not run."""
-        scope: object = view.get(self.run, "globals") if not machine else None
-        waiting = [] if scope is not None else list(view.get(self.run, "roots"))
-        while waiting and scope is None:
-            act = waiting.pop()
-            if view.get(act, "place")[:-1] == machine:
-                scope = act
-            waiting += view.get(act, "children")
-        if scope is None:
-            return None
-        slots: dict[str, Slot] = view.get(scope, "visible")
-        return {name: slot.cell for name, slot in slots.items()}
+        for each in self._environments(view):
+            if (view.get(each, "place")[:-1] if isinstance(each, Activation) else ()) == machine:
+                return {name: slot.cell for name, slot in view.get(each, "visible").items()}
+        return None
 
     def _built(self, view: _View) -> PastState:
         run = self.run
@@ -408,6 +329,10 @@ class _View:
     def __init__(self) -> None:
         self._attributes: dict[tuple[int, str], Any] = {}
         self._cells: dict[int, object] = {}
+        self.written = set[int]()
+        """The ids of the cells whose writing was undone."""
+        self.is_other = True
+        """Whether other machines may run, or see other variables, than when this was set to False."""
 
     def get(self, part: object, name: str) -> Any:
         key = id(part), name
@@ -416,33 +341,48 @@ class _View:
     def value(self, cell: CellType) -> object:
         return self._cells[id(cell)] if id(cell) in self._cells else content(cell)
 
-    def undo(self, function: object, values: list[Any]) -> bool:
-        """Undo a change; return whether other machines may have run before it, or seen other variables."""
+    def undo(self, function: object, values: list[Any]) -> None:
         if function is undo_write:
             old, cell = values
             self._cells[id(cell)] = old
+            self.written.add(id(cell))
         elif function is undo_change or function is undo_fired:
             *_, children, entered, place, act = values
             key = id(act)
-            is_other = children is not self.get(act, "children")
+            self.is_other = self.is_other or children is not self.get(act, "children")
             self._attributes[key, "children"] = children
             self._attributes[key, "entered"] = entered
             self._attributes[key, "place"] = place
-            return is_other
         elif function is undo_attribute:
             value, name, part = values
             self._attributes[id(part), name] = value
-            return True
+            self.is_other = True
         elif function is not note:
             self.restore(values[0])
-            return True
-        return False
+            self.is_other = True
 
     def restore(self, saved: SavedState) -> None:
         for part, name, value in saved.parts():
             self._attributes[id(part), name] = value
         for cell, value in saved.cells():
             self._cells[id(cell)] = value
+
+
+def _moments(log: Log, ticks: int, view: _View) -> Iterator[float]:
+    """Undo a log, which ends after some ticks, in a view; yield each end of a tick and each beginning.
+
+    The end of a tick has its number, and its beginning half less: what was commanded before comes before it.
+    """
+    tick, has_begun = ticks + 1, True
+    for function, values in _backward(log):
+        if not has_begun and (function is None or (function is note and type(values[0]) is Commanded)):
+            has_begun = True
+            yield tick - 0.5
+        if function is None:
+            tick, has_begun = tick - 1, False
+            yield tick
+        else:
+            view.undo(function, values)
 
 
 def _backward(log: Log) -> Iterator[_Record]:

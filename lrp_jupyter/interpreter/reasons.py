@@ -6,12 +6,12 @@ it: a running program pays nothing for it. Paper: §5.1 (the order of a tick).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from lrp_jupyter.interpreter.facts import Entered, Faulted, Fired
-from lrp_jupyter.interpreter.history import History, PastMachine, PastState, TickFacts
+from lrp_jupyter.interpreter.facts import Entered, Fact, Faulted, Fired
+from lrp_jupyter.interpreter.history import PastMachine, PastState
 from lrp_jupyter.language.program import Element, Machine, Path, Program, Transition
 from lrp_jupyter.language.triggers import Delay
 
@@ -59,16 +59,7 @@ class Cause:
     entered: Fired | Entered | None = None
 
 
-def cause_of(history: History, element: Element, tick: int) -> Cause:
-    """Return why a transition fired in a tick, or did not.
-
-    `element`: the transition, by path of definition.
-    Raises ValueError: the tick is not recorded.
-    """
-    return cause_in(history.state(tick, before=True), history.facts(tick), element)
-
-
-def cause_in(state: PastState, facts: TickFacts, element: Element) -> Cause:
+def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause:
     """Return why a transition fired in a tick, or did not.
 
     `state`: that of the run when the tick began.
@@ -81,12 +72,14 @@ def cause_in(state: PastState, facts: TickFacts, element: Element) -> Cause:
     order = list(state.walk())
     machine = next((each for each in order if each.state[:-1] == element.path[:-1]), None)
     if machine is None or not noun.leaves(machine.state[-1]):
-        for fact in facts.facts:
+        for fact in facts:
             if isinstance(fact, (Fired, Entered)) and _is_source(noun, element, fact.state):
                 return Cause("just-entered", machine, entered=fact)
         return Cause("machine-not-running" if machine is None else "source-inactive", machine)
     before = [each.path for each in order[: order.index(machine)]]
-    for fired in facts.fired:
+    for fired in facts:
+        if not isinstance(fired, Fired):
+            continue
         if fired.machine == machine.path:
             if fired.transition == element:
                 return Cause("fired", machine, fired)
@@ -95,7 +88,7 @@ def cause_in(state: PastState, facts: TickFacts, element: Element) -> Cause:
         elif fired.machine in before and _is_inside(machine.path, fired.path[:-1]):
             outer = _is_inside(machine.path, fired.machine)
             return Cause("outer-fired" if outer else "exit-took-parent", machine, fired)
-    for fault in facts.facts:
+    for fault in facts:
         if isinstance(fault, Faulted) and (fault.transition, fault.machine) == (element, machine.path):
             return Cause(_OF_FAULTS.get(fault.kind, "raised"), machine, None, fault)
     return Cause("delay-not-over" if isinstance(noun.trigger, Delay) else "condition-false", machine)

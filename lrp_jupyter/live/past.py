@@ -9,7 +9,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from lrp_jupyter.interpreter.by_path import ByPath
-from lrp_jupyter.interpreter.facts import Entered, Fact, Faulted, Fired
+from lrp_jupyter.interpreter.facts import Entered, Faulted, Fired
 from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
@@ -112,19 +112,12 @@ def _counts_at(
     """Return how often states were entered and transitions fired up to a tick, and in which tick last."""
     history, names = interpreter.history, Names(interpreter.moves, tick)
     ticks: dict[str, dict[Path, list[float]]] = {"state": {}, "transition": {}}
-
-    def note(facts: Iterable[Fact], at: float) -> None:
-        for fact in facts:
-            if isinstance(fact, (Fired, Entered)):
-                ticks["state"].setdefault(names.of("state", fact.state, at), []).append(at)
-            if isinstance(fact, Fired):
-                path = names.of("transition", fact.transition.path, at)
-                ticks["transition"].setdefault(path, []).append(at)
-
-    for each in history.told():
-        note(each.before, each.tick - 0.5)
-        note(each.facts, each.tick)
-    note(history.since(), history.ticks.stop - 0.5)
+    for when, fact in history.told():
+        if isinstance(fact, (Fired, Entered)):
+            ticks["state"].setdefault(names.of("state", fact.state, when), []).append(when)
+        if isinstance(fact, Fired):
+            path = names.of("transition", fact.transition.path, when)
+            ticks["transition"].setdefault(path, []).append(when)
 
     def until(kind: str, present: Mapping[Path, Count]) -> dict[Path, tuple[int, int]]:
         now = {names.of(kind, path, math.inf): count for path, count in present.items()}
@@ -142,11 +135,10 @@ def _counts_at(
 
 def _issues_at(history: History, tick: int, issues: Iterable[Issue]) -> Iterable[Issue]:
     """Yield the issues that had occurred by a tick, as they were then as far as that is recorded."""
-    ticks: dict[tuple[Element, str], list[int]] = {}
-    for each in history.told():
-        for fact in each.facts:
-            if isinstance(fact, Faulted):
-                ticks.setdefault((fact.element, fact.kind), []).append(each.tick)
+    ticks: dict[tuple[Element, str], list[float]] = {}
+    for when, fact in history.told():
+        if isinstance(fact, Faulted):
+            ticks.setdefault((fact.element, fact.kind), []).append(when)
     for issue in issues:
         if issue.first_tick > tick:
             continue
@@ -155,7 +147,7 @@ def _issues_at(history: History, tick: int, issues: Iterable[Issue]) -> Iterable
         if here == len(known):
             yield issue
         else:
-            last = known[here - 1] if here else issue.first_tick
+            last = int(known[here - 1]) if here else issue.first_tick
             yield replace(
                 issue, last_tick=last, count=max(1, issue.count - len(known) + here), resolved=False
             )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -150,16 +150,17 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
         time = history.time(ticks.start) if ticks else loop.timing.now
         found += present(history.state(after), after, time)
     first = max(after + 1, ticks.start)
-    failed, failing = first - 1, _failing(history, first - 1)  # in which tick, and what
-    for each in history.told(first):
-        tick = each.tick
-        if each.before and (tick > first or gap):  # what came before belongs to the tick before
-            then = history.time(tick - 1) if tick - 1 in ticks else each.now
-            found += _of(each.before, tick - 1, then, set())
-        found += _of(each.facts, tick, each.now, failing if failed == tick - 1 else set())
-        failed, failing = tick, _faults(each.facts)
     if ticks:
-        found += _of(history.since(), ticks.stop - 1, history.time(ticks.stop - 1), set())
+        told = history.told(first - 1)
+        faults = [(when, fact) for when, fact in told if isinstance(fact, Faulted) and when == int(when)]
+        failed = {(when, fact.element, fact.kind) for when, fact in faults}
+        for when, fact in told:
+            if when < first - (0.5 if gap else 0):
+                continue
+            if isinstance(fact, Faulted) and (when - 1, fact.element, fact.kind) in failed:
+                continue
+            tick = int(when)  # what came between two belongs to the first
+            found += _of(fact, tick, history.time(max(tick, ticks.start)))
     names = Names(loop.interpreter.moves, math.inf)
     found = [_renamed(each, names) for each in found]
     if ticks:
@@ -188,31 +189,27 @@ def present(state: PastState, tick: int, time: float) -> list[Happening]:
     ]
 
 
-def _of(facts: Iterable[Fact], tick: int, time: float, failing: set[object]) -> Iterator[Happening]:
-    for fact in facts:
-        match fact:
-            case Fired():
-                lane = fact.path[:-1]
-                yield Happening(
-                    tick, time, "entered", lane, fact.state, fact.transition.path, f"`{fact.label}` fired."
-                )
-            case Entered():
-                yield Happening(tick, time, "entered", fact.path[:-1], fact.state)
-            case Discarded():
-                yield Happening(tick, time, "ended", fact.machine)
-            case Faulted():
-                if (fact.element, fact.kind) not in failing:
-                    yield Happening(tick, time, "issue", fact.machine, text=fact.message)
-            case Commanded("patched" | "renamed"):
-                yield Happening(tick, time, "edit", text=_EDITED[fact.kind])
-            case Commanded("restarted", reason):
-                yield Happening(tick, time, "restart", text=_restarted(reason))
-            case Commanded("paused", reason) if reason:
-                yield Happening(tick, time, "pause", text=reason)
-            case Commanded("forced", how, state):
-                yield Happening(tick, time, "hand", text=f"`{state[-1]}` was entered by hand {_FORCED[how]}.")
-            case Commanded("assigned", name):
-                yield Happening(tick, time, "hand", text=f"`{name}` was set.")
+def _of(fact: Fact, tick: int, time: float) -> Iterator[Happening]:
+    match fact:
+        case Fired():
+            by, text = fact.transition.path, f"`{fact.label}` fired."
+            yield Happening(tick, time, "entered", fact.path[:-1], fact.state, by, text)
+        case Entered():
+            yield Happening(tick, time, "entered", fact.path[:-1], fact.state)
+        case Discarded():
+            yield Happening(tick, time, "ended", fact.machine)
+        case Faulted():
+            yield Happening(tick, time, "issue", fact.machine, text=fact.message)
+        case Commanded("patched" | "renamed"):
+            yield Happening(tick, time, "edit", text=_EDITED[fact.kind])
+        case Commanded("restarted", reason):
+            yield Happening(tick, time, "restart", text=_restarted(reason))
+        case Commanded("paused", reason) if reason:
+            yield Happening(tick, time, "pause", text=reason)
+        case Commanded("forced", how, state):
+            yield Happening(tick, time, "hand", text=f"`{state[-1]}` was entered by hand {_FORCED[how]}.")
+        case Commanded("assigned", name):
+            yield Happening(tick, time, "hand", text=f"`{name}` was set.")
 
 
 _EDITED = {"patched": "The program was edited.", "renamed": "An element was renamed."}
@@ -225,15 +222,6 @@ _FORCED = {
 
 def _restarted(reason: str) -> str:
     return "The program was reset." if reason in ("", "reset") else f"The program restarted: {reason}"
-
-
-def _failing(history: History, tick: int) -> set[object]:
-    """Return what failed in a tick."""
-    return _faults(history.facts(tick).facts) if tick in history.ticks else set()
-
-
-def _faults(facts: Iterable[Fact]) -> set[object]:
-    return {(fact.element, fact.kind) for fact in facts if isinstance(fact, Faulted)}
 
 
 def _commands(history: History, commands: Sequence[CommandRecord], first: int) -> Iterator[Happening]:

@@ -22,7 +22,7 @@ def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: flo
     draft = AnswerDraft()
     line = line_of_state(program, entered.state)
     was_entered = f"{called} was entered at {time_text(time)}"
-    facts = run.facts(when)
+    facts = run.history.facts(when)
     place = max(index for index, fact in enumerate(facts) if fact is entered)
     command = next((fact for fact in facts[place:] if isinstance(fact, Commanded)), None)
     if command is not None and command.kind == "forced":
@@ -40,7 +40,7 @@ def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: flo
     ]
     where = f" (line {lines[0]})" if lines else ""
     spawn = f"`(spawn {machine} {name})`{where}"
-    restart = restart_of(run.facts(when - 0.5))
+    restart = restart_of(run.history.facts(when - 0.5))
     code: StateCode = "spawned"
     if command is not None:
         why = f"because an edit added {spawn}"
@@ -88,7 +88,7 @@ def enabled_in(run: RecordedRun, entered: Fired | Entered, tick: int) -> list[En
 
     It leaves the state, or one around it that was entered in the same tick.
     """
-    enabled = [fact for fact in run.history.facts(tick).facts if isinstance(fact, Enabled)]
+    enabled = [fact for fact in run.history.facts(tick) if isinstance(fact, Enabled)]
     return [
         each for each in enabled if entered.path[: len(each.machine) + 1] == (*each.machine, each.state[-1])
     ]

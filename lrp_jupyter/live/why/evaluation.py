@@ -64,7 +64,7 @@ class PastTests:
         expression = expression_of(block.text)
         problem: Exception | None = None
         if expression is not None:
-            cells, written = _cells(case.state, scope.path), self._history.facts(case.tick).written
+            cells, written = _cells(case.state, scope.path), self._history.written(case.tick)
             try:
                 return evaluate(expression, self._lookup(case.tick, cells, case.state.value, written))
             except Exception as error:  # of the expression itself, or a value is not known

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Spawned
+from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fired, Spawned
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
@@ -16,18 +16,19 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
     name, program = path[-1], run.program(tick)
     facts = run.history.facts(tick)
     spawns = spawns_of(program, path)
-    for fact in facts.facts:
+    for fact in facts:
         if isinstance(fact, Spawned) and fact.defined == path:
             lines = [line_of(program, spawning.noun) for spawning in spawns]
             if fact.by:
                 by = f"when `{fact.by[-1]}` was entered"
-                entering = [each for each in facts.fired if each.path == fact.by]
+                entering = [each for each in facts if isinstance(each, Fired) and each.path == fact.by]
                 lines += [line_of_transition(program, each.transition) for each in entering]
             else:
-                by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
+                restart = restart_of(run.history.facts(tick - 0.5))
+                by = f"when the program {'restarted' if restart else 'started'}"
             starts = [
                 each.state[-1]
-                for each in facts.facts
+                for each in facts
                 if isinstance(each, Entered) and each.path[:-1] == fact.machine
             ]
             where = f" in `{starts[0]}`" if starts else ""
@@ -69,7 +70,7 @@ def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tupl
     """Return in words what ended a machine, and the line of the transition if it was one."""
     if int(when) != when:
         return ", by hand", 0
-    for fired in reversed(run.history.facts(int(when)).fired):
+    for fired in [fact for fact in reversed(run.history.facts(when)) if isinstance(fact, Fired)]:
         home = fired.path[:-1]
         if discarded.machine[: len(home)] == home != discarded.machine:
             line = line_of_transition(run.program(int(when)), fired.transition)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lrp_jupyter.interpreter.facts import Fact
-from lrp_jupyter.interpreter.history import PastState
+from lrp_jupyter.interpreter.history import Dated, PastState
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.renamed import Names
@@ -36,7 +35,7 @@ class RecordedRun:
 
     def time(self, when: float) -> float:
         """Return the time of a tick, or of the one before what happened between two."""
-        return self.history.facts(int(when)).now if int(when) in self.history.ticks else 0.0
+        return self.history.time(int(when)) if int(when) in self.history.ticks else 0.0
 
     def entered(self, state: Path, when: float) -> float:
         """Return the time at which a state, as spawned, was entered that is still active at the next tick.
@@ -73,27 +72,10 @@ class RecordedRun:
         """The program that runs now."""
         return self._interpreter.program
 
-    def facts(self, when: float) -> tuple[Fact, ...]:
-        """Return what happened in a tick, or between two, in order."""
-        ticks, following = self.history.ticks, int(when + 0.5)
-        if following in ticks:
-            facts = self.history.facts(following)
-            return facts.facts if following == when else facts.before
-        return self.history.since() if following == ticks.stop else ()
-
-    def backward(self, tick: int, *, before: bool = False) -> Iterator[tuple[float, Fact]]:
-        """Yield what happened up to the end of a tick, the last fact first, each with when that was.
+    def backward(self, tick: int, *, before: bool = False) -> Iterator[Dated]:
+        """Return what happened up to the end of a tick, the last fact first.
 
         What happened since the last tick belongs to it. With `before`, only what came before the tick began.
         """
-        ticks = self.history.ticks
-        if tick == ticks.stop - 1 and not before:
-            for fact in reversed(self.history.since()):
-                yield tick + 0.5, fact
-        for number in range(tick, ticks.start - 1, -1):
-            facts = self.history.facts(number)
-            if number < tick or not before:
-                for fact in reversed(facts.facts):
-                    yield number, fact
-            for fact in reversed(facts.before):
-                yield number - 0.5, fact
+        after = 0.5 if tick == self.history.ticks.stop - 1 else 0
+        return reversed(self.history.told(last=tick - 0.5 if before else tick + after))

@@ -9,7 +9,7 @@ from support.reference import Reference, Skip, find
 from support.wild import program
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.interpreter.reasons import CODES, cause_of
+from lrp_jupyter.interpreter.reasons import CODES, cause_in
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element
 from lrp_jupyter.language.triggers import Delay, Occurrence
@@ -147,5 +147,5 @@ def test_the_reason_is_the_one_that_was_seen(text, lights):
                 expected[-1][Element("transition", (*where, id_))] = code
     for tick, each in enumerate(expected, 1):
         for element, code in each.items():
-            found = cause_of(i.history, element, tick).code
+            found = cause_in(i.history.state(tick, before=True), i.history.facts(tick), element).code
             assert (found, found in CODES) == (code, True), f"{element} in tick {tick}"
