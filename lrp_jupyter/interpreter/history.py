@@ -163,11 +163,11 @@ class History:
 
     def _read(self) -> None:
         """Read what was added to the journal, and forget what it has dropped."""
-        run, first = self.run, self.ticks.start
+        run = self.run
         seen, self._seen = self._seen, (run.epoch, run.ticks, len(self._log))
         if self._seen == seen:
             return
-        last = self._last
+        first, last = self.ticks.start, self._last
         if run.epoch != seen[0]:  # it was undone, and other ticks may have the same numbers now
             last = min(last, run.kept)
         begun = self._last - len(self._times) + 1

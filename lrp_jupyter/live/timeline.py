@@ -160,9 +160,12 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
             if isinstance(fact, Faulted) and (when - 1, fact.element, fact.kind) in failed:
                 continue
             tick = int(when)  # what came between two belongs to the first
-            found += _of(fact, tick, history.time(max(tick, ticks.start)))
-    names = Names(loop.interpreter.moves, math.inf)
-    found = [_renamed(each, names) for each in found]
+            happened = _of(fact, tick, history.time(max(tick, ticks.start)))
+            if happened is not None:
+                found.append(happened)
+    if moves := loop.interpreter.moves:
+        names = Names(moves, math.inf)
+        found = [_renamed(each, names) for each in found]
     if ticks:
         found += _commands(history, loop.bridge.safety.commands, first)
         found += _by_hand(loop, first)
@@ -189,27 +192,28 @@ def present(state: PastState, tick: int, time: float) -> list[Happening]:
     ]
 
 
-def _of(fact: Fact, tick: int, time: float) -> Iterator[Happening]:
+def _of(fact: Fact, tick: int, time: float) -> Happening | None:
     match fact:
         case Fired():
             by, text = fact.transition.path, f"`{fact.label}` fired."
-            yield Happening(tick, time, "entered", fact.path[:-1], fact.state, by, text)
+            return Happening(tick, time, "entered", fact.path[:-1], fact.state, by, text)
         case Entered():
-            yield Happening(tick, time, "entered", fact.path[:-1], fact.state)
+            return Happening(tick, time, "entered", fact.path[:-1], fact.state)
         case Discarded():
-            yield Happening(tick, time, "ended", fact.machine)
+            return Happening(tick, time, "ended", fact.machine)
         case Faulted():
-            yield Happening(tick, time, "issue", fact.machine, text=fact.message)
+            return Happening(tick, time, "issue", fact.machine, text=fact.message)
         case Commanded("patched" | "renamed"):
-            yield Happening(tick, time, "edit", text=_EDITED[fact.kind])
+            return Happening(tick, time, "edit", text=_EDITED[fact.kind])
         case Commanded("restarted", reason):
-            yield Happening(tick, time, "restart", text=_restarted(reason))
+            return Happening(tick, time, "restart", text=_restarted(reason))
         case Commanded("paused", reason) if reason:
-            yield Happening(tick, time, "pause", text=reason)
+            return Happening(tick, time, "pause", text=reason)
         case Commanded("forced", how, state):
-            yield Happening(tick, time, "hand", text=f"`{state[-1]}` was entered by hand {_FORCED[how]}.")
+            return Happening(tick, time, "hand", text=f"`{state[-1]}` was entered by hand {_FORCED[how]}.")
         case Commanded("assigned", name):
-            yield Happening(tick, time, "hand", text=f"`{name}` was set.")
+            return Happening(tick, time, "hand", text=f"`{name}` was set.")
+    return None
 
 
 _EDITED = {"patched": "The program was edited.", "renamed": "An element was renamed."}
