@@ -393,7 +393,8 @@ class _Run:
         while pending:
             event = pending.popleft()
             if event.kind == "fired":
-                self._last.appendleft(f"{event.now:.1f} s  {' → '.join(event.data[:2])}")  # type: ignore[index]
+                fired: Any = event.data
+                self._last.appendleft(f"{event.now:.1f} s  {fired.source} → {fired.destination}")
             if event.kind == "restarted":
                 self._events.since.clear()
             if self._board is None:

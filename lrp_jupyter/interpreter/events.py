@@ -35,14 +35,6 @@ UNSET = _Unset()
 """Stands for the missing value of a variable."""
 
 
-class Firing(NamedTuple):
-    """The source and destination of a transition that fired, and its label."""
-
-    source: str
-    destination: str
-    label: str
-
-
 class TraceEvent(NamedTuple):
     """One event of a run.
 
@@ -52,7 +44,7 @@ class TraceEvent(NamedTuple):
         whole.
     `tick`: the tick in which it happened; the first is 1. Between two ticks: that of the last one.
     `now`: seconds.
-    `data`: fired: a :class:`Firing`; changed: the new value or :data:`UNSET`; issue: the :class:`Issue`;
+    `data`: fired: the fact, a ``Fired``; changed: the new value or :data:`UNSET`; issue: the :class:`Issue`;
         patched: the :class:`Patch`; restarted: the reason, a sentence; forced: ``"transition"``,
         ``"teleport"`` or ``"fire"``; commanded: the command of the robot; printed: the text; else None.
     """

@@ -18,16 +18,22 @@ class Fired(NamedTuple):
 
     `label`: how the transition is displayed.
     `machine`: where it stands, as spawned.
-    `source`, `state`: the states that were left and entered, by path of definition.
-    `path`: the entered state, as spawned; in the outer machine, if the transition is an ``exit``.
+    `source`: the name of the state that was left.
+    `state`: the state that was entered, by path of definition.
+    `path`: the same, as spawned; in the outer machine, if the transition is an ``exit``.
     """
 
     transition: Element
     label: str
     machine: Path
-    source: Path
+    source: str
     state: Path
     path: Path
+
+    @property
+    def destination(self) -> str:
+        """The name of the state that was entered."""
+        return self.state[-1]
 
 
 @weightless

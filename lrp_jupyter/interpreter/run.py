@@ -182,17 +182,18 @@ class Run:
             return None
         if edge.site[:2] in self.issues.open_blocks:
             self.recovered(edge.site, True)
-        old, new = edge.home.row, self.row(edge.home, edge.target)
+        old, new, element = edge.home.row, self.row(edge.home, edge.target), edge.plan.site.element
+        label, source = edge.plan.label, edge.source
+        edge.fact = Fired(element, label, edge.path, source.name, new.place, new.path)
+        edge.enabled = Enabled(element, label, edge.path, source.path)
         edge.actions = new.onentry
         if self.observers:
-            fired = ("left", old.path, None), ("fired", *edge.firing), ("entered", new.path, None)
-            edge.actions = Action(partial(self._emit_all, fired), edge.site, None, edge.actions)
+            fired = ("fired", (*edge.path, element.path[-1]), edge.fact)
+            events = ("left", old.path, None), fired, ("entered", new.path, None)
+            edge.actions = Action(partial(self._emit_all, events), edge.site, None, edge.actions)
         for action in reversed([*old.onexit.chain()] if old.onexit is not None else []):
             edge.actions = Action(action.call, action.site, action.cell, edge.actions)
         edge.row = new
-        element = edge.plan.site.element
-        edge.fact = Fired(element, edge.plan.label, edge.path, edge.source.path, new.place, new.path)
-        edge.enabled = Enabled(element, edge.plan.label, edge.path, edge.source.path)
         return new
 
     def _emit_all(self, events: Iterable[tuple[str, Path, object]]) -> None:

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content, writes_of
-from lrp_jupyter.interpreter.events import UNSET, Firing
+from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.facts import Enabled, Fired
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.issues import IssueLog
@@ -186,13 +186,6 @@ class Edge:
         if self.plan.noun.outward and self.home.path == self.path:
             return f"`exit` cannot lead to `{destination}`: `{machine}` is not nested in a state."
         return f"The machine `{machine}` has no state `{destination}`."
-
-    @property
-    def firing(self) -> tuple[Path, Firing]:
-        """Path, and what an observer learns when it fires."""
-        plan = self.plan
-        fired = Firing(self.source.name, str(plan.noun.destination), plan.label)
-        return (*self.path, plan.site.element.path[-1]), fired
 
 
 class Action:

@@ -94,7 +94,7 @@ def test_the_facts_of_a_tick_name_what_fired_and_who_spawned():
         Entered(("m", "a", "k", "s"), ("m", "a", "k", "s")),
     ]
     when, fired = i.history.told(2)[0]
-    assert (fired.label, fired.source[-1], fired.state[-1]) == ("200:s->t", "s", "t")
+    assert (fired.label, fired.source, fired.state[-1]) == ("200:s->t", "s", "t")
     assert (when, i.history.time(when)) == (3, 0.2)
     fault, *others = i.history.facts(4)
     assert isinstance(fault, Faulted)

@@ -41,7 +41,7 @@ def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, called: str, t
     time, cause = run.time(tick), Cause("fired", machine, fired)
     case = Case(fired.transition, fired.label, line, tick, time, before, cause)
     draft = AnswerDraft({"transition": fired.transition.path})
-    by = f"`{fired.label}` (line {line}), from `{fired.source[-1]}`{because(draft, case, tests)}"
+    by = f"`{fired.label}` (line {line}), from `{fired.source}`{because(draft, case, tests)}"
     block = case.tested[0] if case.tested is not None else None
     draft.say(f"{called} was entered at {time_text(time)} by {by}.", line, line_of(before.program, block))
     say_whether_it_acted(draft, run, fired, tick)

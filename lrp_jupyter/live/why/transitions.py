@@ -88,7 +88,7 @@ def _keep(draft: AnswerDraft, evaluation: Evaluation) -> None:
 def _fired(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
     fired = case.cause.fired
     assert fired is not None
-    way = f"from `{fired.source[-1]}` to `{fired.state[-1]}`"
+    way = f"from `{fired.source}` to `{fired.destination}`"
     draft.say(f"{case.did_fire}, {way}{because(draft, case, tests)}.")
 
 
@@ -219,7 +219,7 @@ def _other_fired(draft: AnswerDraft, case: Case) -> None:
     fired = case.cause.fired
     assert fired is not None
     line = line_of_transition(case.program, fired.transition)
-    what, way = f"`{fired.label}` (line {line})", f"from `{fired.source[-1]}` to `{fired.state[-1]}`"
+    what, way = f"`{fired.label}` (line {line})", f"from `{fired.source}` to `{fired.destination}`"
     match case.cause.code:
         case "earlier-fired":
             text = f"{what} comes first in the text and fired, {way}"
