@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.errors import ended
-from lrp_jupyter.live.plain import unplain
-from lrp_jupyter.live.why.wording import call_text
-
-Line = Mapping[str, Any]
+from lrp_jupyter.live.trace import Line, words_of
 
 _TELLING = ("issue", "fired", "forced", "restarted")
 """Events that explain the others of their tick."""
@@ -44,10 +41,10 @@ class FirstDifference:
         recorded, now = self.recorded, self.now
         if recorded is None or now is None:
             only = "Only in the replay" if recorded is None else "Only in the recording"
-            return f"{head} {only}: {ended(_told(recorded or now or {}))}"
+            return f"{head} {only}: {ended(words_of(recorded or now or {}))}"
         other = {**recorded, "readings": _others(recorded, now)} if "readings" in recorded else recorded
         own = {**now, "readings": _others(now, recorded)} if "readings" in now else now
-        return f"{head} Recorded: {ended(_told(other))} Replay: {ended(_told(own))}"
+        return f"{head} Recorded: {ended(words_of(other))} Replay: {ended(words_of(own))}"
 
 
 class Comparison:
@@ -159,34 +156,3 @@ def _others(line: Line, other: Line) -> dict[str, Any]:
     """Return the readings that are not the same in another line."""
     others = other.get("readings", {})
     return {name: value for name, value in line["readings"].items() if others.get(name) != value}
-
-
-def _told(line: Line) -> str:
-    """Return a line of a recording in words."""
-    match line.get("event"):
-        case "fired":
-            return f"`{line['transition']}` fired, from `{line['source']}` to `{line['destination']}`"
-        case "entered" | "left" | "forced":
-            return f"`{line['state']}` was {line['event']}"
-        case "spawned" | "discarded":
-            return f"`{line['machine']}` was {line['event']}"
-        case "changed":
-            value = "lost its value" if "value" not in line else f"became {line['value']!r}"
-            return f"`{line['variable']}` {value}"
-        case "issue":
-            name = line["element"].rpartition("/")[2]
-            return f"`{name}` (line {line['line']}) had an issue: {line['message']}"
-        case "restarted":
-            return f"the program was restarted ({line['reason'].rstrip('.')})"
-        case "printed":
-            return f"{line['text']!r} was printed"
-        case "commanded":
-            call = call_text(line["command"], unplain(line["arguments"]))
-            where = f" (line {line['line']})" if line.get("line") else ""
-            sent = "" if line["sent"] else ", which was not sent"
-            who = f"`{line['block']}`{where} called {call}" if line["block"] else f"{call} was called by hand"
-            return f"{who}{sent}"
-        case None:
-            parts = [f"`robot.{name}` was {unplain(value)!r}" for name, value in line["readings"].items()]
-            return ", ".join(parts) or f"the tick was at {line['time']:g} s, with no other reading"
-    return f"the program was {line['event']}"

@@ -62,6 +62,7 @@ from lrp_jupyter.live.plain import unplain
 from lrp_jupyter.live.recorded_code import RecordedCode
 from lrp_jupyter.live.replay import Entry, Ticked
 from lrp_jupyter.live.timing import FASTEST, SLOWEST
+from lrp_jupyter.live.trace import check_line
 from lrp_jupyter.logs import at_line, read_log
 from lrp_jupyter.sim.worlds import load
 
@@ -81,21 +82,6 @@ Line = dict[str, Any]
 
 _OF_THE_RUN = ("rest", "hold")
 """Inputs that no person causes: the run ended, commands were held back."""
-
-_FIELDS: dict[object, dict[str, type]] = {
-    "entered": {"state": str},
-    "left": {"state": str},
-    "forced": {"state": str},
-    "spawned": {"machine": str},
-    "discarded": {"machine": str},
-    "changed": {"variable": str},
-    "restarted": {"reason": str},
-    "fired": {"machine": str, "transition": str, "source": str, "destination": str},
-    "issue": {"element": str, "line": int, "message": str},
-    "commanded": {"command": str, "arguments": dict, "sent": bool, "block": str, "line": int},
-    "printed": {"text": str},
-}
-"""The fields that the line of an event must have, beside `tick`, `time` and `event`, and their types."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,7 +262,8 @@ def read_recording(
                 if not isinstance(what, CommandsHeld):  # which stands in the middle of its tick
                     complete = len(followed)
                 continue
-            followed.append(_event(line))
+            check_line(line)
+            followed.append(line)
             if "readings" in line:
                 readings = {name: unplain(value) for name, value in line["readings"].items()}
                 entries.append(Ticked(tick, time, readings))
@@ -325,17 +312,6 @@ def _moment(line: Line) -> tuple[int, float]:
     if not 0 <= time < _LATEST:
         raise FileError(f"`time` is {time:g} instead of seconds of a run.")
     return tick, time
-
-
-def _event(event: Line) -> Line:
-    """Return what followed; every kind of it has its fields."""
-    if event.get("event") is None and "readings" not in event:
-        raise FileError("This line has no `input`, `event` or `readings`.")
-    for name, kind in _FIELDS.get(event.get("event"), {}).items():
-        if not isinstance(event[name], kind):
-            raise FileError(f"The field `{name}` is wrong: it is {short(event[name])}.")
-    dict(unplain(event.get("arguments", {"dict": {}})))
-    return event
 
 
 def _start(line: Line, prepared: Callable[[Program, Mapping[str, str]], Program] | None) -> RunStart:

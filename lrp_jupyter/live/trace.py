@@ -1,4 +1,4 @@
-r"""Traces: what follows in a run as JSON Lines, one object per event.
+r"""Traces: what follows in a run as JSON Lines, one object per event; written, checked and put into words.
 
 Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the event's own fields::
 
@@ -31,46 +31,56 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, TextIO
+from typing import Any, TextIO, cast
 
+from lrp_jupyter.errors import FileError
 from lrp_jupyter.interpreter.events import UNSET, TraceEvent
-from lrp_jupyter.interpreter.rendering import render
-from lrp_jupyter.live.plain import plain
+from lrp_jupyter.interpreter.rendering import render, short
+from lrp_jupyter.live.plain import plain, unplain
+from lrp_jupyter.live.why.wording import call_text
 
 __all__ = ["Trace", "as_dict"]
 
+Line = Mapping[str, Any]
+
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
+_FIELDS: dict[object, dict[str, type]] = {
+    "entered": {"state": str},
+    "left": {"state": str},
+    "forced": {"state": str},
+    "spawned": {"machine": str},
+    "discarded": {"machine": str},
+    "changed": {"variable": str},
+    "restarted": {"reason": str},
+    "fired": {"machine": str, "transition": str, "source": str, "destination": str},
+    "issue": {"element": str, "line": int, "message": str},
+    "commanded": {"command": str, "arguments": dict, "sent": bool, "block": str, "line": int},
+    "printed": {"text": str},
+}
+"""The fields that the line of an event must have, beside `tick`, `time` and `event`, and their types."""
 
 
 def as_dict(event: TraceEvent) -> dict[str, Any]:
     """Return an event as a dict for JSON."""
-    kind, path, tick, now, data = event
-    line: dict[str, Any] = {"tick": tick, "time": round(now, 9), "event": kind}
-    text = "/".join(path)
-    match kind:
-        case "entered" | "left":
-            line["state"] = text
-        case "forced":
-            line |= {"state": text, "how": data}
-        case "spawned" | "discarded":
-            line["machine"] = text
-        case "changed":
-            line["variable"] = text
-            if data is not UNSET:
-                line["value"] = _shown(data)
-        case "restarted":
-            line["reason"] = data
-        case _:
-            line |= _details(event)
-    return line
+    return {"tick": event.tick, "time": round(event.now, 9), "event": event.kind, **_details(event)}
 
 
 def _details(event: TraceEvent) -> dict[str, Any]:
-    data: Any = event.data
+    path, data = "/".join(event.path), cast(Any, event.data)
     match event.kind:
+        case "entered" | "left":
+            return {"state": path}
+        case "forced":
+            return {"state": path, "how": data}
+        case "spawned" | "discarded":
+            return {"machine": path}
+        case "changed":
+            return {"variable": path} if data is UNSET else {"variable": path, "value": _shown(data)}
+        case "restarted":
+            return {"reason": data}
         case "fired":
             return {
-                "machine": "/".join(event.path[:-1]),
+                "machine": "/".join(data.machine),
                 "transition": data.label,
                 "source": data.source,
                 "destination": data.destination,
@@ -112,6 +122,51 @@ def _steady(text: str) -> str:
     return _ADDRESS.sub("", text)
 
 
+def check_line(line: Line) -> None:
+    """Check that the line of an event, or of readings, has its fields.
+
+    Raises FileError: a field has a wrong type, or it is no such line.
+    Raises KeyError: a field is missing.
+    """
+    if line.get("event") is None and "readings" not in line:
+        raise FileError("This line has no `input`, `event` or `readings`.")
+    for name, kind in _FIELDS.get(line.get("event"), {}).items():
+        if not isinstance(line[name], kind):
+            raise FileError(f"The field `{name}` is wrong: it is {short(line[name])}.")
+    dict(unplain(line.get("arguments", {"dict": {}})))
+
+
+def words_of(line: Line) -> str:
+    """Return the line of an event, or of readings, in words."""
+    match line.get("event"):
+        case "fired":
+            return f"`{line['transition']}` fired, from `{line['source']}` to `{line['destination']}`"
+        case "entered" | "left" | "forced":
+            return f"`{line['state']}` was {line['event']}"
+        case "spawned" | "discarded":
+            return f"`{line['machine']}` was {line['event']}"
+        case "changed":
+            value = "lost its value" if "value" not in line else f"became {line['value']!r}"
+            return f"`{line['variable']}` {value}"
+        case "issue":
+            name = line["element"].rpartition("/")[2]
+            return f"`{name}` (line {line['line']}) had an issue: {line['message']}"
+        case "restarted":
+            return f"the program was restarted ({line['reason'].rstrip('.')})"
+        case "printed":
+            return f"{line['text']!r} was printed"
+        case "commanded":
+            call = call_text(line["command"], unplain(line["arguments"]))
+            where = f" (line {line['line']})" if line.get("line") else ""
+            sent = "" if line["sent"] else ", which was not sent"
+            who = f"`{line['block']}`{where} called {call}" if line["block"] else f"{call} was called by hand"
+            return f"{who}{sent}"
+        case None:
+            parts = [f"`robot.{name}` was {unplain(value)!r}" for name, value in line["readings"].items()]
+            return ", ".join(parts) or f"the tick was at {line['time']:g} s, with no other reading"
+    return f"the program was {line['event']}"
+
+
 class Trace:
     """An observer that writes a line per event.
 
@@ -128,6 +183,6 @@ class Trace:
         """Write one event."""
         self.line(as_dict(event))
 
-    def line(self, entry: Mapping[str, Any]) -> None:
+    def line(self, entry: Line) -> None:
         """Write a line; also one that is no event of the interpreter."""
         self._write(json.dumps(entry, ensure_ascii=False, separators=(",", ":")) + "\n")
