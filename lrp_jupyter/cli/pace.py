@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from queue import SimpleQueue
 from time import perf_counter
-from typing import Protocol
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.live.commands import EndAt, Pause, Resume
@@ -25,35 +24,7 @@ _SLICE = 1.0  # seconds of the run between two checks for pause and end
 _ROUNDING = 1e-6  # s
 
 
-class Pace(Protocol):
-    """Controls how a run advances in time."""
-
-    def start(self) -> None:
-        """Start the run."""
-
-    def is_over(self) -> bool:
-        """Return whether the time is up or the run has ended by itself."""
-
-    def exceeded(self) -> str:
-        """Return a sentence about the block that exceeds the :data:`LIMIT`; empty if none does."""
-
-    def is_paused(self) -> bool:
-        """Return whether the run is paused."""
-
-    def pause(self) -> None:
-        """Pause the run."""
-
-    def resume(self) -> None:
-        """Resume the run."""
-
-    def displayed(self, frame: Frame) -> Frame:
-        """Return the frame to display for a frame of the session."""
-
-    def end(self) -> None:
-        """Stop the robot and the thread that advances the run."""
-
-
-class Clocked:
+class Pace:
     """Advances a session in wall time, at the session's speed; ends at the exact time, or after the tick.
 
     `seconds`: length of the run, in its own time; may be infinite.
@@ -77,37 +48,38 @@ class Clocked:
             self._session.submit(EndAt(0.0))
 
     def is_over(self) -> bool:
-        """See :class:`Pace`."""
+        """Return whether the time is up or the run has ended by itself."""
         frame = self._session.frame
         over = frame.time >= self._seconds - _ROUNDING or self._over()
         return over or frame.status in ("broken", "closed", "stopped")
 
     def exceeded(self) -> str:
-        """See :class:`Pace`."""
-        return _hung_too_long(self._session)
+        """Return a sentence about the block that exceeds the :data:`LIMIT`; empty if none does."""
+        hung = self._session.frame.hung
+        return "" if hung is None or hung.seconds < LIMIT else f"{hung} It ended the run."
 
     def is_paused(self) -> bool:
-        """See :class:`Pace`."""
+        """Return whether the run is paused."""
         return self._session.status == "paused" and not self.is_over()
 
     def pause(self) -> None:
-        """See :class:`Pace`."""
+        """Pause the run."""
         self._session.ask(Pause())
 
     def resume(self) -> None:
-        """See :class:`Pace`."""
+        """Resume the run."""
         self._session.ask(Resume())
 
     def displayed(self, frame: Frame) -> Frame:
-        """See :class:`Pace`."""
+        """Return the frame to display for a frame of the session."""
         return frame
 
     def end(self) -> None:
-        """See :class:`Pace`."""
+        """Stop the robot and the thread that advances the run."""
         self._session.stop()
 
 
-class Racing:
+class Racing(Pace):
     """Advances a session without waiting, in slices of virtual time; ends at the exact step.
 
     `seconds`: length of the run; may be infinite.
@@ -116,11 +88,10 @@ class Racing:
     """
 
     def __init__(self, session: Session, seconds: float, until: str | None, wake: SimpleQueue[None]) -> None:
-        self._session = session
-        self._seconds = seconds
+        self._done = threading.Event()
+        super().__init__(session, seconds, self._done.is_set)
         self._until = until
         self._wake = wake
-        self._done = threading.Event()
         self._began = 0.0  # wall time
         self._going = threading.Event()
         self._stopping = False
@@ -161,11 +132,11 @@ class Racing:
 
     def is_over(self) -> bool:
         """See :class:`Pace`."""
-        return self._done.is_set()
+        return self._over()
 
     def exceeded(self) -> str:
         """See :class:`Pace`."""
-        return self._exceeded or _hung_too_long(self._session)
+        return self._exceeded or super().exceeded()
 
     def is_paused(self) -> bool:
         """See :class:`Pace`."""
@@ -195,9 +166,4 @@ class Racing:
             self._thread.join(_PATIENCE)
             if self._thread.is_alive() and self._session.interrupt():
                 self._thread.join(_PATIENCE)
-        self._session.stop()
-
-
-def _hung_too_long(session: Session) -> str:
-    hung = session.frame.hung
-    return "" if hung is None or hung.seconds < LIMIT else f"{hung} It ended the run."
+        super().end()

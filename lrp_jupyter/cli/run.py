@@ -35,7 +35,7 @@ from lrp_jupyter.cli.excerpt import finding_text
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, check_outputs, with_initials
-from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
+from lrp_jupyter.cli.pace import LIMIT, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, Writer, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
@@ -257,11 +257,11 @@ class _Run:
         self._fires: deque[tuple[str, Future[Any]]] = deque()  # transitions fired by hand
         for name, seconds in wanted.fires:
             self._fire_at(name, seconds)
-        self.pace: Pace
-        if wanted.speed == math.inf:
-            self.pace = Racing(session, wanted.seconds, wanted.until, self._wake)
-        else:
-            self.pace = Clocked(session, wanted.seconds, self._events.reached.is_set)
+        self.pace = (
+            Racing(session, wanted.seconds, wanted.until, self._wake)
+            if wanted.speed == math.inf
+            else Pace(session, wanted.seconds, self._events.reached.is_set)
+        )
         self._where = where(session.bridge, wanted.world or source.world)
 
     def _fire_at(self, name: str, seconds: float) -> None:
