@@ -16,7 +16,8 @@ from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.frame import matches
 from lrp_jupyter.live.trace import Trace
 
-_SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
+SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
+"""The kinds of events that are printed."""
 
 
 class EventCollector:
@@ -46,7 +47,7 @@ class EventCollector:
             self.since[path] = now
             if self._until is not None and matches(self._until, path):
                 self.reached.set()
-        if kind in _SHOWN:
+        if kind in SHOWN:
             self.pending.append(event)
 
 

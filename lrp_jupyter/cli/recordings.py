@@ -12,7 +12,7 @@ import typer
 from rich.text import Text
 
 from lrp_jupyter.cli.console import plain_console
-from lrp_jupyter.cli.events import EventPrinter
+from lrp_jupyter.cli.events import SHOWN, EventPrinter
 from lrp_jupyter.cli.excerpt import excerpt, finding_text
 from lrp_jupyter.cli.options import Assignment, check_outputs, with_initials
 from lrp_jupyter.cli.source import read_source
@@ -29,7 +29,6 @@ from lrp_jupyter.live.recording import Recording, read_recording
 from lrp_jupyter.live.reproduction import Reproduction, reproduce
 from lrp_jupyter.spreadsheets import csv_text
 
-_SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s
 _SETS = (
     "If it walks over a set of texts: Python puts these into another order in every process. Set the "
@@ -54,7 +53,7 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None,
     printer = EventPrinter(console, quiet=False)
 
     def show(event: TraceEvent) -> None:
-        if event.kind in _SHOWN and event.now >= begin - _ROUNDING:
+        if event.kind in SHOWN and event.now >= begin - _ROUNDING:
             printer.write(event, text or recording.start.text)
 
     again = _run_again(recording, end, text, show)
