@@ -201,15 +201,16 @@ def conditionals(code: WrongBlock) -> Guesses:
         start = index
         while not code.begins(start) and code.get(start - 1).text not in ("=", "return", "(", ",", "[", "+="):
             start -= 1
-        if colon is None or start == index:
+        if colon is None or start == index or colon == index + 1:
             continue
         end = code.statement_end(colon)
         while end > colon + 1 and code.get(end - 1).text in (")", "]") and code.around(end - 1) == "":
             end -= 1
+        if end == colon + 1:
+            continue
         first, middle, last = (
             code.text[code.tokens[one].start : code.tokens[other - 1].end]
             for one, other in ((start, index), (index + 1, colon), (colon + 1, end))
-            if other > one
         )
         meant = f"{middle} if {first} else {last}"
         edit = Edit(code.tokens[start].start, code.tokens[end - 1].end, meant)
