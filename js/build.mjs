@@ -3,7 +3,6 @@
  * packages that are in it; the same input gives the same bytes.
  */
 
-import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
 import { copyFileSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { build, context } from "esbuild";
@@ -11,15 +10,6 @@ import { build, context } from "esbuild";
 const OUT = "../lrp_jupyter/static";
 const LIMIT = 800_000;
 const PACKAGE_IMPORT = /^import \{([^}]*)\} from "(@(?:codemirror|lezer)\/[^"]+)"/gm;
-
-execFileSync("npx", [
-  "--no-install",
-  "lezer-generator",
-  "--typeScript",
-  "src/language/lrp.grammar",
-  "-o",
-  "src/language/parser.ts",
-]);
 
 const options = {
   entryPoints: [

@@ -1,4 +1,4 @@
-"""Generate ``src/protocol.ts`` from the Python types of the messages: ``npm run protocol``.
+"""Generate ``src/protocol.ts`` from the Python types of the messages; every script of npm that needs it does.
 
 Reads the sources without importing them, so it needs nothing but Python. Everything is written that
 `FromPage` and `FromKernel` lead to: TypedDicts and dataclasses as interfaces (with the fields that they

@@ -1,7 +1,7 @@
 """The messages from the kernel to a page, their parts, and how the two sides cooperate.
 
 This module and the page's messages (`messages`, `commands`, `requests`, `inspection`) are the protocol;
-``js/src/protocol.ts`` is generated from them (``npm run protocol``). All messages are JSON objects,
+every build of the page generates ``js/src/protocol.ts`` from them. All messages are JSON objects,
 distinguished by ``type``. They are sent as texts, in custom messages ``{"json": "…"}`` of the widget, because
 notebooks differ in what they make of ``None``, null and subclasses of `str`. Fields that may be missing are
 `NotRequired`.
