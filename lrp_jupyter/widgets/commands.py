@@ -188,7 +188,7 @@ def version(opened: OpenProgram, key: str) -> Applied:
 
 
 def _return_to(opened: OpenProgram, key: str) -> None:
-    found = next((version for version in opened.saver.versions if version.key == key), None)
+    found = next((version for version in opened.texts.versions if version.key == key), None)
     if found is None:
         raise UnknownElementError("This version is no longer kept. Open the list of versions again.")
     opened.texts.write(found.text)

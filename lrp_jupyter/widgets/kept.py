@@ -1,11 +1,9 @@
-"""The files of one program: what survives the kernel.
+"""The two files of one program: what survives the kernel.
 
 ============= ============================================================================================
 ``.lrp``      the last accepted text
-``.draft``    the last typed text, while it is not that one
-``.cell``     the text of the cell, as the lab knew it last
-``.hung``     the text of a program that hung, until it has run well
-``.versions`` the last texts that were replaced, with their times, as JSON
+``.versions`` what is remembered beside it, as JSON: the last texts that were replaced, with their times, and
+              the other fields of `Remembered`
 ============= ============================================================================================
 
 They are in ``.lrp`` beside the notebook, in this user's state folder, or nowhere: see `keeping.py`. Those in
@@ -20,10 +18,10 @@ import json
 import os
 import time
 import unicodedata
-from collections.abc import Iterable
-from contextlib import suppress
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from lrp_jupyter import own
 from lrp_jupyter.errors import FileError, LRPError
@@ -63,7 +61,23 @@ class Version:
         return f"{when}, {len(lines)} line{'' if len(lines) == 1 else 's'}: {lines[0][:60] if lines else ''}"
 
 
-def newest(versions: Iterable[Version]) -> list[Version]:
+@dataclass(frozen=True)
+class Remembered:
+    """What is kept of a program beside its accepted text.
+
+    `typed`: the last typed text, while that is kept nowhere else.
+    `cell`: the text of the cell, as the lab knew it last.
+    `hung`: the text of a program that hung, until it has run well.
+    `versions`: the texts that were replaced, the newest first.
+    """
+
+    typed: str | None = None
+    cell: str | None = None
+    hung: str | None = None
+    versions: tuple[Version, ...] = ()
+
+
+def newest(versions: Iterable[Version]) -> tuple[Version, ...]:
     """Return the newest ten versions that are not empty, the newest first, each text once."""
     found: dict[str, Version] = {}
     length = 0
@@ -73,7 +87,7 @@ def newest(versions: Iterable[Version]) -> list[Version]:
             break
         if version.text.strip():
             found.setdefault(version.text, version)
-    return list(found.values())
+    return tuple(found.values())
 
 
 def checked_name(name: str) -> str:
@@ -153,13 +167,6 @@ class Kept:
         self._known[ending] = self._signature(ending), written
         own.note_own(self.home + ending, written)
 
-    def remove(self, ending: str) -> None:
-        """Remove a file, if it exists."""
-        if not self.folder.is_symlink():
-            with suppress(OSError):
-                os.unlink(self.file(ending))
-        self._known.pop(ending, None)
-
     def is_own(self, ending: str, text: str) -> bool:
         """Return whether this user wrote this text to the file, with this package."""
         return own.is_own(self.home + ending, digest(text))
@@ -181,21 +188,30 @@ class Kept:
             )
         return None if text is None or (known is not None and known[1] == digest(text)) else text
 
-    def versions(self) -> list[Version]:
-        """Return the earlier texts, the newest first."""
+    def remembered(self) -> Remembered:
+        """Return what is kept beside the text; what someone else typed last is one of the versions."""
+        text = self.read(".versions")
         try:
-            found = [Version(**each) for each in json.loads(self.read(".versions") or "[]")]
-            return newest(each for each in found if isinstance(each.text, str) and 0 < each.when < _LATEST)
+            found = json.loads(text or "{}")
+            fields: Mapping[str, Any] = found if isinstance(found, dict) else {"versions": found}
+            versions = [Version(**each) for each in fields.get("versions", ())]
+            versions = [each for each in versions if isinstance(each.text, str) and 0 < each.when < _LATEST]
         except (ValueError, TypeError, RecursionError):  # another program wrote it
-            return []
+            return Remembered()
+        kept = [fields.get(name) for name in ("typed", "cell", "hung")]
+        typed, cell, hung = (each if isinstance(each, str) else None for each in kept)
+        if typed is not None and text is not None and not self.is_own(".versions", text):
+            versions.append(Version(typed, time.time()))
+            typed = None
+        return Remembered(typed, cell, hung, newest(versions))
 
-    def add_versions(self, versions: Iterable[Version]) -> None:
-        """Add earlier texts; ten are kept.
+    def remember(self, what: Remembered) -> None:
+        """Keep this beside the text; the versions that another kernel has kept stay.
 
-        Raises FileError: they cannot be written.
+        Raises FileError: it cannot be written.
         """
-        every = newest([*versions, *self.versions()])
-        self.write(".versions", json.dumps([asdict(version) for version in every]))
+        versions = newest([*what.versions, *self.remembered().versions])
+        self.write(".versions", json.dumps(asdict(replace(what, versions=versions))))
 
     def _signature(self, ending: str) -> _Signature | None:
         if self.folder.is_symlink():

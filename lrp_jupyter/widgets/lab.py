@@ -286,7 +286,7 @@ class Lab(Part):
 
         ``lab.text = lab.versions[0].text`` returns to the newest of them.
         """
-        return self._connection.saver.versions
+        return list(self._connection.texts.versions)
 
     @property
     def active(self) -> tuple[Path, ...]:

@@ -299,7 +299,7 @@ class LRPMagics(Magics):
     def versions(self, rest: list[str]) -> None:
         """List the earlier texts, the newest first."""
         connection = _the(rest)
-        lines = [f"{n}: {version}" for n, version in enumerate(connection.saver.versions, 1)]
+        lines = [f"{n}: {version}" for n, version in enumerate(connection.texts.versions, 1)]
         print("\n".join(lines) or f"There are no earlier texts of `{connection.name}`.")  # noqa: T201
 
     def version(self, rest: list[str]) -> None:
@@ -307,7 +307,7 @@ class LRPMagics(Magics):
         if not rest or not rest[0].isdecimal():
             raise UsageError("%lrp version: Write the number of a version, as in `%lrp version 1`.")
         connection = _the(rest[1:])
-        known = dict(enumerate(connection.saver.versions, 1))
+        known = dict(enumerate(connection.texts.versions, 1))
         found = known.get(int(rest[0]))
         if not known:
             raise UsageError(f"%lrp version: There are no earlier texts of `{connection.name}`.")

@@ -20,11 +20,10 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 from lrp_jupyter.widgets.conditions import Conditions
-from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.keeping import kept_texts
-from lrp_jupyter.widgets.kept import Kept, checked_name
+from lrp_jupyter.widgets.kept import checked_name
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
@@ -146,11 +145,10 @@ def open_program(
     connection = find(checked_name(name))
     if connection is None:
         here = folder or os.getcwd()
-        kept = kept_texts(here, name)
         texts = Texts(given_in)
-        saver = Saver(texts, kept, os.path.realpath(FilePath(here) / name))
-        first, *later = _first_texts(texts, kept, text) or [""]
-        if kept is not None and kept.read(".hung") in (first, *later):
+        saver = Saver(texts, kept_texts(here, name), os.path.realpath(FilePath(here) / name))
+        first, *later = saver.first_texts(text) or [""]
+        if saver.hung in (first, *later):
             paused = _HAS_HUNG
         path = None if log is None else FilePath(here) / log
         session = _open_session(
@@ -177,7 +175,7 @@ def open_program(
     if task is not None and (connection.goal is None or connection.goal.task != task):
         connection.goal = Goal(task)
     if text:
-        _reconcile(connection.texts, text)
+        connection.texts.reconcile(text)
     elif task is not None and not connection.texts.text.strip():
         connection.texts.write(task.beginning)
     if connection.session.status == "broken":
@@ -233,51 +231,6 @@ def _open_session(
 
 def _reopen(old: Session, bridge: str, log: FilePath | None = None, **options: Any) -> Session:
     return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options, log=log)
-
-
-def _first_texts(texts: Texts, kept: Kept | None, cell: str | None) -> list[str]:
-    """Return the texts to start with, of which a later one is newer, and ask about other kept texts.
-
-    The text of a cell starts, because it is what the user sees. Without one, what this user has written
-    starts; what came with the folder never does.
-    """
-    if kept is None:
-        return [cell] if cell else []
-    own: list[tuple[str, str]] = []
-    for ending in (".draft", ".lrp"):
-        text = kept.read(ending)
-        if text is None or not text.strip() or _are_alike(text, cell):
-            continue
-        if kept.is_own(ending, text):
-            own.append((ending, text))
-        elif not cell or text != texts.cell:
-            texts.ask(Conflict("stranger", text, (ending,)))
-    if not cell:
-        return [text for _, text in reversed(own)]
-    changed = [text for _, text in own if text != texts.cell]
-    if changed:
-        texts.ask(Conflict("lab", changed[0], tuple(ending for ending, _ in own)))
-    for _, text in own:
-        if text not in changed[:1]:
-            texts.add_version(text)
-    return [cell]
-
-
-def _reconcile(texts: Texts, text: str) -> None:
-    """Reconcile the texts of the cell and the lab: the changed one wins; if both changed, ask."""
-    for earlier in texts.conflicts.of("cell"):
-        texts.withdraw(earlier)
-    if not (_are_alike(text, texts.text) or _are_alike(text, texts.cell)):
-        if texts.text.strip() and not _are_alike(texts.text, texts.cell):
-            texts.ask(Conflict("cell", text))
-            return
-        texts.write(text)
-    texts.cell = text
-
-
-def _are_alike(text: str, cell: str | None) -> bool:
-    """Return whether a text is that of a cell, which has its own line ends and a newline at its end."""
-    return cell is not None and text.splitlines() == cell.splitlines()
 
 
 @atexit.register

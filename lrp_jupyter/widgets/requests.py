@@ -111,7 +111,7 @@ def versions(opened: OpenProgram) -> Mapping[str, Any]:
     return {
         "versions": [
             {"key": version.key, "when": version.when, "text": version.text}
-            for version in opened.saver.versions
+            for version in opened.texts.versions
         ]
     }
 

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 import os
 from threading import Lock
-from time import time
 
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.widgets.conflicts import Conflict
-from lrp_jupyter.widgets.kept import Kept, Version, newest
-from lrp_jupyter.widgets.texts import Texts, fingerprint
+from lrp_jupyter.widgets.kept import Kept, Remembered
+from lrp_jupyter.widgets.texts import Texts, are_alike, fingerprint
 
 _LOOK = 1.0  # s between two comparisons of the file with what was written
 _AGAIN = 5.0  # s until a text that could not be kept is tried again
@@ -39,13 +38,14 @@ class Saver:
         """Why the texts cannot be kept at the moment; empty if they are."""
         self._home = home
         self._lock = Lock()  # of the files, and of what follows
-        self._stored: tuple[object, ...] = ()
+        self._stored: object = None
         self._looked = self._again = float("-inf")
-        self._hung: str | None = None
         self._well = 0.0  # since when the text that hung has run well
         self._saved_as: dict[str, tuple[int, int]] = {}  # what this lab wrote to files of the user's choice
-        if kept is not None:
-            texts.cell, self._hung = kept.read(".cell"), kept.read(".hung")
+        self._remembered = Remembered() if kept is None else kept.remembered()
+        texts.cell, texts.versions = self._remembered.cell, self._remembered.versions
+        self.hung = self._remembered.hung
+        """The text of the program that hung, until it has run well."""
 
     @property
     def home(self) -> str:
@@ -67,29 +67,45 @@ class Saver:
         self._saved_as[os.path.realpath(file)] = fingerprint(text)
         return True
 
+    def first_texts(self, cell: str | None) -> list[str]:
+        """Return the texts to start with, of which a later one is newer, and ask about other kept texts.
+
+        The text of a cell starts, because it is what the user sees. Without one, what this user has written
+        starts; what came with the folder never does.
+        """
+        if self.kept is None:
+            return [cell] if cell else []
+        texts, own = self.texts, [self._remembered.typed]
+        accepted = self.kept.read(".lrp") or ""
+        if self.kept.is_own(".lrp", accepted):
+            own.append(accepted)
+        elif accepted.strip() and not are_alike(accepted, cell) and (not cell or accepted != texts.cell):
+            texts.ask(Conflict("stranger", accepted))
+        found = [text for text in own if text and text.strip() and not are_alike(text, cell)]
+        if not cell:
+            return found[::-1]
+        for text in reversed(found):
+            texts.add_version(text)
+        changed = [text for text in found if text != texts.cell]
+        if changed:
+            texts.ask(Conflict("lab", changed[0]))
+        return [cell]
+
     def move(self, name: str) -> None:
         """Keep the texts under another name from now on; what was kept there joins the versions."""
         self.save(at_once=True)
         texts = self.texts
         with self._lock, texts.lock:
-            for conflict in texts.conflicts:  # it was about the other name
-                texts.withdraw(conflict)
+            texts.withdraw()  # they were about the other name
             texts.cell = texts.accepted = None
             if self.kept is None:
                 return
             self.kept = Kept(self.kept.folder, name)
-            self._hung, self._stored = self.kept.read(".hung"), ()
-            for text in (self.kept.read(".lrp"), self.kept.read(".draft")):
+            self._remembered, self._stored = self.kept.remembered(), None
+            texts.versions, self.hung = self._remembered.versions, self._remembered.hung
+            for text in (self.kept.read(".lrp"), self._remembered.typed):
                 if text is not None:
                     texts.add_version(text)
-
-    @property
-    def versions(self) -> list[Version]:
-        """The earlier texts, the newest first."""
-        with self._lock:
-            kept = [] if self.kept is None else self.kept.versions()
-        with self.texts.lock:
-            return newest([*self.texts.replaced, *kept])
 
     def save(self, at_once: bool = False) -> None:
         """Keep the texts in their files; what is kept already costs nothing.
@@ -100,7 +116,7 @@ class Saver:
             if self.kept is None or (self.texts.clock() < self._again and not at_once):
                 return
             try:
-                self._keep_hung(self.kept)
+                self._notice_hanging()
                 self._save(self.kept)
                 self.problem = ""
             except FileError as error:
@@ -109,54 +125,41 @@ class Saver:
                     self.texts.session.output.print(f"The text is not kept. {error}")
                 self.problem = str(error)
 
-    def _keep_hung(self, kept: Kept) -> None:
-        """Keep the text of a program that hangs, so that it is not started again by itself."""
+    def _notice_hanging(self) -> None:
+        """Remember the text of a program that hangs, so that it is not started again by itself."""
         frame, now = self.texts.session.frame, self.texts.clock()
         text = frame.program.text
         if frame.hung is not None:
-            kept.write(".hung", text)
-            self._hung = text
-        if frame.hung is not None or text != self._hung or frame.status != "running":
+            self.hung = text
+        if frame.hung is not None or text != self.hung or frame.status != "running":
             self._well = now
         elif now - self._well > _WELL:
-            kept.remove(".hung")
-            self._hung = None
+            self.hung = None
 
     def _save(self, kept: Kept) -> None:
-        texts = self.texts
-        with texts.lock:
-            accepted, typed, cell, versions = texts.accepted, texts.text, texts.cell, texts.replaced
-            asked = texts.conflicts.endings
-        now, wanted = texts.clock(), (accepted, typed, cell, versions, asked)
+        texts, now = self.texts, self.texts.clock()
+        wanted = self._wanted()
         if wanted == self._stored and now - self._looked < _LOOK:
             return
         self._looked = now
         other = kept.changed(".lrp")
-        if other is not None and other != accepted:
-            self._release(kept, ".lrp")
-            texts.ask(Conflict("file", other, (".lrp",), kept.shown_file))
-            return  # which is news to keep, too
-        if accepted is not None and ".lrp" not in asked:
+        if other is not None and other != texts.accepted:
+            texts.ask(Conflict("file", other, kept.shown_file))
+            wanted = self._wanted()
+        accepted, remembered = wanted
+        if accepted is not None:
             kept.write(".lrp", accepted)
-        is_kept = not typed.strip() or typed == cell or (typed == accepted and ".lrp" not in asked)
-        if not is_kept:
-            self._release(kept, ".draft")
-            kept.write(".draft", typed)
-        elif ".draft" not in asked:
-            kept.remove(".draft")
-        if cell is not None:
-            kept.write(".cell", cell)
-        if versions:
-            kept.add_versions(versions)
-            with texts.lock:
-                texts.replaced = [each for each in texts.replaced if each not in versions]
+        if remembered != self._remembered:
+            kept.remember(remembered)
+            self._remembered = remembered
         self._stored = wanted
 
-    def _release(self, kept: Kept, ending: str) -> None:
-        """Make a file free that conflicts hold: their texts are versions from now on."""
-        with self.texts.lock:
-            holding = self.texts.conflicts.holding(ending)
-        if holding:
-            kept.add_versions(Version(each.text, time()) for each in holding)
-        with self.texts.lock:
-            self.texts.conflicts.release(ending)
+    def _wanted(self) -> tuple[str | None, Remembered]:
+        """Return what is to be kept: the text, unless a question may be about the file, and the rest."""
+        texts = self.texts
+        with texts.lock:
+            asked = [each for each in texts.conflicts if each.source != "cell"]
+            accepted, typed = None if asked else texts.accepted, texts.text
+            if not typed.strip() or typed in (accepted, texts.cell):
+                typed = next((each.text for each in asked if each.source in ("lab", "view")), "")
+            return accepted, Remembered(typed or None, texts.cell, self.hung, texts.versions)

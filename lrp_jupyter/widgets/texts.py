@@ -22,7 +22,7 @@ from lrp_jupyter.language.rename import rename as renamed
 from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.changes import TextChanges
-from lrp_jupyter.widgets.conflicts import Conflict, Conflicts
+from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.document import Document, Update
 from lrp_jupyter.widgets.finding_views import difference_view, finding_view
 from lrp_jupyter.widgets.kept import Version, newest
@@ -100,19 +100,21 @@ class Texts:
     """
 
     def __init__(self, given_in: str = "cell") -> None:
+        self._given_in = given_in
         self.hold = False
         self.lock = RLock()
         """Held while they change."""
         self.session: Session
         """The session that runs them."""
         self.clock: Callable[[], float]
-        self.conflicts = Conflicts(given_in)
+        self.conflicts: list[Conflict] = []
+        """The texts that the user may want instead; the first one is asked about."""
         self.cell: str | None = None
         """The text of the cell, as it was known last."""
         self.accepted: str | None = None
         """The last one that is a valid program."""
-        self.replaced: list[Version] = []
-        """Earlier ones that are in no file yet."""
+        self.versions: tuple[Version, ...] = ()
+        """Earlier ones, the newest first."""
         self.waiting: deque[Written] = deque()
         self.document = Document()
         self.findings: tuple[Finding, ...] = ()
@@ -253,8 +255,8 @@ class Texts:
     ) -> None:
         """Offer the text to the session, unless it is held, and answer when that has decided."""
         answer: Future[Any] = Future()
-        for conflict in self.conflicts:
-            if _plain(conflict.text) == _plain(self.text):  # the user has typed what was to be chosen
+        for conflict in list(self.conflicts):
+            if are_alike(conflict.text, self.text):  # the user has typed what was to be chosen
                 self._end(conflict)
         cursors = self._cursors() if cursors is None else cursors
         try:
@@ -323,7 +325,7 @@ class Texts:
     def add_version(self, text: str) -> None:
         """Add an earlier text to the versions."""
         with self.lock:
-            self.replaced = newest([Version(text, time()), *self.replaced])
+            self.versions = newest([Version(text, time()), *self.versions])
 
     def _judge(self, *cursors: Cursor) -> None:
         """Check the text without offering it to the session."""
@@ -471,48 +473,53 @@ class Texts:
     def conflict(self) -> ConflictView | None:
         """What the user is asked now."""
         with self.lock:
-            return self.conflicts.question(self.session.name)
+            first = next(iter(self.conflicts), None)
+            return None if first is None else first.question(self.session.name, self._given_in)
 
     def ask(self, conflict: Conflict) -> None:
         """Ask about a text, unless it is the present one or asked about already.
 
-        A newer text from the same source replaces the older one, which becomes a version.
+        It replaces an older one from the same source. It is a version at once: no file may contain it then.
         """
         with self.lock:
             if conflict.text in (self.text, *(other.text for other in self.conflicts)):
                 return
-            for other in self.conflicts.of(conflict.source):
-                if other.endings == conflict.endings:
-                    self.withdraw(other)
-            self.conflicts.add(conflict)
+            self.withdraw(conflict.source)
+            self.conflicts.append(conflict)
+            self.add_version(conflict.text)
             self._wake()
 
-    def recover(self, text: str) -> None:
-        """Ask about the text of a view that has lost its kernel: it continues what the lab kept.
+    def reconcile(self, text: str) -> None:
+        """Reconcile the texts of the cell and the lab: the changed one wins; if both changed, ask."""
+        with self.lock:
+            self.withdraw("cell")
+            if not (are_alike(text, self.text) or are_alike(text, self.cell)):
+                if self.text.strip() and not are_alike(self.text, self.cell):
+                    self.ask(Conflict("cell", text))
+                    return
+                self.write(text)
+            self.cell = text
 
-        No file and no page keeps it any longer, so it is a version at once.
-        """
+    def recover(self, text: str) -> None:
+        """Ask about the text of a view that has lost its kernel: it continues what the lab kept."""
         with self.lock:
             text = self.document.with_line_ends(text)
-            if text.strip() and text != self.text:
-                self.add_version(text)
-                for kept in self.conflicts.of("lab"):
-                    if kept.text != text:
-                        self.ask(Conflict("view", text, kept.endings))
-                        self.withdraw(kept)
+            if text.strip() and text not in (self.text, *(other.text for other in self.conflicts)):
+                self.withdraw("lab")
                 self.ask(Conflict("view", text))
 
-    def withdraw(self, conflict: Conflict) -> None:
-        """End a conflict with the present text; the other one becomes a version."""
+    def withdraw(self, source: str = "") -> None:
+        """End the conflicts about texts from a source, or all, with the present text: those are versions."""
         with self.lock:
-            self.conflicts.remove(conflict)
-            self.add_version(conflict.text)
+            for each in [each for each in self.conflicts if source in ("", each.source)]:
+                self.conflicts.remove(each)
+                self.add_version(each.text)
 
     def end_conflict(self, number: int | None, use: bool) -> None:
         """End the conflict of this number (None: the present one), with its text or with the present one."""
         with self.lock:
-            conflict = self.conflicts.first
-            if conflict is None or number not in (None, self.conflicts.number):
+            conflict = next(iter(self.conflicts), None)
+            if conflict is None or number not in (None, conflict.number):
                 return
             self._end(conflict)
             self.add_version(conflict.text)
@@ -523,6 +530,11 @@ class Texts:
         self.conflicts.remove(conflict)
         if conflict.source == "cell":
             self.cell = conflict.text
+
+
+def are_alike(text: str, other: str | None) -> bool:
+    """Return whether two texts are equal but for line ends: a cell has its own, and a newline at its end."""
+    return other is not None and text.splitlines() == other.splitlines()
 
 
 def fingerprint(text: str) -> tuple[int, int]:

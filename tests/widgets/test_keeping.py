@@ -103,7 +103,7 @@ def test_nothing_is_kept_for_visitors(kernel, tmp_path, home, use, host):
     snapshot = snapshot_of(connection)
     assert snapshot["tab_only"]
     assert snapshot["home"] == str(tmp_path.resolve() / "shared" / "mine")
-    assert [version.text for version in connection.saver.versions] == [A]
+    assert [version.text for version in connection.texts.versions] == [A]
     assert files_in(tmp_path) == set()
     again = kernel(A)
     assert again.texts.text == A

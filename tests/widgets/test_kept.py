@@ -2,6 +2,7 @@
 
 import errno
 import gc
+import json
 import os
 import random
 import tracemalloc
@@ -14,7 +15,7 @@ from support.seeds import seeds
 from lrp_jupyter import files
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.kept import checked_name
+from lrp_jupyter.widgets.kept import Kept, checked_name
 from lrp_jupyter.widgets.lab import Lab
 
 A = "(machine m (state a)) (spawn m a)"
@@ -72,9 +73,11 @@ def test_a_text_that_came_with_the_folder_does_not_run_before_it_is_chosen(
 
 def test_forged_files_beside_a_strangers_text_do_not_make_it_run(cell, tmp_path):
     given(tmp_path, EVIL)
-    for ending in (".cell", ".draft"):
-        (tmp_path / ".lrp" / f"mine{ending}").write_text(EVIL)
-    assert cell("").session.program.text == ""
+    forged = json.dumps({"typed": EVIL, "cell": EVIL, "versions": []})
+    (tmp_path / ".lrp" / "mine.versions").write_text(forged)
+    connection = cell("")
+    assert connection.session.program.text == ""
+    assert [version.text for version in connection.texts.versions] == [EVIL]
     assert cell(A).session.program.text == A
     assert cell("").session.program.text == A
 
@@ -143,7 +146,7 @@ def test_links_in_the_folder_lead_nowhere(cell, tmp_path):
     secret = tmp_path / "secret"
     secret.write_text("secret")
     (tmp_path / ".lrp").mkdir()
-    for name in ("mine.lrp", "mine.lrp~", "mine.cell", "mine.cell~", "mine.draft", "mine.versions"):
+    for name in ("mine.lrp", "mine.lrp~", "mine.versions", "mine.versions~"):
         (tmp_path / ".lrp" / name).symlink_to(secret)
     connection = cell(A)
     for text in (B, BROKEN, C):
@@ -151,7 +154,7 @@ def test_links_in_the_folder_lead_nowhere(cell, tmp_path):
         connection.publish()
     assert secret.read_text() == "secret"
     assert (tmp_path / ".lrp" / "mine.lrp").read_text() == C
-    assert "secret" not in [version.text for version in connection.saver.versions]
+    assert "secret" not in [version.text for version in connection.texts.versions]
 
 
 def test_a_text_is_kept_at_once_though_no_page_is_open(tmp_path, monkeypatch, cell):
@@ -161,7 +164,7 @@ def test_a_text_is_kept_at_once_though_no_page_is_open(tmp_path, monkeypatch, ce
     lab.text = B
     assert (tmp_path / ".lrp" / "mine.lrp").read_text() == B
     lab.text = BROKEN
-    assert (tmp_path / ".lrp" / "mine.draft").read_text() == BROKEN
+    assert Kept(tmp_path / ".lrp", "mine").remembered().typed == BROKEN
 
 
 # -- conflicts -------------------------------------------------------------------------------------
@@ -234,7 +237,7 @@ def test_the_text_of_a_view_that_lost_its_kernel_continues_what_was_kept(cell):
     assert connection.texts.conflict["text"] == BROKEN
     assert [conflict.text for conflict in connection.texts.conflicts] == [BROKEN]
     connection.publish()
-    assert {B, BROKEN} <= {version.text for version in connection.saver.kept.versions()}
+    assert {B, BROKEN} <= {version.text for version in connection.saver.kept.remembered().versions}
     connection.texts.recover(BROKEN)
     connection.texts.recover(A)  # what the lab has already
     connection.texts.recover("  ")
@@ -262,7 +265,7 @@ def test_an_answer_ends_only_the_conflict_that_it_is_about(bench, answer):
 
 
 def versions(lab):
-    return [version.text for version in lab.connection.saver.versions]
+    return [version.text for version in lab.connection.texts.versions]
 
 
 def text(number):
@@ -275,9 +278,9 @@ def test_the_last_ten_texts_that_were_not_empty_are_kept(cell):
         connection.texts.write(text(number))
         connection.texts.write("")
     expected = [text(number) for number in range(11, 1, -1)]
-    assert [version.text for version in connection.saver.versions] == expected
+    assert [version.text for version in connection.texts.versions] == expected
     connection = cell(None)
-    assert [version.text for version in connection.saver.versions] == expected
+    assert [version.text for version in connection.texts.versions] == expected
 
 
 def test_typing_makes_a_version_after_a_pause_and_before_a_deletion(bench):
@@ -310,7 +313,10 @@ def test_versions_that_another_program_wrote_are_left_out(cell, tmp_path):
     (tmp_path / ".lrp").mkdir()
     for text in ('[{"when": 1e999, "text": "x"}, 3]', '[{"when": NaN, "text": "x"}]', "[" * 9999, "{}", "\0"):
         (tmp_path / ".lrp" / "mine.versions").write_text(text)
-        assert cell(A).saver.versions == []
+        assert cell(A).texts.versions == ()
+    old = '[{"when": 1, "text": "as they were kept before"}]'
+    (tmp_path / ".lrp" / "mine.versions").write_text(old)
+    assert [version.text for version in cell(A).texts.versions] == ["as they were kept before"]
 
 
 def test_revisions_of_a_long_text_cost_no_memory(bench):
@@ -442,7 +448,7 @@ def test_whatever_happens_no_text_is_lost(cell, tmp_path, seed):
     done = []
 
     def everywhere():
-        texts, versions = connection.texts, connection.saver.versions
+        texts, versions = connection.texts, connection.texts.versions
         return [texts.text, *(each.text for each in texts.conflicts), *(each.text for each in versions)]
 
     for number in range(25):

@@ -66,7 +66,7 @@ def test_a_program_that_is_opened_in_a_lab_gives_it_its_name_and_leaves_the_old_
     assert connection.session.name == "square"
     assert (tmp_path / ".lrp" / "mine.lrp").read_text() == A
     assert (tmp_path / ".lrp" / "square.lrp").read_text() == B
-    assert [version.text for version in connection.saver.versions] == [A]
+    assert [version.text for version in connection.texts.versions] == [A]
     assert cell(A) is not connection, "the cell has a program of its own again"
     assert connection.texts.text == B
 
@@ -78,7 +78,7 @@ def test_what_was_kept_under_the_name_of_an_opened_program_is_among_the_versions
     connection.load("square", B)
     connection.saver.save(at_once=True)
     assert not connection.texts.conflicts
-    assert {version.text for version in connection.saver.versions} == {A, C}
+    assert {version.text for version in connection.texts.versions} == {A, C}
 
 
 def test_an_opened_program_has_a_number_if_another_lab_has_its_name(cell):
@@ -164,7 +164,7 @@ def test_after_a_restart_the_cells_text_runs_until_the_labs_is_chosen(cell, rest
     restart_kernel()
     connection = cell(A)
     connection.texts.end_conflict(None, use=False)
-    assert typed in [version.text for version in connection.saver.versions]
+    assert typed in [version.text for version in connection.texts.versions]
     restart_kernel()
     assert cell(A).texts.conflict is None
 
@@ -295,5 +295,5 @@ def test_a_text_that_hung_is_started_again_once_it_has_run_well(cell, restart_ke
     connection.publish()
     names["done"].append(True)
     kept = connection.saver.kept
-    assert kept.read(".hung") == text
-    until(lambda: connection.publish() or kept.read(".hung") is None)
+    assert kept.remembered().hung == text
+    until(lambda: connection.publish() or kept.remembered().hung is None)
