@@ -136,13 +136,13 @@ def panel(opened: OpenProgram, key: str, row: str = "", values: dict[str, str] |
 @act()
 def hold(opened: OpenProgram, on: bool) -> None:
     """Switch holding of edits on or off; a held text is applied when it is switched off."""
-    opened.study.switch(edits="hold" if on else "live")
+    opened.texts.set_conditions(opened.texts.conditions.switched(edits="hold" if on else "live"))
 
 
 @act()
 def graph(opened: OpenProgram, mode: GraphMode) -> None:
     """Set when the state graph is redrawn, and whether it is shown."""
-    opened.study.switch(graph=mode)
+    opened.texts.set_conditions(opened.texts.conditions.switched(graph=mode))
 
 
 @act()

@@ -8,7 +8,6 @@ from typing import Any, get_args
 from lrp_jupyter.arguments import check_choice, check_switch
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.widgets.protocol import Edits, GraphMode
-from lrp_jupyter.widgets.texts import Texts
 
 CHOICES: dict[str, tuple[str, ...]] = {"edits": get_args(Edits), "graph": get_args(GraphMode)}
 """The words of the conditions that are not switches."""
@@ -29,6 +28,18 @@ class Conditions:
         check_switch("quiet", self.quiet)
         check_switch("lock", self.lock)
 
+    def switched(self, **changes: Any) -> Conditions:
+        """Return them with changes that a page makes.
+
+        Raises LRPError: they are locked.
+        """
+        if self.lock:
+            raise LRPError(
+                "This lab is locked for a study: the page can change neither when edits take effect nor "
+                "what is shown of the run."
+            )
+        return replace(self, **changes)
+
 
 NAMES = tuple(field.name for field in fields(Conditions))
 
@@ -37,36 +48,3 @@ def given(**named: Any) -> Conditions | None:
     """Return the named conditions, with the defaults of the others; None if none is named."""
     known = {name: value for name, value in named.items() if value is not None}
     return Conditions(**known) if known else None
-
-
-class Study:
-    """The conditions of one program, which all its views share. From any thread.
-
-    `texts`: they hold edits back, or not.
-    """
-
-    def __init__(self, texts: Texts) -> None:
-        self._texts = texts
-        self._conditions = Conditions()
-
-    @property
-    def conditions(self) -> Conditions:
-        """The present ones."""
-        return self._conditions
-
-    def set(self, conditions: Conditions) -> None:
-        """Change them, as Python does."""
-        self._texts.hold_edits(conditions.edits == "hold")
-        self._conditions = conditions
-
-    def switch(self, **changes: Any) -> None:
-        """Change some of them, as a page does.
-
-        Raises LRPError: they are locked.
-        """
-        if self._conditions.lock:
-            raise LRPError(
-                "This lab is locked for a study: the page can change neither when edits take effect nor "
-                "what is shown of the run."
-            )
-        self.set(replace(self._conditions, **changes))

@@ -35,7 +35,6 @@ from lrp_jupyter.widgets import requests as requests
 from lrp_jupyter.widgets import timeline as timeline
 from lrp_jupyter.widgets import world_commands as world_commands
 from lrp_jupyter.widgets.changes import TextChanges
-from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
@@ -79,7 +78,6 @@ class PageConnection:
         self.saver = saver
         self.layouts = Layouts()
         self.looking = Looking()
-        self.study = Study(self.texts)
         self.log: FilePath | None = None
         """The file that was named for the recording of its sessions."""
         self.options = dict(options or {})
@@ -92,9 +90,7 @@ class PageConnection:
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
         self._changing = threading.Lock()  # held while another bridge is opened, which may take long
         self._worker: ThreadPoolExecutor | None = None
-        self._publisher = Publisher(
-            session, saver, self.layouts, self.looking, self.study, self.report, clock
-        )
+        self._publisher = Publisher(session, saver, self.layouts, self.looking, self.report, clock)
 
     @property
     def session(self) -> Session:

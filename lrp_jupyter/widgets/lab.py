@@ -240,7 +240,7 @@ class Lab(Part):
                 program.record_until_closed(log)
             connection = registry.connection_of(program)
             if conditions is not None:
-                connection.study.set(conditions)
+                connection.texts.set_conditions(conditions)
                 connection.wake()
             self._connect(connection)
             return
@@ -309,7 +309,7 @@ class Lab(Part):
     @property
     def conditions(self) -> Conditions:
         """The conditions of a study: `edits`, `graph`, `quiet` and `lock`; see `set_conditions`."""
-        return self._connection.study.conditions
+        return self._connection.texts.conditions
 
     def set_conditions(
         self, *, edits: Edits = "live", graph: GraphMode = "live", quiet: bool = False, lock: bool = False
@@ -332,7 +332,7 @@ class Lab(Part):
         lock : bool
             Whether the page refuses to change this. A cell can still do so.
         """
-        self._connection.study.set(Conditions(edits, graph, quiet, lock))
+        self._connection.texts.set_conditions(Conditions(edits, graph, quiet, lock))
         self._connection.wake()
 
     @property

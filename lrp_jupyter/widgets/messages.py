@@ -16,7 +16,6 @@ from typing import Any, ClassVar, Protocol, TypeVar
 from lrp_jupyter.live.codec import DecodeError, Fields, decode, fields_of
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.changes import Sections
-from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
@@ -32,7 +31,6 @@ class OpenProgram(Protocol):
     saver: Saver
     layouts: Layouts
     looking: Looking
-    study: Study
 
     @property
     def session(self) -> Session:

@@ -35,7 +35,6 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.waking import TaskEvent
 from lrp_jupyter.sim.worlds import BUNDLED
-from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.hosts import debugger
 from lrp_jupyter.widgets.layouts import Layouts
@@ -229,7 +228,6 @@ class Publisher:
         saver: Saver,
         layouts: Layouts,
         looking: Looking,
-        study: Study,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
@@ -237,7 +235,6 @@ class Publisher:
         self._saver = saver
         self._layouts = layouts
         self._looking = looking
-        self._study = study
         self._report = report
         self._clock = clock
         self._lock = threading.RLock()  # of the views and what was sent to them
@@ -264,7 +261,7 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._saver, self._layouts, self._study, self.goal)
+            self._view_states = ViewStates(session, self._saver, self._layouts, self.goal)
             if self.goal is not None:
                 self.goal.attach(session, self.wake)
             for view in self._views.values():
@@ -278,7 +275,7 @@ class Publisher:
             self.goal = goal
             if goal is not None:
                 goal.attach(self.session, self.wake)
-            self._view_states = ViewStates(self.session, self._saver, self._layouts, self._study, goal)
+            self._view_states = ViewStates(self.session, self._saver, self._layouts, goal)
             for view in self._views.values():
                 self._snapshot(view)
 

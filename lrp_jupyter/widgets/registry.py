@@ -171,7 +171,7 @@ def open_program(
         elif options and options != connection.options:
             connection.change_bridge(connection.session.bridge.name, **options)
     if conditions is not None:
-        connection.study.set(conditions)
+        connection.texts.set_conditions(conditions)
     if task is not None and (connection.goal is None or connection.goal.task != task):
         connection.goal = Goal(task)
     if text:

@@ -22,6 +22,7 @@ from lrp_jupyter.language.rename import rename as renamed
 from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.changes import TextChanges
+from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.document import Document, Update
 from lrp_jupyter.widgets.finding_views import difference_view, finding_view
@@ -101,7 +102,8 @@ class Texts:
 
     def __init__(self, given_in: str = "cell") -> None:
         self._given_in = given_in
-        self.hold = False
+        self.conditions = Conditions()
+        """How the lab is used; all its views share them."""
         self.lock = RLock()
         """Held while they change."""
         self.session: Session
@@ -230,37 +232,41 @@ class Texts:
             if self._hands.pop(view, None) is not None and self.half_typed:
                 self._offer()
 
-    def hold_edits(self, on: bool) -> None:
-        """Hold texts back from now on, or not, and apply the held one."""
+    @property
+    def hold(self) -> bool:
+        """Whether texts wait until they are applied."""
+        return self.conditions.edits == "hold"
+
+    def set_conditions(self, conditions: Conditions) -> None:
+        """Change the conditions; a text that does not wait any more is applied."""
         with self.lock:
-            if self.hold and not on:
+            was_held, self.conditions = self.hold, conditions
+            if was_held and not self.hold:
                 self.apply()
-            self.hold = on
 
     def apply(self) -> None:
         """Apply the held text."""
         with self.lock:
-            held, self.hold = self.hold, False
-            try:
-                self._offer(cursors=())
-            finally:
-                self.hold = held
+            self._offer(at_once=True)
 
     def _offer(
         self,
         view: str = "",
         seq: int = 0,
-        cursors: Iterable[Cursor] | None = None,
         rename: Rename | None = None,
+        at_once: bool = False,
     ) -> None:
-        """Offer the text to the session, unless it is held, and answer when that has decided."""
+        """Offer the text to the session, unless edits are held, and answer when that has decided.
+
+        `at_once`: held or half typed, it is offered.
+        """
         answer: Future[Any] = Future()
         for conflict in list(self.conflicts):
             if are_alike(conflict.text, self.text):  # the user has typed what was to be chosen
                 self._end(conflict)
-        cursors = self._cursors() if cursors is None else cursors
+        cursors = [] if at_once else self._cursors()
         try:
-            if not self.hold:
+            if at_once or not self.hold:
                 judgement, answer = self._renamed(rename) or self.session.offer(self.text, *cursors)
                 self._use(judgement)
             else:

@@ -25,7 +25,6 @@ from lrp_jupyter.language.program import Element, Finding, Machine, Program, Spa
 from lrp_jupyter.live.breakpoint import Breakpoint
 from lrp_jupyter.live.frame import Frame, Hit
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.conditions import Study
 from lrp_jupyter.widgets.finding_views import finding_id
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
@@ -75,11 +74,8 @@ class ViewStates:
     `goal`: the challenge that the program is written for.
     """
 
-    def __init__(
-        self, session: Session, saver: Saver, layouts: Layouts, study: Study, goal: Goal | None = None
-    ) -> None:
+    def __init__(self, session: Session, saver: Saver, layouts: Layouts, goal: Goal | None = None) -> None:
         self._goal = goal
-        self._study = study
         self._session = session
         self._texts = saver.texts
         self._saver = saver
@@ -102,7 +98,7 @@ class ViewStates:
 
         `waits`: whether the messages of a view wait for a cell that runs.
         """
-        session, texts, conditions = self._session, self._texts, self._study.conditions
+        session, texts, conditions = self._session, self._texts, self._texts.conditions
         shown, layouts = self._layouts.current
         frame, looking = what
         now = session.frame

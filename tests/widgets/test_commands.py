@@ -140,14 +140,14 @@ def test_conditions_are_shared_by_all_views_and_by_those_that_come_later(lab, pa
 
 def test_locked_conditions_are_refused_to_a_page_and_not_to_python(lab, page):
     locked = Conditions("hold", "static", quiet=True, lock=True)
-    lab.connection.study.set(locked)
+    lab.connection.texts.set_conditions(locked)
     for act in ({"act": "hold", "on": False}, {"act": "graph", "mode": "live"}):
         assert page.do(**act).startswith("This lab is locked for a study: ")
-    assert lab.connection.study.conditions == locked
+    assert lab.connection.texts.conditions == locked
     again = lab.page("loaded again").merged("settings")
     assert {"edits": "hold", "graph": "static", "quiet": True, "lock": True}.items() <= again.items()
     assert page.do("apply") is None
-    lab.connection.study.set(Conditions("hold"))
+    lab.connection.texts.set_conditions(Conditions("hold"))
     assert page.do("hold", on=False) is None
     assert page.latest("settings")["edits"] == "live"
 
