@@ -19,27 +19,22 @@ Deviation: §6.1 applies every text that is a program at once. Without a cursor 
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from difflib import SequenceMatcher
 from itertools import chain
 from typing import Any, NamedTuple
 
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Element, Finding, Program, Span, State
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.language.text_difference import text_difference
 
 Check = Callable[[Program], tuple[Finding, ...]]
 
 _WORD = re.compile(r"[0-9][\w.]*|\w+")
-_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
-_TOKEN = re.compile(r"\w+|\s+|[^\w\s]")
 _SIGN = re.compile(r"\w+|[^\w\s]")
 _NEAR = 200  # characters before the cursor that are searched for the words beside it
-_MOST = 3_000
-"""Lines, or tokens of neighbouring lines, in which two texts are compared: with more it takes seconds."""
 _ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
 """The errors about the names in a transition."""
 
@@ -233,39 +228,15 @@ def without_change(program: Program, before: Program, span: Span) -> Program:
 
 
 def _without_change(text: str, old: str, span: Span) -> str:
-    most = min(len(text), len(old))
-    start = bisect_left(range(most), True, key=lambda n: text[: n + 1] != old[: n + 1])
-    most -= start
-    end = bisect_left(range(most), True, key=lambda n: text[-n - 1 :] != old[-n - 1 :])
-    while start and _is_letter(text[start - 1]):  # a word is compared as a whole
-        start -= 1
-    while end and _is_letter(text[-end]):
-        end -= 1
-    now, then = (each[start : len(each) - end] for each in (text, old))
-    restored = _restored(now, then, Span(span.start - start, span.end - start), (_LINE, _TOKEN))
-    return text[:start] + restored + text[len(text) - end :]
-
-
-def _restored(now: str, then: str, span: Span, units: tuple[re.Pattern[str], ...]) -> str:
-    """Return a text as it was where it has changed at a range, in large units, then in finer ones."""
-    unit, *finer = units
-    new, old = unit.findall(now), unit.findall(then)
-    if len(new) + len(old) > _MOST:
-        return then
-    parts, at = [], 0
-    for tag, i, j, k, m in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
-        mine, other = "".join(new[k:m]), "".join(old[i:j])
-        if tag == "equal" or at > span.end or span.start > at + len(mine):
-            other = mine
-        elif tag == "replace" and finer:
-            other = _restored(mine, other, Span(span.start - at, span.end - at), tuple(finer))
-        parts.append(other)
-        at += len(mine)
+    parts, at, place = [], 0, 0
+    for length, new in text_difference(old, text):
+        then = old[place : place + length]
+        now = then if new is None else new
+        is_there = at <= span.end and span.start <= at + len(now)
+        parts.append(then if is_there else now)
+        at += len(now)
+        place += length
     return "".join(parts)
-
-
-def _is_letter(char: str) -> bool:
-    return char.isalnum() or char == "_"
 
 
 def _word_at(text: str, offset: int) -> Span | None:

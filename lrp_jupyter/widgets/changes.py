@@ -12,22 +12,16 @@ character outside the basic plane is therefore two characters of a Python string
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from difflib import SequenceMatcher
+
+from lrp_jupyter.language.text_difference import Section, text_difference
 
 Sections = list[int | list[int | str]]
 """A number of units that stay, or a list: the number of units to delete, and the lines in their place."""
 
-_Section = tuple[int, str | None]
-"""A length, and what is there instead: None if it stays."""
-
 _ASTRAL = re.compile("[\U00010000-\U0010ffff]")
 _PAIR = re.compile("[\ud800-\udbff][\udc00-\udfff]")
-_LINE = re.compile(r"[^\n]*\n|[^\n]+")
-_TOKEN = re.compile("[\ud800-\udbff][\udc00-\udfff]|" r"\w+|\s+|[^\w\s]")
-_MOST_LINES, _MOST_WORDS = 3_000, 400  # that are compared: with more it takes too long
 
 
 @dataclass(frozen=True)
@@ -37,12 +31,12 @@ class TextChanges:
     `sections`: for each section of the text its length, and the text in its place; None if it stays.
     """
 
-    sections: tuple[_Section, ...]
+    sections: tuple[Section, ...]
 
     @classmethod
-    def of(cls, sections: Iterable[_Section]) -> TextChanges:
+    def of(cls, sections: Iterable[Section]) -> TextChanges:
         """Return the changes in their normal form, in which neighbouring sections of a kind are one."""
-        found: list[_Section] = []
+        found: list[Section] = []
         for length, text in sections:
             if not length and not text:
                 continue
@@ -61,7 +55,7 @@ class TextChanges:
 
         Raises ValueError: it is not a set of changes.
         """
-        found: list[_Section] = []
+        found: list[Section] = []
         for each in sections:
             length, *lines = each if isinstance(each, list) else [each]
             if not isinstance(length, int) or length < 0 or (not length and not any(lines) and not lines[1:]):
@@ -129,7 +123,7 @@ class TextChanges:
 class _SectionReader:
     """Reads sections, also in pieces: `left` is what is left of the present one, `text` is in its place."""
 
-    def __init__(self, sections: Iterable[_Section]) -> None:
+    def __init__(self, sections: Iterable[Section]) -> None:
         self._sections = iter(sections)
         self.next()
 
@@ -151,7 +145,7 @@ class _SectionReader:
             self.is_whole = False
 
 
-def _mapped(mine: _SectionReader, other: _SectionReader, first: bool) -> Iterator[_Section]:
+def _mapped(mine: _SectionReader, other: _SectionReader, first: bool) -> Iterator[Section]:
     """Read two sets of changes side by side; yield the sections of the first one after the second one."""
     while not (mine.is_done and other.is_done):
         if mine.text is None and other.text is None:  # both leave it
@@ -202,60 +196,9 @@ def _comes_first(other: _SectionReader, mine: _SectionReader, first: bool) -> bo
     return mine.is_whole and (other.left < mine.left or (other.left == mine.left and not first))
 
 
-# -- the smallest changes between two texts ----------------------------------------------------------
-
-
 def difference(old: str, new: str) -> TextChanges:
-    """Return small changes that make one text of another: of lines, and within them of words."""
-    return TextChanges.of(_differences(old, new, _by_lines))
-
-
-_Compare = Callable[[str, str], Iterator[_Section]]
-
-
-def _differences(old: str, new: str, compare: _Compare) -> Iterator[_Section]:
-    """Compare what two texts do not have in common at their starts and ends."""
-    start, end = _common(old, new)
-    then, now = old[start : len(old) - end], new[start : len(new) - end]
-    yield start, None
-    yield from compare(then, now) if then and now else [(len(then), now)]
-    yield end, None
-
-
-def _by_lines(old: str, new: str) -> Iterator[_Section]:
-    for before, after in _pairs(_LINE.findall(old), _LINE.findall(new), _MOST_LINES):
-        if len(before) != len(after):
-            before, after = ["".join(before)], ["".join(after)]
-        for then, now in zip(before, after, strict=True):
-            yield from _differences(then, now, _by_words)
-
-
-def _by_words(old: str, new: str) -> Iterator[_Section]:
-    for before, after in _pairs(_TOKEN.findall(old), _TOKEN.findall(new), _MOST_WORDS):
-        then, now = "".join(before), "".join(after)
-        yield len(then), None if then == now else now
-
-
-def _pairs(old: list[str], new: list[str], most: int) -> Iterator[tuple[list[str], list[str]]]:
-    """Yield the parts of two lists that are equal, or in place of each other."""
-    if len(old) + len(new) > most:
-        yield old, new
-        return
-    for _, i, j, k, m in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
-        yield old[i:j], new[k:m]
-
-
-def _common(old: str, new: str) -> tuple[int, int]:
-    """Return how much two texts have in common at their starts, and at their ends; never half a character."""
-    most = min(len(old), len(new))
-    start = bisect_left(range(most), True, key=lambda n: old[: n + 1] != new[: n + 1])
-    if start and "\ud800" <= old[start - 1] <= "\udbff":
-        start -= 1
-    most -= start
-    end = bisect_left(range(most), True, key=lambda n: old[-n - 1 :] != new[-n - 1 :])
-    if end and "\udc00" <= old[-end] <= "\udfff":
-        end -= 1
-    return start, end
+    """Return small changes that make one text of another."""
+    return TextChanges.of(text_difference(old, new))
 
 
 # -- between characters and units --------------------------------------------------------------------
