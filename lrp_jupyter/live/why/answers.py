@@ -12,9 +12,8 @@ from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.unknown import unknown
-from lrp_jupyter.live.why.evaluation import Again, PastTests
 from lrp_jupyter.live.why.finding import find_state, find_transition
-from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.recorded_run import Again, RecordedRun
 from lrp_jupyter.live.why.robot_commands import command_reason, commands_of
 from lrp_jupyter.live.why.states import state_reason
 from lrp_jupyter.live.why.transitions import transition_reason
@@ -36,9 +35,7 @@ class Answers:
     """
 
     def __init__(self, loop: Loop, again: Again) -> None:
-        self._loop = loop
-        self._run = RecordedRun(loop.interpreter)
-        self._tests = PastTests(loop, again)
+        self._run = RecordedRun(loop, again)
 
     def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.
@@ -88,10 +85,10 @@ class Answers:
         then = self._then(element, program, tick)
         if transition_of(self._run.program(tick), then) is not None:
             element, program = then, self._run.program(tick)
-        reason = transition_reason(self._run, self._tests, element, program, tick)
-        if at is not None or not self._loop.interpreter.paused:
+        reason = transition_reason(self._run, element, program, tick)
+        if at is not None or not self._run.loop.interpreter.paused:
             return reason
-        time = self._loop.timing.now
+        time = self._run.loop.timing.now
         paused = f"The session has been paused since {time_text(time)}, so nothing is tested."
         sentence = f"{paused} In the last tick: {reason}"
         facts = {**reason.facts, "otherwise": reason.code}
@@ -103,13 +100,13 @@ class Answers:
         tick = self._run.tick(at)
         if text.startswith(_ROBOT):
             name = text.removeprefix(_ROBOT)
-            return command_reason(self._run, self._loop, name, tick, now=at is None)
+            return command_reason(self._run, name, tick, now=at is None)
         found = find_state(wanted, self._programs(at))
         if found is None:
             return None
         path, program = found
         then = self._then(Element("state", path), program, tick)
-        return state_reason(self._run, self._tests, then.path, path[-1], tick)
+        return state_reason(self._run, then.path, path[-1], tick)
 
     def _then(self, element: Element, program: Program, tick: int) -> Element:
         """Return an element of a program by the path that it had in a tick."""
@@ -119,7 +116,7 @@ class Answers:
 
     @property
     def _commands(self) -> list[str]:
-        return [_ROBOT + name for name in commands_of(self._loop.bridge)]
+        return [_ROBOT + name for name in commands_of(self._run.loop.bridge)]
 
     def _programs(self, at: int | None) -> tuple[Program, Program]:
         """Return the programs in which a name is looked up: that of the tick, then the present one."""

@@ -8,6 +8,7 @@ from lrp_jupyter.interpreter.history import PastMachine, PastState
 from lrp_jupyter.interpreter.reasons import Cause, transition_of
 from lrp_jupyter.language.program import Block, Element, Program, Transition
 from lrp_jupyter.language.resolution import Scope, resolve
+from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import time_text
 
 
@@ -18,18 +19,25 @@ class Case:
     `element`: the transition, by path of definition.
     `label`: how it is displayed.
     `line`: where it stands; 0 if nowhere.
-    `time`: that of the tick, in seconds.
-    `state`: the state of the run when the tick began.
     `cause`: why it fired, or did not.
     """
 
+    run: RecordedRun
     element: Element
     label: str
     line: int
     tick: int
-    time: float
-    state: PastState
     cause: Cause
+
+    @property
+    def time(self) -> float:
+        """The time of the tick, in seconds."""
+        return self.run.time(self.tick)
+
+    @property
+    def state(self) -> PastState:
+        """The state of the run when the tick began."""
+        return self.run.state(self.tick)
 
     @property
     def did_not_fire(self) -> str:

@@ -11,17 +11,14 @@ from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.tree import is_boolean
 from lrp_jupyter.language.expressions import Evaluation, UnknownValueError, evaluate, expression_of
-from lrp_jupyter.language.program import Element, Path
+from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.provided import builtin
 from lrp_jupyter.language.triggers import Delay
-from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.names import ABSENT, ChangeNames
+from lrp_jupyter.live.names import ABSENT
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.why.case import Case
-
-Again = Callable[[int, Element], "Evaluation | Exception | None"]
-"""Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""
+from lrp_jupyter.live.why.recorded_run import RecordedRun
 
 _SEARCH = 0.03  # wall seconds for which the last time that a condition was true is searched
 _IMMUTABLE = (int, float, complex, str, bytes, type(None))
@@ -39,121 +36,110 @@ class LastTrue(NamedTuple):
     first: int
 
 
-class PastTests:
-    """The tests of transitions in earlier ticks. Used on the thread that ticks, between two ticks.
+def evaluate_again(case: Case) -> Evaluation | Exception | None:
+    """Return a test with its parts: from what is recorded, else by running the tick again.
 
-    `again`: see :data:`Again`.
+    An exception says why they are not known; None means that there is no expression.
     """
+    if case.tested is None:
+        return None
+    block, scope = case.tested
+    expression = expression_of(block.text)
+    problem: Exception | None = None
+    if expression is not None:
+        cells, written = _cells(case.state, scope.path), case.run.history.written(case.tick)
+        try:
+            return evaluate(expression, _lookup(case.run, case.tick, cells, case.state.value, written))
+        except Exception as error:  # of the expression itself, or a value is not known
+            problem = error
+    again = case.run.again(case.tick, case.element)
+    return problem if again is None else again
 
-    def __init__(self, loop: Loop, again: Again) -> None:
-        self._loop = loop
-        self._again = again
-        self._history = loop.interpreter.history
-        self._changes = [
-            (entry.tick, entry.what) for entry in loop.record.inputs if isinstance(entry.what, ChangeNames)
-        ]
 
-    def evaluation(self, case: Case) -> Evaluation | Exception | None:
-        """Return a test with its parts: from what is recorded, else by running the tick again.
+def delay_of(case: Case) -> float | None:
+    """Return the milliseconds of the delay of a transition; None if they are not known."""
+    trigger = case.noun.trigger
+    assert isinstance(trigger, Delay)
+    value: object
+    match trigger.amount:
+        case int():
+            return trigger.amount
+        case str():
+            cell = case.machine.cells.get(str(trigger.amount))
+            value = case.state.value(cell) if cell is not None else None
+        case _:
+            evaluation = evaluate_again(case)
+            value = evaluation.value if isinstance(evaluation, Evaluation) else None
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
-        An exception says why they are not known; None means that there is no expression.
-        """
-        if case.tested is None:
-            return None
-        block, scope = case.tested
-        expression = expression_of(block.text)
-        problem: Exception | None = None
-        if expression is not None:
-            cells, written = _cells(case.state, scope.path), self._history.written(case.tick)
-            try:
-                return evaluate(expression, self._lookup(case.tick, cells, case.state.value, written))
-            except Exception as error:  # of the expression itself, or a value is not known
-                problem = error
-        again = self._again(case.tick, case.element)
-        return problem if again is None else again
 
-    def delay(self, case: Case) -> float | None:
-        """Return the milliseconds of the delay of a transition; None if they are not known."""
-        trigger = case.noun.trigger
-        assert isinstance(trigger, Delay)
-        value: object
-        match trigger.amount:
-            case int():
-                return trigger.amount
-            case str():
-                cell = case.machine.cells.get(str(trigger.amount))
-                value = case.state.value(cell) if cell is not None else None
-            case _:
-                evaluation = self.evaluation(case)
-                value = evaluation.value if isinstance(evaluation, Evaluation) else None
-        return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+def last_true(case: Case) -> LastTrue:
+    """Return when a condition was true before, whether it was tested then or not."""
+    expression = expression_of(case.tested[0].text) if case.tested is not None else None
+    if case.tested is None or expression is None:
+        return LastTrue(None, case.tick)
+    machine = case.tested[1].path
+    cells = _cells(case.state, machine)
+    moves = case.run.loop.interpreter.moves
 
-    def last_true(self, case: Case) -> LastTrue:
-        """Return when a condition was true before, whether it was tested then or not."""
-        expression = expression_of(case.tested[0].text) if case.tested is not None else None
-        if case.tested is None or expression is None:
-            return LastTrue(None, case.tick)
-        machine = case.tested[1].path
-        cells = _cells(case.state, machine)
-        moves = self._loop.interpreter.moves
+    def machine_at(tick: int) -> Path:
+        return Names(moves, tick).of("machine", machine, case.tick) if machine else machine
 
-        def machine_at(tick: int) -> Path:
-            return Names(moves, tick).of("machine", machine, case.tick) if machine else machine
+    end, first = perf_counter() + _SEARCH, case.tick
+    for tick, then, value_of in case.run.history.scopes_before(case.tick, machine_at):
+        if perf_counter() > end:
+            break
+        alive = set(map(id, then.values()))  # under whatever names they had
+        seen = {**then, **{name: cell for name, cell in cells.items() if id(cell) in alive}}
+        try:
+            value = evaluate(expression, _lookup(case.run, tick, seen, value_of)).value
+        except UnknownValueError:
+            break
+        except Exception:  # of the expression itself
+            value = False
+        first = tick
+        if is_boolean(value) and value:
+            return LastTrue(tick, first)
+    else:
+        first = case.run.history.ticks.start
+    return LastTrue(None, first)
 
-        end, first = perf_counter() + _SEARCH, case.tick
-        for tick, then, value_of in self._history.scopes_before(case.tick, machine_at):
-            if perf_counter() > end:
-                break
-            alive = set(map(id, then.values()))  # under whatever names they had
-            seen = {**then, **{name: cell for name, cell in cells.items() if id(cell) in alive}}
-            try:
-                value = evaluate(expression, self._lookup(tick, seen, value_of)).value
-            except UnknownValueError:
-                break
-            except Exception:  # of the expression itself
-                value = False
-            first = tick
-            if is_boolean(value) and value:
-                return LastTrue(tick, first)
-        else:
-            first = self._history.ticks.start
-        return LastTrue(None, first)
 
-    def _lookup(
-        self,
-        tick: int,
-        cells: Mapping[str, CellType],
-        value_of: Callable[[CellType], object],
-        written: frozenset[int] = frozenset(),
-    ) -> Callable[[str], Any]:
-        """Return what returns the value that a name had in a tick."""
-        interpreter, record = self._loop.interpreter, self._loop.record
-        names, nodes = record.names, self._loop.bridge.nodes.table
-        changes = [change for completed, change in self._changes if completed >= tick]
-        readings = record.readings_of(record.moments[tick - interpreter.tick - 1].sensed)
+def _lookup(
+    run: RecordedRun,
+    tick: int,
+    cells: Mapping[str, CellType],
+    value_of: Callable[[CellType], object],
+    written: frozenset[int] = frozenset(),
+) -> Callable[[str], Any]:
+    """Return what returns the value that a name had in a tick."""
+    interpreter, record = run.loop.interpreter, run.loop.record
+    names, nodes = record.names, run.loop.bridge.nodes.table
+    changes = [change for completed, change in run.changes if completed >= tick]
+    readings = record.readings_of(record.moments[tick - interpreter.tick - 1].sensed)
 
-        def lookup(name: str) -> Any:
-            if name == "robot":
-                return RecordedRobot(readings, nodes)
-            if name in cells:
-                if id(cells[name]) in written:
-                    raise UnknownValueError(f"`{name}` was also assigned in this tick.")
-                value = value_of(cells[name])
-                if value is UNSET:
-                    raise NameError(f"`{name}` had no value.")
-                if not _is_immutable(value):
-                    raise UnknownValueError(f"`{name}` may have been changed in place.")
-                return value
-            if (value := names.value_before(name, changes)) is not ABSENT:
-                if not (_is_immutable(value) or isinstance(value, _UNCHANGING)):
-                    raise UnknownValueError(f"`{name}` may have been changed since.")
-                return value
-            try:
-                return builtin(name)
-            except AttributeError:
-                raise NameError(f"`{name}` is not defined.") from None
+    def lookup(name: str) -> Any:
+        if name == "robot":
+            return RecordedRobot(readings, nodes)
+        if name in cells:
+            if id(cells[name]) in written:
+                raise UnknownValueError(f"`{name}` was also assigned in this tick.")
+            value = value_of(cells[name])
+            if value is UNSET:
+                raise NameError(f"`{name}` had no value.")
+            if not _is_immutable(value):
+                raise UnknownValueError(f"`{name}` may have been changed in place.")
+            return value
+        if (value := names.value_before(name, changes)) is not ABSENT:
+            if not (_is_immutable(value) or isinstance(value, _UNCHANGING)):
+                raise UnknownValueError(f"`{name}` may have been changed since.")
+            return value
+        try:
+            return builtin(name)
+        except AttributeError:
+            raise NameError(f"`{name}` is not defined.") from None
 
-        return lookup
+    return lookup
 
 
 def _cells(state: PastState, machine: Path) -> Mapping[str, CellType]:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from lrp_jupyter.interpreter.history import Dated, PastState
-from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.expressions import Evaluation
+from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.renamed import Names
+
+Again = Callable[[int, Element], Evaluation | Exception | None]
+"""Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""
 
 
 class RecordedRun:
@@ -15,11 +20,18 @@ class RecordedRun:
 
     *When* something happened is a number: that of its tick, or, between two ticks, that of the first one and
     a half.
+
+    `again`: see :data:`Again`.
     """
 
-    def __init__(self, interpreter: Interpreter) -> None:
-        self.history = interpreter.history
-        self._interpreter = interpreter
+    def __init__(self, loop: Loop, again: Again) -> None:
+        self.loop = loop
+        self.again = again
+        self.history = loop.interpreter.history
+        self.changes = [
+            (entry.tick, entry.what) for entry in loop.record.inputs if isinstance(entry.what, ChangeNames)
+        ]
+        """The changes of names of the namespace, each with the tick after which it came."""
         self._states: dict[int, PastState] = {}
 
     def tick(self, at: int | None) -> int:
@@ -46,7 +58,7 @@ class RecordedRun:
             return self.time(when)
         following = int(when + 0.5)
         if following not in self.history.ticks:
-            now = self._interpreter.entered(state)
+            now = self.loop.interpreter.entered(state)
             return self.time(when) if now is None else now
         machines = self.state(following).walk()
         return next((each.entered for each in machines if each.full_path == state), self.time(when))
@@ -65,12 +77,12 @@ class RecordedRun:
 
     def names(self, tick: float) -> Names:
         """Return the names that elements had in a tick."""
-        return Names(self._interpreter.moves, tick)
+        return Names(self.loop.interpreter.moves, tick)
 
     @property
     def present_program(self) -> Program:
         """The program that runs now."""
-        return self._interpreter.program
+        return self.loop.interpreter.program
 
     def backward(self, tick: int, *, before: bool = False) -> Iterator[Dated]:
         """Return what happened up to the end of a tick, the last fact first.

@@ -14,7 +14,6 @@ from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import CommandCode, Reason
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of
@@ -22,7 +21,7 @@ from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text, time_text
 
 
-def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool) -> Reason:
+def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
     """Return why the robot got its last command of a name.
 
     `name`: that of the command; of one that sets the velocity, every other one that does counts, too.
@@ -30,8 +29,8 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
     `now`: whether what has happened since that tick counts, too.
     Raises UnknownElementError: the robot has no such command.
     """
-    safety, time = loop.bridge.safety, run.time(tick)
-    names = _alike(loop.bridge, name)
+    safety, time = run.loop.bridge.safety, run.time(tick)
+    names = _alike(run.loop.bridge, name)
     given = [each for each in safety.commands if each.name in names and each.first.tick <= tick]
     if not given:
         return _never_given(run, name, tick)
@@ -56,7 +55,7 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
     draft.lines.append(origin.line)
     for sentence in last.limited:
         draft.say(sentence)
-    code, sentence = _fate(run, loop, last, origin.tick, tick, now)
+    code, sentence = _fate(run, last, origin.tick, tick, now)
     if sentence:
         draft.say(sentence)
     return draft.reason(code, tick, time)
@@ -102,24 +101,22 @@ def _lines_with(program: Program, attribute: str) -> list[int]:
     return sorted(found)
 
 
-def _why_held(loop: Loop, tick: int) -> str:
+def _why_held(run: RecordedRun, tick: int) -> str:
     """Return why the bridge sent no such command in a tick; empty if it was stopped or disarmed."""
-    held = [each.what for each in loop.record.inputs.since(tick - 1) if each.tick == tick - 1]
+    held = [each.what for each in run.loop.record.inputs.since(tick - 1) if each.tick == tick - 1]
     return next((each.lost or each.blind for each in held if isinstance(each, CommandsHeld)), "")
 
 
-def _fate(
-    run: RecordedRun, loop: Loop, last: CommandRecord, given: int, tick: int, now: bool
-) -> tuple[CommandCode, str]:
+def _fate(run: RecordedRun, last: CommandRecord, given: int, tick: int, now: bool) -> tuple[CommandCode, str]:
     """Return what became of a command that was given in a tick: the code, and a sentence or nothing."""
-    safety = loop.bridge.safety
+    safety = run.loop.bridge.safety
     if not last.sent and not safety.armed:
         return "disarmed", "It was not sent, because the robot is disarmed."
     if not last.sent:
-        why = _why_held(loop, given) or "the robot was disarmed, or had been stopped in that tick."
+        why = _why_held(run, given) or "the robot was disarmed, or had been stopped in that tick."
         return "stopped", f"It was not sent: {why}"
     notices = [each for each in safety.notices if each.kind == "command watchdog"]
-    notices = [each for each in notices if last.now < each.now <= loop.timing.now]
+    notices = [each for each in notices if last.now < each.now <= run.loop.timing.now]
     if notices and (now or notices[-1].now <= run.time(tick) + 1e-9):
         return "watchdog", f"The robot was stopped at {time_text(notices[-1].now)}: {notices[-1].text}"
     for when, fact in run.backward(tick):
@@ -128,7 +125,7 @@ def _fate(
         if isinstance(fact, Commanded) and fact.kind == "resumed" and last.origin.block == "onresume":
             break  # it was given then
         if isinstance(fact, Commanded) and fact.kind == "paused":
-            why = loop.reason if now else ""
+            why = run.loop.reason if now else ""
             return "stopped", f"Then the program was paused, which stops the robot. {why}".strip()
         if isinstance(fact, Commanded) and fact.kind == "restarted":
             restarted = f"Then the program was restarted ({restart_text(fact)})"
@@ -136,7 +133,7 @@ def _fate(
     is_last = tick == run.history.ticks.stop - 1
     stops = [
         entry
-        for entry in loop.record.inputs.since(given)
+        for entry in run.loop.record.inputs.since(given)
         if isinstance(entry.what, RobotStopped) and (is_last or entry.tick < tick)
     ]
     if stops:

@@ -10,14 +10,13 @@ from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state, line_of_transition
 from lrp_jupyter.live.why.entries import entered_otherwise, say_whether_it_acted
-from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.transitions import because, transition_reason
 from lrp_jupyter.live.why.wording import time_text
 
 
-def state_reason(run: RecordedRun, tests: PastTests, state: Path, name: str, tick: int) -> Reason:
+def state_reason(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
     """Return why a state was entered last before the end of a tick.
 
     `state`: by path of definition, as it was called in the tick.
@@ -29,26 +28,27 @@ def state_reason(run: RecordedRun, tests: PastTests, state: Path, name: str, tic
             then = fact.state[-1]
             called = f"`{name}`" if name == then else f"`{name}` (then called `{then}`)"
             if isinstance(fact, Fired):
-                return _entered_by(run, tests, fact, called, int(when))
+                return _entered_by(run, fact, called, int(when))
             return entered_otherwise(run, fact, called, when)
-    return _never_entered(run, tests, state, name, tick)
+    return _never_entered(run, state, name, tick)
 
 
-def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, called: str, tick: int) -> Reason:
+def _entered_by(run: RecordedRun, fired: Fired, called: str, tick: int) -> Reason:
     before = run.state(tick)
     machine = next((each for each in before.walk() if each.path == fired.machine), None)
     line = line_of_transition(before.program, fired.transition)
-    time, cause = run.time(tick), Cause("fired", machine, fired)
-    case = Case(fired.transition, fired.label, line, tick, time, before, cause)
+    case = Case(run, fired.transition, fired.label, line, tick, Cause("fired", machine, fired))
     draft = AnswerDraft({"transition": fired.transition.path})
-    by = f"`{fired.label}` (line {line}), from `{fired.source}`{because(draft, case, tests)}"
+    by = f"`{fired.label}` (line {line}), from `{fired.source}`{because(draft, case)}"
     block = case.tested[0] if case.tested is not None else None
-    draft.say(f"{called} was entered at {time_text(time)} by {by}.", line, line_of(before.program, block))
+    draft.say(
+        f"{called} was entered at {time_text(case.time)} by {by}.", line, line_of(before.program, block)
+    )
     say_whether_it_acted(draft, run, fired, tick)
-    return draft.reason("fired", tick, time)
+    return draft.reason("fired", tick, case.time)
 
 
-def _never_entered(run: RecordedRun, tests: PastTests, state: Path, name: str, tick: int) -> Reason:
+def _never_entered(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
     """Say so, and why its machine did not run or the transitions that lead to the state did not fire."""
     program, ticks, time = run.program(tick), run.history.ticks, run.time(tick)
     line = line_of_state(program, state)
@@ -74,7 +74,7 @@ def _never_entered(run: RecordedRun, tests: PastTests, state: Path, name: str, t
         draft.say(f"{so}.", line)
         arrows = [*arrows_to(program, state)]
         for arrow in arrows:
-            reason = transition_reason(run, tests, arrow.element, program, tick)
+            reason = transition_reason(run, arrow.element, program, tick)
             draft.say(str(reason), line_of(program, arrow.noun))
         if not arrows:
             draft.say("No transition leads to it.")

@@ -14,7 +14,7 @@ from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition
 from lrp_jupyter.live.why.entries import enabled_in, entry_text, how_entered
-from lrp_jupyter.live.why.evaluation import PastTests
+from lrp_jupyter.live.why.evaluation import delay_of, evaluate_again, last_true
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import (
@@ -29,28 +29,26 @@ from lrp_jupyter.live.why.wording import (
 )
 
 
-def transition_reason(
-    run: RecordedRun, tests: PastTests, element: Element, known: Program, tick: int
-) -> Reason:
+def transition_reason(run: RecordedRun, element: Element, known: Program, tick: int) -> Reason:
     """Return why a transition, of a program that is known to have it, fired in a tick, or did not."""
     state = run.state(tick)
     cause = cause_in(state, run.history.facts(tick), element)
     arrow = resolve(known).arrow(element)
     label = arrow.label if arrow is not None else element.shown[-1]
     line = line_of_transition(known if cause.code == "not-in-program" else state.program, element)
-    case = Case(element, label, line, tick, run.time(tick), state, cause)
+    case = Case(run, element, label, line, tick, cause)
     draft = AnswerDraft({"transition": element.path, "state": cause.machine and cause.machine.full_path})
     match cause.code:
         case "fired":
-            _fired(draft, case, tests)
+            _fired(draft, case)
         case "condition-false":
-            _condition_false(draft, case, tests, run)
+            _condition_false(draft, case)
         case "delay-not-over":
-            _delay_not_over(draft, case, tests, run)
+            _delay_not_over(draft, case)
         case "source-inactive":
-            _source_inactive(draft, case, run)
+            _source_inactive(draft, case)
         case "just-entered":
-            _just_entered(draft, case, run)
+            _just_entered(draft, case)
         case "machine-not-running":
             not_running(draft, run, case.element.path[:-1], tick, case.did_not_fire)
         case "earlier-fired" | "outer-fired" | "exit-took-parent":
@@ -63,14 +61,14 @@ def transition_reason(
     return draft.reason(cause.code, tick, case.time)
 
 
-def because(draft: AnswerDraft, case: Case, tests: PastTests) -> str:
+def because(draft: AnswerDraft, case: Case) -> str:
     """Say what made a transition fire, as the end of a sentence, and keep the values in a draft."""
     trigger = case.noun.trigger
     if case.cause.machine is None or isinstance(trigger, Epsilon):
         return ""
     if isinstance(trigger, Delay):
         return f", {number_text(case.elapsed)} ms after `{case.machine.state[-1]}` was entered"
-    evaluation = tests.evaluation(case)
+    evaluation = evaluate_again(case)
     if not isinstance(evaluation, Evaluation):
         return ""
     _keep(draft, evaluation)
@@ -85,27 +83,27 @@ def _keep(draft: AnswerDraft, evaluation: Evaluation) -> None:
     }
 
 
-def _fired(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
+def _fired(draft: AnswerDraft, case: Case) -> None:
     fired = case.cause.fired
     assert fired is not None
     way = f"from `{fired.source}` to `{fired.destination}`"
-    draft.say(f"{case.did_fire}, {way}{because(draft, case, tests)}.")
+    draft.say(f"{case.did_fire}, {way}{because(draft, case)}.")
 
 
-def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
+def _condition_false(draft: AnswerDraft, case: Case) -> None:
     assert case.tested is not None
     line, where = _line_and_place(case)
-    evaluation = tests.evaluation(case)
+    evaluation = evaluate_again(case)
     if isinstance(evaluation, Evaluation):
         _keep(draft, evaluation)
         was = f"was {decided_text(evaluation)}{values_text(evaluation)}"
         draft.say(f"{case.did_not_fire}: `{evaluation.decides}`{where} {was}.", line)
-        _last_true(draft, case, tests, run, "It" if evaluation.is_whole else "The whole condition")
+        _last_true(draft, case, "It" if evaluation.is_whole else "The whole condition")
     else:
         unknown = draft.facts["unknown"] = unknown_text(evaluation)
         draft.say(f"{case.did_not_fire}: {block_text(case.tested[0])}{where} was False.", line)
         draft.say(f"The values of its parts are not known: {unknown}")
-        _last_true(draft, case, tests, run, "It")
+        _last_true(draft, case, "It")
 
 
 def _line_and_place(case: Case) -> tuple[int, str]:
@@ -114,10 +112,10 @@ def _line_and_place(case: Case) -> tuple[int, str]:
     return line, f" (line {line})" if line != case.line else ""
 
 
-def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun, what: str) -> None:
+def _last_true(draft: AnswerDraft, case: Case, what: str) -> None:
     """Say when a condition, called `what`, was true before."""
-    tick, first = tests.last_true(case)
-    entry = _last_enabled(case, run, first if tick is None else tick + 1)
+    run, (tick, first) = case.run, last_true(case)
+    entry = _last_enabled(case, first if tick is None else tick + 1)
     if entry is not None:
         draft.facts["last_true"], state = entry
         draft.say(f"{what} was last true at {time_text(run.time(entry[0]))}, when `{state}` was entered.")
@@ -137,15 +135,16 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
     states = [each.state for each in run.state(tick).walk()]
     other = [each for each in states if each[:-1] == here[:-1] and each != here]
     elsewhere = f", when `{other[0][-1]}` was active" if other else ""
-    edited = ", before an edit made it the condition" if _had_another(case, run, tick) else ""
+    edited = ", before an edit made it the condition" if _had_another(case, tick) else ""
     draft.say(f"{what} was last true at {time_text(run.time(tick))}{elsewhere}{edited}.")
 
 
-def _last_enabled(case: Case, run: RecordedRun, first: int) -> tuple[int, str] | None:
+def _last_enabled(case: Case, first: int) -> tuple[int, str] | None:
     """Return the last tick, from `first` on, in which it was enabled on entry of its state, and that state.
 
     Its condition was tested then, with values that no tick has begun or ended with.
     """
+    run = case.run
     for when, fact in run.backward(case.tick, before=True):
         if when < first:
             break
@@ -160,8 +159,9 @@ def _last_enabled(case: Case, run: RecordedRun, first: int) -> tuple[int, str] |
     return None
 
 
-def _had_another(case: Case, run: RecordedRun, tick: int) -> bool:
+def _had_another(case: Case, tick: int) -> bool:
     """Return whether a transition had another condition in a tick, which was tested there and was false."""
+    run = case.run
     state = run.state(tick)
     then = Element("transition", run.names(tick).of("transition", case.element.path, case.tick))
     cause = cause_in(state, run.history.facts(tick), then)
@@ -171,10 +171,10 @@ def _had_another(case: Case, run: RecordedRun, tick: int) -> bool:
     return arrow.tested[0].text.strip() != case.tested[0].text.strip()
 
 
-def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
-    machine, delay = case.machine, tests.delay(case)
+def _delay_not_over(draft: AnswerDraft, case: Case) -> None:
+    machine, delay = case.machine, delay_of(case)
     of = "" if delay is None else f" of {number_text(delay)}"
-    how, line = entry_text(run, machine, case.tick)
+    how, line = entry_text(case.run, machine, case.tick)
     draft.facts |= {"elapsed": case.elapsed, "delay": delay}
     draft.say(
         f"{case.did_not_fire}: only {number_text(case.elapsed)}{of} ms had passed since "
@@ -184,9 +184,9 @@ def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: Recor
     )
 
 
-def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
+def _source_inactive(draft: AnswerDraft, case: Case) -> None:
     machine, noun = case.machine, case.noun
-    how, line = entry_text(run, machine, case.tick)
+    how, line = entry_text(case.run, machine, case.tick)
     other = "a state other than " if noun.wildcard else ""
     names = (*noun.sources, noun.destination) if noun.wildcard else noun.sources
     listed = one_of([f"`{name}`" for name in names])
@@ -203,14 +203,14 @@ def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
             draft.say(f"There is no state `{name}`.{did_you_mean(str(name), scope.states)}", case.line)
 
 
-def _just_entered(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
+def _just_entered(draft: AnswerDraft, case: Case) -> None:
     entered = case.cause.entered
     assert entered is not None
-    how, line = how_entered(run, entered, case.tick)
+    how, line = how_entered(case.run, entered, case.tick)
     name = entered.state[-1]
     draft.say(f"{case.did_not_fire}: `{name}` was entered in this very tick{how}.", line)
     draft.say("A state is left in the tick after its entry at the earliest.")
-    if any(each.transition == case.element for each in enabled_in(run, entered, case.tick)):
+    if any(each.transition == case.element for each in enabled_in(case.run, entered, case.tick)):
         draft.facts["enabled"] = True
         draft.say(f"`{case.label}` was enabled, so `{name}` did not act.")
 
