@@ -1,7 +1,7 @@
 """How many functions a reader meets on the way of a tick, a keystroke, a question: ``python FILE``.
 
-Counted are distinct functions of the package, in a session with the simulated robot and a page; comprehensions
-and lambdas are not.
+Counted are distinct functions of the package, in a session with the simulated robot and a page;
+comprehensions and lambdas are not.
 """
 
 import sys
