@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.patching import Patch
@@ -22,111 +22,82 @@ from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.record import Record
 
 _ARGUMENTS = (LRPError, ValueError, TypeError)
+_ANYTHING = (BaseException,)  # code of the caller runs
 
 
 @dataclass(frozen=True, slots=True)
-class ReplaceProgram(Command):
-    """Continue with another program. Of several queued in a row the newest wins. Paper: §6.1."""
+class ReplaceProgram(Command, recorded=True, interrupts=True, newest_wins=True):
+    """Continue with another program. Of several queued in a row the newest wins. Paper: §6.1.
 
-    recorded: ClassVar[bool] = True
-    interrupts: ClassVar[bool] = True
-    newest_wins: ClassVar[bool] = True
+    `is_text`: whether the programs are only texts, which are parsed again: a thousandth of their objects.
+    """
+
     program: Program
     unmeant: Unmeant | None = None
+    is_text: bool = False
 
     def apply(self, loop: Loop) -> Patch:
-        """See :class:`Command`."""
-        return loop.interpreter.patch(self.program, loop.timing.now, self.unmeant)
+        program, unmeant = self.program, self.unmeant
+        if self.is_text:
+            program = parse(program.text, program.filename)
+            unmeant = unmeant and replace(unmeant, instead=parse(unmeant.instead.text, program.filename))
+        return loop.interpreter.patch(program, loop.timing.now, unmeant)
 
     def kept(self, record: Record) -> tuple[Command, int]:
-        """See :class:`Command`: the text, a thousandth of the objects of its program."""
-        if not self.program.text:
+        program, unmeant = self.program, self.unmeant
+        if not program.text:
             return self, 0
-        instead = "" if self.unmeant is None else self.unmeant.instead.text
-        kept = RepeatEdit(
-            self.program.text, self.program.filename, instead, self.unmeant and _light(self.unmeant)
-        )
-        return kept, len(self.program.text) + len(instead)
+        light = unmeant and replace(unmeant, instead=_text_of(unmeant.instead))
+        letters = len(program.text) + len(unmeant.instead.text if unmeant else "")
+        return ReplaceProgram(_text_of(program), light, is_text=True), letters
+
+
+def _text_of(program: Program) -> Program:
+    """Return a program without its nouns."""
+    return Program(text=program.text, filename=program.filename)
 
 
 @dataclass(frozen=True, slots=True)
-class RepeatEdit(Command):
-    """Continue with another text, as an edit did before."""
-
-    recorded: ClassVar[bool] = True
-    text: str
-    filename: str
-    instead: str = ""
-    unmeant: Unmeant | None = None
-
-    def apply(self, loop: Loop) -> Patch:
-        """See :class:`Command`."""
-        unmeant = self.unmeant and replace(self.unmeant, instead=parse(self.instead, self.filename))
-        return loop.interpreter.patch(parse(self.text, self.filename), loop.timing.now, unmeant)
-
-    def kept(self, record: Record) -> tuple[Command, int]:
-        """See :class:`Command`."""
-        return self, len(self.text) + len(self.instead)
-
-
-def _light(unmeant: Unmeant) -> Unmeant:
-    """Return it without the program that runs instead."""
-    return replace(unmeant, instead=Program())
-
-
-@dataclass(frozen=True, slots=True)
-class Force(Command):
+class Force(Command, recorded=True, interrupts=True):
     """Force a state, by transition or by teleport. Paper: §6.4."""
 
-    recorded: ClassVar[bool] = True
-    interrupts: ClassVar[bool] = True
     path: Path
     teleport: bool = False
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.force(self.path, "teleport" if self.teleport else "transition")
 
 
 @dataclass(frozen=True, slots=True)
-class Fire(Command):
+class Fire(Command, recorded=True, interrupts=True, misuse=_ARGUMENTS):
     """Go where a transition leads that leaves an active state. Paper: §6.4."""
 
-    recorded: ClassVar[bool] = True
-    interrupts: ClassVar[bool] = True
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     path: Path
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.interpreter.fire(self.path, loop.timing.now)
 
 
 @dataclass(frozen=True, slots=True)
-class SetVariable(Command):
+class SetVariable(Command, recorded=True, misuse=_ANYTHING):
     """Evaluate an expression in a variable's scope and assign the value."""
 
-    recorded: ClassVar[bool] = True
-    misuse: ClassVar[tuple[type[BaseException], ...]] = (BaseException,)  # it runs code of the caller
     path: Path
     expression: str
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         variable = loop.interpreter.variables.path(self.path)
         loop.interpreter.set_variable(variable, self.expression, loop.timing.now)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Assign(Command):
+class Assign(Command, recorded=True):
     """Assign a value to a variable."""
 
-    recorded: ClassVar[bool] = True
     path: Path
     value: object
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         variable, value = loop.interpreter.variables.path(self.path), loop.record.restored(self.value)
         loop.interpreter.assign(variable, value, loop.timing.now)
 
@@ -136,107 +107,78 @@ class Assign(Command):
 
 
 @dataclass(frozen=True, slots=True)
-class Rename(Command):
+class Rename(Command, recorded=True, interrupts=True, misuse=_ARGUMENTS):
     """Rename an element with all its references, without a restart; the result is the new text."""
 
-    recorded: ClassVar[bool] = True
-    interrupts: ClassVar[bool] = True
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     kind: str
     path: Path
-    new_name: str
+    name: str
 
     def apply(self, loop: Loop) -> str:
-        """See :class:`Command`."""
-        return loop.interpreter.rename(self.kind, self.path, self.new_name, loop.timing.now)
+        return loop.interpreter.rename(self.kind, self.path, self.name, loop.timing.now)
 
 
 @dataclass(frozen=True, slots=True)
-class Rewind(Command):
+class Rewind(Command, recorded=True, undoes=True, interrupts=True, misuse=_ARGUMENTS):
     """Step back by this number of ticks."""
 
-    recorded: ClassVar[bool] = True
-    undoes: ClassVar[bool] = True
-    interrupts: ClassVar[bool] = True
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     ticks: int
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.rewind(self.ticks)
 
 
 @dataclass(frozen=True, slots=True)
-class Reset(Command):
+class Reset(Command, recorded=True, interrupts=True):
     """Restart the program at the next tick."""
 
-    recorded: ClassVar[bool] = True
-    interrupts: ClassVar[bool] = True
-
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.interpreter.reset(loop.timing.now)
 
 
 @dataclass(frozen=True, slots=True)
-class Renew(Command):
+class Renew(Command, recorded=True, mends=True):
     """Make a broken session whole, with a new run of a program that is not started yet."""
 
-    recorded: ClassVar[bool] = True
-    mends: ClassVar[bool] = True
     program: Program
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.renew(self.program)
 
 
 @dataclass(frozen=True, slots=True)
-class Pause(Command):
+class Pause(Command, interrupts=True, urgent=True):
     """Pause, for a reason (a sentence, or empty). Paper: §6.3."""
 
-    interrupts: ClassVar[bool] = True
-    urgent: ClassVar[bool] = True
     reason: str = ""
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.pause(self.reason)
 
 
 @dataclass(frozen=True, slots=True)
-class Resume(Command):
+class Resume(Command, moves=True):
     """Start, or continue after a pause. Paper: §6.3."""
 
-    moves: ClassVar[bool] = True
-
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.resume()
 
 
 @dataclass(frozen=True, slots=True)
-class Step(Command):
+class Step(Command, interrupts=True, moves=True):
     """Run one tick, and one period of time. Paper: §6.3."""
 
-    interrupts: ClassVar[bool] = True
-    moves: ClassVar[bool] = True
-
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.step()
 
 
 @dataclass(frozen=True, slots=True)
-class SetRate(Command):
+class SetRate(Command, recorded=True, misuse=_ARGUMENTS):
     """Change the ticks per second; 0 is as fast as possible. Paper: §5.1."""
 
-    recorded: ClassVar[bool] = True
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     rate: float
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.set_rate(self.rate)
 
 
@@ -247,83 +189,69 @@ class EndAt(Command):
     time: float
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.timing.end = self.time
 
 
 @dataclass(frozen=True, slots=True)
-class SetSpeed(Command):
+class SetSpeed(Command, misuse=_ARGUMENTS):
     """Change the seconds of the session per wall second."""
 
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     speed: float
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         loop.timing.set_speed(self.speed)
 
 
 @dataclass(frozen=True, slots=True)
-class SetPolicy(Command):
+class SetPolicy(Command, recorded=True, misuse=_ARGUMENTS):
     """Change ``on_active_edit`` or ``on_issue``."""
 
-    recorded: ClassVar[bool] = True
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     name: Literal["on_active_edit", "on_issue"]
     value: str
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         setattr(loop.interpreter, self.name, self.value)
 
 
 @dataclass(frozen=True, slots=True)
-class AddBreakpoint(Command):
+class AddBreakpoint(Command, misuse=_ARGUMENTS):
     """Add a breakpoint; the result is the breakpoint with its number."""
 
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     breakpoint: Breakpoint
 
     def apply(self, loop: Loop) -> Breakpoint:
-        """See :class:`Command`."""
         if loop.breakpoints is None:
             loop.breakpoints = Breakpoints(loop.interpreter)
         return loop.breakpoints.add(self.breakpoint)
 
 
 @dataclass(frozen=True, slots=True)
-class ChangeBreakpoint(Command):
+class ChangeBreakpoint(Command, misuse=_ARGUMENTS):
     """Switch a breakpoint on or off, or set the hit from which on it pauses; None changes nothing."""
 
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     number: int
     enabled: bool | None = None
     after: int | None = None
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         (loop.breakpoints or Breakpoints(loop.interpreter)).change(self.number, self.enabled, self.after)
 
 
 @dataclass(frozen=True, slots=True)
-class RemoveBreakpoint(Command):
+class RemoveBreakpoint(Command, misuse=_ARGUMENTS):
     """Remove a breakpoint."""
 
-    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     number: int
 
     def apply(self, loop: Loop) -> None:
-        """See :class:`Command`."""
         (loop.breakpoints or Breakpoints(loop.interpreter)).remove(self.number)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Call(Command):
+class Call(Command, misuse=_ANYTHING):
     """Call a function between two ticks; used to drag, draw on and reset the world."""
 
-    misuse: ClassVar[tuple[type[BaseException], ...]] = (BaseException,)  # it runs code of the caller
     function: Callable[[], Any]
 
     def apply(self, loop: Loop) -> Any:
-        """See :class:`Command`."""
         return self.function()

@@ -17,33 +17,34 @@ from lrp_jupyter.errors import LRPError
 
 
 class Command(ABC):
-    """A request to a loop: a frozen value, applied as a whole between two ticks."""
+    """A request to a loop: a frozen value, applied as a whole between two ticks.
+
+    Subclasses set what differs from these in their heads: ``class Step(Command, moves=True)``.
+
+    `misuse`: errors of :meth:`apply` that are the caller's mistakes; any other is a fault of this package.
+    `recorded`: whether it changes the run, so that a replay of the run must apply it, too.
+    `undoes`: whether it undoes earlier commands.
+    `mends`: whether it can be applied to a session that is broken.
+    `moves`: whether the program runs on because of it.
+    `interrupts`: whether a block that does not return is interrupted for it.
+    `urgent`: whether it overtakes all commands that wait, and cancels those that would move the robot.
+    `newest_wins`: whether it replaces a command of the same class queued directly before it.
+    """
 
     __slots__ = ()
 
     misuse: ClassVar[tuple[type[BaseException], ...]] = (LRPError,)
-    """Errors of :meth:`apply` that are the caller's mistakes; any other error is a fault of this package."""
-
-    mends: ClassVar[bool] = False
-    """Whether it can be applied to a session that is broken."""
-
-    newest_wins: ClassVar[bool] = False
-    """Whether it replaces a command of the same class queued directly before it."""
-
-    urgent: ClassVar[bool] = False
-    """Whether it overtakes all commands that wait, and cancels those that would move the robot."""
-
-    moves: ClassVar[bool] = False
-    """Whether the program runs on because of it."""
-
     recorded: ClassVar[bool] = False
-    """Whether it changes the run, so that a replay of the run must apply it, too."""
-
     undoes: ClassVar[bool] = False
-    """Whether it undoes earlier commands."""
-
+    mends: ClassVar[bool] = False
+    moves: ClassVar[bool] = False
     interrupts: ClassVar[bool] = False
-    """Whether a block that does not return is interrupted for it."""
+    urgent: ClassVar[bool] = False
+    newest_wins: ClassVar[bool] = False
+
+    def __init_subclass__(cls, **traits: Any) -> None:
+        for name, value in traits.items():
+            setattr(cls, name, value)
 
     def kept(self, record: Any) -> tuple[Command, int]:
         """Return what is kept of it in a record, to repeat it, and how many characters that has."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable
+from dataclasses import MISSING, fields
 from typing import Any
 
 from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotCommanded, RobotStopped, WorldLoaded
@@ -23,143 +24,108 @@ from lrp_jupyter.sim.worlds import load
 
 Line = dict[str, Any]
 
+INPUTS: dict[str, type] = {
+    "pause": Paused,
+    "resume": Resumed,
+    "rest": RunEnded,
+    "edit": do.ReplaceProgram,
+    "rename": do.Rename,
+    "force": do.Force,
+    "fire": do.Fire,
+    "set": do.SetVariable,
+    "assign": do.Assign,
+    "names": ChangeNames,
+    "rewind": do.Rewind,
+    "reset": do.Reset,
+    "renew": do.Renew,
+    "rate": do.SetRate,
+    "policy": do.SetPolicy,
+    "stop": RobotStopped,
+    "arm": RobotArmed,
+    "hold": CommandsHeld,
+    "command": RobotCommanded,
+    "world": WorldLoaded,
+    "place": PlaceRobot,
+    "place solid": PlaceSolid,
+    "reset world": ResetWorld,
+    "draw": Draw,
+    "edit world": Become,
+}
+"""The inputs by their names in a line, which has their fields unless it is written by :func:`_fields_of`."""
+_NAMES = {kind: name for name, kind in INPUTS.items()}
+
 
 def input_line(what: object, loop: Loop) -> Line:
-    """Return the line of an input."""
+    """Return the line of an input; one that no file can hold is ``beyond``."""
+    name = _NAMES.get(type(what), "edit world" if isinstance(what, WorldEdit) else "beyond")
+    written = None if name == "beyond" else _fields_of(what, loop)
+    return {"input": "beyond", "what": render(what)} if written is None else {"input": name, **written}
+
+
+def _fields_of(what: Any, loop: Loop) -> Line | None:
+    """Return the fields of the line of an input; None if it cannot be written."""
     match what:
-        case Paused(reason):
-            return {"input": "pause", "reason": reason}
-        case Resumed():
-            return {"input": "resume"}
-        case RunEnded():
-            return {"input": "rest"}
         case do.ReplaceProgram(program, unmeant):
-            return {
-                "input": "edit",
-                "text": program.text,
-                **({} if unmeant is None else {"unmeant": _unmeant(unmeant)}),
-            }
-        case do.Rename(kind, path, new_name):
-            return {"input": "rename", "kind": kind, "path": path, "name": new_name}
-        case do.Force(path, teleport):
-            return {"input": "force", "path": path, "teleport": teleport}
-        case do.Fire(path):
-            return {"input": "fire", "path": path}
-        case do.SetVariable(path, expression):
-            return {"input": "set", "path": path, "expression": expression}
-        case do.Assign(path, value) if (text := literal(value)) is not None:
-            return {"input": "assign", "path": path, "value": text}
+            waits = {} if unmeant is None else {"unmeant": _unmeant_line(unmeant)}
+            return {"text": program.text, **waits}
+        case do.Renew(program):
+            return {"text": program.text}
+        case do.Assign(path, value):
+            text = literal(value)
+            return None if text is None else {"path": path, "value": text}
         case ChangeNames(_, after):
             values = {name: literal(value) for name, value in after.items()}
-            return {"input": "names", "values": values, "deleted": sorted(set(what.names) - after.keys())}
-        case do.Rewind(ticks):
-            return {"input": "rewind", "ticks": ticks}
-        case do.Reset():
-            return {"input": "reset"}
-        case do.Renew(program):
-            return {"input": "renew", "text": program.text}
-        case do.SetRate(rate):
-            return {"input": "rate", "rate": rate}
-        case do.SetPolicy(name, value):
-            return {"input": "policy", "name": name, "value": value}
-        case RobotStopped():
-            return {"input": "stop"}
-        case RobotArmed(armed):
-            return {"input": "arm", "armed": armed}
-        case CommandsHeld(sent, blind, lost):
-            why = {"blind": blind, "lost": lost}
-            return {"input": "hold", "sent": sent} | {name: text for name, text in why.items() if text}
+            return {"values": values, "deleted": sorted(set(what.names) - after.keys())}
         case RobotCommanded(name, arguments):
-            return {"input": "command", "name": name, "arguments": plain(arguments)}
-        case WorldLoaded(world):
-            return {"input": "world", "world": world}
-        case PlaceRobot(pose, robot):
-            return {"input": "place", "pose": pose, "robot": robot}
-        case PlaceSolid(pose, solid):
-            return {"input": "place solid", "pose": pose, "solid": solid}
-        case ResetWorld():
-            return {"input": "reset world"}
-        case Draw(path, width, grey):
-            return {"input": "draw", "path": path, "width": width, "grey": grey}
-        case WorldEdit() if (simulated := loop.bridge.simulated) is not None:
-            return {"input": "edit world", "world": simulated.world_form()}
-    return {"input": "beyond", "what": render(what)}
+            return {"name": name, "arguments": plain(arguments)}
+        case WorldEdit() if not isinstance(what, Draw):
+            world = loop.bridge.simulated
+            return None if world is None else {"world": world.world_form()}
+    return {field.name: getattr(what, field.name) for field in fields(what)}
 
 
 def input_of(line: Line, program: Callable[[str], Program]) -> object:
-    """Return the input of a line.
+    """Return the input of a line. What its fields hold is only checked when it is repeated.
 
     `program`: returns the program of a text.
     Raises FileError: there is no such input.
     """
     match line["input"]:
-        case "pause":
-            return Paused(line["reason"])
-        case "resume":
-            return Resumed()
-        case "rest":
-            return RunEnded()
         case "edit":
-            found = line.get("unmeant")
-            unmeant = found and Unmeant(
-                program(found["instead"]),
-                found["reason"],
-                found["always"],
-                found["element"] and Element(found["element"][0], tuple(found["element"][1])),
-            )
-            return do.ReplaceProgram(program(line["text"]), unmeant)
-        case "rename":
-            return do.Rename(line["kind"], tuple(line["path"]), line["name"])
-        case "force":
-            return do.Force(tuple(line["path"]), line["teleport"])
-        case "fire":
-            return do.Fire(tuple(line["path"]))
-        case "set":
-            return do.SetVariable(tuple(line["path"]), line["expression"])
+            unmeant = line.get("unmeant")
+            return do.ReplaceProgram(program(line["text"]), unmeant and _unmeant_of(unmeant, program))
+        case "renew":
+            return do.Renew(program(line["text"]))
         case "assign":
             return do.Assign(tuple(line["path"]), ast.literal_eval(line["value"]))
         case "names":
             texts = {str(name): text for name, text in line["values"].items() if text is not None}
             after = {name: ast.literal_eval(text) for name, text in texts.items()}
             return ChangeNames({str(name): None for name in line["deleted"]}, after)
-        case "rewind":
-            return do.Rewind(line["ticks"])
-        case "reset":
-            return do.Reset()
-        case "renew":
-            return do.Renew(program(line["text"]))
-        case "rate":
-            return do.SetRate(line["rate"])
-        case "policy":
-            return do.SetPolicy(line["name"], line["value"])
-        case "stop":
-            return RobotStopped()
-        case "arm":
-            return RobotArmed(bool(line["armed"]))
-        case "hold":
-            return CommandsHeld(int(line["sent"]), str(line.get("blind", "")), str(line.get("lost", "")))
         case "command":
             return RobotCommanded(line["name"], unplain(line["arguments"]))
-        case "world":
-            return WorldLoaded(line["world"])
-        case "place":
-            x, y, angle = line["pose"]
-            return PlaceRobot((x, y, angle), line["robot"])
-        case "place solid":
-            x, y, angle = line["pose"]
-            return PlaceSolid((x, y, angle), line["solid"])
-        case "reset world":
-            return ResetWorld()
-        case "draw":
-            return Draw(tuple((x, y) for x, y in line["path"]), line["width"], line["grey"])
         case "edit world":
             return Become(load(line["world"]))
         case "beyond":
             raise FileError("This input cannot be stored in a file, so the recording cannot be replayed.")
+        case str(name) if name in INPUTS:
+            kind = INPUTS[name]
+            return kind(
+                **{
+                    field.name: _immutable(line[field.name])
+                    for field in fields(kind)
+                    if field.name in line or field.default is MISSING
+                }
+            )
     raise FileError(f"There is no input {short(line['input'])}.")
 
 
-def _unmeant(unmeant: Unmeant) -> Line:
+def _immutable(value: object) -> object:
+    """Return a list as the tuple from which it was written."""
+    return tuple(_immutable(part) for part in value) if isinstance(value, list) else value
+
+
+def _unmeant_line(unmeant: Unmeant) -> Line:
     element = unmeant.element
     return {
         "instead": unmeant.instead.text,
@@ -167,6 +133,11 @@ def _unmeant(unmeant: Unmeant) -> Line:
         "always": unmeant.always,
         "element": None if element is None else [element.kind, element.path],
     }
+
+
+def _unmeant_of(line: Line, program: Callable[[str], Program]) -> Unmeant:
+    element = line["element"] and Element(line["element"][0], tuple(line["element"][1]))
+    return Unmeant(program(line["instead"]), line["reason"], line["always"], element)
 
 
 class _Infinite(ast.NodeTransformer):

@@ -18,7 +18,7 @@ from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
-from lrp_jupyter.live.commands import Rename, RepeatEdit, ReplaceProgram
+from lrp_jupyter.live.commands import Rename, ReplaceProgram
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, Rewound, RunEnded
 from lrp_jupyter.live.leftovers import leftover
@@ -56,9 +56,7 @@ def without_edits(entries: Iterable[Entry]) -> Iterator[Entry]:
     return (
         entry
         for entry in entries
-        if not (
-            isinstance(entry, Input) and isinstance(entry.what, (ReplaceProgram, RepeatEdit, Rename, Rewound))
-        )
+        if not (isinstance(entry, Input) and isinstance(entry.what, (ReplaceProgram, Rename, Rewound)))
     )
 
 
