@@ -12,7 +12,7 @@ from inspect import Parameter, Signature
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.message import Message, Plain, Twist, real_number
+from lrp_jupyter.bridges.message import Message, Plain, real_number
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import NoDataYet
 
@@ -96,7 +96,7 @@ def recorded_members(
                 each["name"],
                 _function(each.get("parameters", _ANY), value_of),
                 each["doc"],
-                message=_message_of(each, value_of),
+                message=_message(each["message"], value_of) if each["message"] else None,
                 command=each["command"],
                 velocity=each["velocity"],
                 limits={name: tuple(limit) for name, limit in each["limits"].items()},
@@ -105,13 +105,6 @@ def recorded_members(
 
 
 _ANY = ({"name": "arguments", "kind": "VAR_POSITIONAL"}, {"name": "named", "kind": "VAR_KEYWORD"})
-
-
-def _message_of(method: Mapping[str, Any], value_of: Callable[[Any], object]) -> type[Message] | None:
-    """Return the class of messages that a method takes."""
-    if method.get("message"):
-        return _message(method["message"], value_of)
-    return Twist if method.get("twist") else None  # as it was recorded before
 
 
 def _message(described: Mapping[str, Any], value_of: Callable[[Any], object]) -> type[Message]:

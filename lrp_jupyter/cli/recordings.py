@@ -70,8 +70,7 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None,
         console.print(Text(str(again.difference), "bold yellow"))
         if text is not None:
             return 0
-        if not recording.caveat:
-            console.print(_SETS)
+        console.print(_SETS)
         return 1
 
 
@@ -84,9 +83,8 @@ def why_file(file: str, name: str, at: float | None, program: str | None, truste
     again = _run_again(recording, at, text)
     with again.session as session:
         if again.difference is not None and text is None:
-            hint = "" if recording.caveat else f" {_SETS}"
             plain_console(stderr=True).print(
-                Text(f"The run differs from the recording. {again.difference}{hint}", "yellow")
+                Text(f"The run differs from the recording. {again.difference} {_SETS}", "yellow")
             )
         try:
             reason = session.explain(name)

@@ -22,7 +22,6 @@ class FirstDifference:
     `time`: seconds.
     `machine`: the machine in which it is; empty where that is none, or not known.
     `recorded`, `now`: what happened only in the recording, and only now: the most telling line of the tick.
-    `caveat`: why a replay may differ even if the program is the same, a sentence; or nothing.
     """
 
     tick: int
@@ -30,12 +29,8 @@ class FirstDifference:
     machine: str
     recorded: Line | None
     now: Line | None
-    caveat: str = ""
 
     def __str__(self) -> str:
-        return f"{self._told()} {self.caveat}".rstrip()
-
-    def _told(self) -> str:
         where = f", in the machine `{self.machine}`" if self.machine else ""
         head = f"The first difference is at {self.time:g} s (tick {self.tick}){where}."
         recorded, now = self.recorded, self.now

@@ -28,9 +28,6 @@ set of texts is another one, unless ``PYTHONHASHSEED`` is the same number); what
 first difference is told. The readings of a real robot are fed to the program again. What follows from a tick
 or an input stands before it, so of a file that was cut off, what comes after its last whole tick or input is
 left out.
-
-Version 2 has the same lines, but was recorded when a state did not yet act in the tick of its entry, so a
-replay may differ; the first difference says so.
 """
 
 from __future__ import annotations
@@ -69,7 +66,6 @@ from lrp_jupyter.sim.worlds import load
 __all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording"]
 
 VERSION = 3
-_BEFORE_ACTING_AT_ONCE = 2  # the version before a state acted in the tick of its entry
 _LATEST = 1e7  # s of a run
 _MAKE = "`lrp run FILE --record run.lrplog` makes one."
 _LONGEST_WAIT = 1.5 / SLOWEST  # s between two lines of a simulated run
@@ -166,8 +162,6 @@ class Recording:
     is_own : bool
         Whether this user recorded its programs and expressions, which :func:`reproduce
         <lrp_jupyter.live.reproduction.reproduce>` runs.
-    version : int
-        Of its lines, and of what a tick was when it was recorded.
     """
 
     name: str
@@ -177,18 +171,6 @@ class Recording:
     cut: bool = False
     is_own: bool = False
     looks: tuple[Look, ...] = ()
-    version: int = VERSION
-
-    @property
-    def caveat(self) -> str:
-        """Why a replay may differ from the recording, a sentence; empty if it must not."""
-        if self.version > _BEFORE_ACTING_AT_ONCE:
-            return ""
-        return (
-            "The recording was made by an earlier release, in which a state did not act in the tick of its "
-            "entry, so a replay may differ even if the program is the same. What was recorded is in "
-            "`read_recording(FILE).followed`."
-        )
 
     @property
     def ticks(self) -> int:
@@ -229,7 +211,6 @@ def read_recording(
     """
     name = shown(path)
     start: RunStart | None = None
-    version = VERSION
     entries: list[Entry] = []
     followed: list[Line] = []
     looks: list[Look] = []
@@ -245,7 +226,7 @@ def read_recording(
             line = _line(raw)
             memory += _PARSED * code.add(line)
             if start is None:
-                start, version = _start(line, prepared), line["lrplog"]
+                start = _start(line, prepared)
                 continue
             tick, time = _moment(line)
             if start.world is not None and time > latest + _LONGEST_WAIT:
@@ -273,7 +254,7 @@ def read_recording(
     if start is None:
         raise FileError(f"`{name}` is not a recording: it contains no complete line.")
     return Recording(
-        name, start, tuple(entries), tuple(followed[:complete]), cut, code.is_own(), tuple(looks), version
+        name, start, tuple(entries), tuple(followed[:complete]), cut, code.is_own(), tuple(looks)
     )
 
 
@@ -316,12 +297,11 @@ def _moment(line: Line) -> tuple[int, float]:
 
 def _start(line: Line, prepared: Callable[[Program, Mapping[str, str]], Program] | None) -> RunStart:
     found = line.get("lrplog")
-    if found not in (_BEFORE_ACTING_AT_ONCE, VERSION):
+    if found != VERSION:
         if found is None:
             raise FileError(f"This is not a recording. One begins with a line that has `lrplog`. {_MAKE}")
         raise FileError(
-            f"This recording is of version {found!r}, and this release reads the versions "
-            f"{_BEFORE_ACTING_AT_ONCE} and {VERSION}: "
+            f"This recording is of version {found!r}, and this release reads version {VERSION}: "
             "record the run again, or install the release that recorded it."
         )
     missing = [name for name in ("text", "filename", "bridge") if name not in line]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.errors import FileError, sentence_of
@@ -156,7 +156,7 @@ def _repeated(
     with session.driving(_LIMIT):
         loop.rest()
         loop.publish()
-    return None if difference is None else replace(difference, caveat=recording.caveat)
+    return difference
 
 
 def _repeat(loop: Loop, entry: Entry, name: str) -> FileError | None:

@@ -7,7 +7,7 @@ from typing import Annotated
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.breakpoint import BreakpointKind
 from lrp_jupyter.live.breakpoints import breakpoint_of, noun_of
-from lrp_jupyter.live.codec import Between
+from lrp_jupyter.widgets.codec import Between
 from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.messages import OpenProgram, act
 from lrp_jupyter.widgets.places import path_of

@@ -15,7 +15,7 @@ from lrp_jupyter import programs
 from lrp_jupyter.bridges.safety import OF_COMMANDS
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.codec import Between
+from lrp_jupyter.widgets.codec import Between
 from lrp_jupyter.widgets.messages import OpenProgram, act
 from lrp_jupyter.widgets.places import path_of
 from lrp_jupyter.widgets.protocol import GraphMode, OnActiveEdit

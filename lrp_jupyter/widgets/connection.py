@@ -24,7 +24,6 @@ from typing import Any
 
 from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.codec import DecodeError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import breakpoint_commands as breakpoint_commands
 from lrp_jupyter.widgets import commands as commands  # as the other seven: messages that `decode` knows
@@ -35,6 +34,7 @@ from lrp_jupyter.widgets import requests as requests
 from lrp_jupyter.widgets import timeline as timeline
 from lrp_jupyter.widgets import world_commands as world_commands
 from lrp_jupyter.widgets.changes import TextChanges
+from lrp_jupyter.widgets.codec import DecodeError
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking

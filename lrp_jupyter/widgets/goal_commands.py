@@ -6,7 +6,7 @@ from functools import partial
 from typing import Annotated
 
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.live.codec import Between
+from lrp_jupyter.widgets.codec import Between
 from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.messages import OpenProgram, act

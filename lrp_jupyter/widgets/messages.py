@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar, Protocol, TypeVar
 
-from lrp_jupyter.live.codec import DecodeError, Fields, decode, fields_of
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.changes import Sections
+from lrp_jupyter.widgets.codec import DecodeError, Fields, decode, fields_of
 from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking

@@ -7,10 +7,10 @@ from functools import partial
 from typing import Annotated, Any
 
 from lrp_jupyter.language.program import path_text
-from lrp_jupyter.live.codec import Between
 from lrp_jupyter.live.plots import Plot
 from lrp_jupyter.live.timeline import Happening, TimelineCursor
 from lrp_jupyter.live.what_if import Course
+from lrp_jupyter.widgets.codec import Between
 from lrp_jupyter.widgets.commands import INTERRUPTING, Applied
 from lrp_jupyter.widgets.messages import OpenProgram, act, question
 from lrp_jupyter.widgets.places import id_of

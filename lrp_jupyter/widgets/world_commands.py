@@ -14,11 +14,11 @@ from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError, LRPError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.codec import Between
 from lrp_jupyter.sim.edits import PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart, WorldEdit
 from lrp_jupyter.sim.reading import read_solid, read_text, read_zone
 from lrp_jupyter.sim.svg import svg
 from lrp_jupyter.sim.world import Point, Pose
+from lrp_jupyter.widgets.codec import Between
 from lrp_jupyter.widgets.messages import OpenProgram, act, question
 
 Applied = Future[Any]

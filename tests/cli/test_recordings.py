@@ -330,19 +330,6 @@ def test_a_set_of_texts_has_its_order_in_a_replay_with_the_same_hashes(
     assert "`PYTHONHASHSEED` to one number" in said[2]
 
 
-def test_a_difference_from_a_recording_of_an_earlier_release_has_another_cause(lrp, recorded):
-    counting = "(var n := [0]) (machine m (state a (running [n += 1]))) (spawn m a)"
-    path = recorded(text=counting)
-    acting_later = path.read_text(encoding="utf-8").replace('"lrplog":3', '"lrplog":2')
-    path.write_text(acting_later.replace('"variable":"n","value":1}', '"variable":"n","value":0}'), "utf-8")
-    replayed, asked = lrp("replay", path, "--trust"), lrp("why", path, "m/a", "--trust")
-    assert (replayed.exit_code, asked.exit_code) == (1, 0)
-    for told in (replayed.stdout, asked.stderr):
-        assert "Replay: `n` became 1. The recording was made by an earlier release" in " ".join(told.split())
-        assert "PYTHONHASHSEED" not in told
-    assert "`a` was entered at 0 s" in asked.stdout
-
-
 ACTING = TEXT.replace("(running", "(onentry [from pathlib import Path; Path('acted').touch()]) (running")
 
 

@@ -1,4 +1,4 @@
-"""The decoder of what a page sends and a recording holds: JSON, checked against annotations.
+"""The decoder of what a page sends: JSON, checked against annotations.
 
 Whatever arrives is checked field by field, from the annotations of a class or function alone: nothing that is
 called with it has to expect a field that is missing, a text where a number belongs, or a number that JSON
