@@ -42,19 +42,14 @@ set the status where the library reports its connection::
 
 from __future__ import annotations
 
-import threading
 from abc import abstractmethod
-from collections.abc import Iterator
-from concurrent.futures import Future, wait
 from typing import ClassVar
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
-from lrp_jupyter.bridges.interface import part
+from lrp_jupyter.bridges.link import Link
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
-_CALM = 0.3  # s that `receive` has to return before its connection is closed under it
-_JOIN = 0.7  # s that it has then
 _IDLE = 0.001  # s of rest after a `receive` that fed nothing: it may not have waited
 _LONGEST = 16  # times `retry_after`
 
@@ -78,12 +73,7 @@ class ReconnectingBridge(Bridge, offered=False):
     connect_within: ClassVar[float] = 8.0
     retry_after: ClassVar[float] = 0.5
 
-    _thread: threading.Thread | None = None
-    _connected = False
-    """Whether there is a connection that has to be closed."""
-
-    _ending = part(lambda bridge: threading.Event())
-    _disconnecting = part(lambda bridge: threading.Lock())
+    _link: Link | None = None
 
     # -- what the author of a bridge writes -------------------------------------------------------
 
@@ -124,82 +114,61 @@ class ReconnectingBridge(Bridge, offered=False):
         BridgeError
             The robot did not answer in time.
         """
-        if self._thread is not None:  # of an earlier connection whose `connect` or `receive` has not returned
-            self._thread.join(self.connect_within)
-            if self._thread.is_alive():
-                raise BridgeError(f"The last connection of `{self.name}` has not ended yet. Try again later.")
-        self._ending, first = threading.Event(), Future[None]()
-        self._thread = threading.Thread(
-            target=self._run, args=(self._ending, first), name=f"bridge {self.name}", daemon=True
-        )
-        self._thread.start()
-        if not wait([first], self.connect_within).done:
-            self._ending.set()
+        if self._link is not None and not self._link.has_ended(self.connect_within):
+            raise BridgeError(f"The last connection of `{self.name}` has not ended yet. Try again later.")
+        self._link = _AuthorsLink(self)
+        if not self._link.open(self.connect_within):
             raise BridgeError(f"`{self.name}` did not connect within {self.connect_within:g} s.")
-        first.result()
         return None
 
     def close_interface(self) -> None:
         """End the thread and the connection."""
-        self._ending.set()
-        if self._thread is None or self._thread is threading.current_thread():
-            return
-        self._thread.join(_CALM)
-        self._disconnect()  # ends a `receive` that still waits
-        self._thread.join(_JOIN)
+        if self._link is not None:
+            self._link.close()
 
-    def _run(self, ending: threading.Event, first: Future[None]) -> None:
-        waits = _waits(self.retry_after)
-        while not ending.is_set():
+
+class _AuthorsLink(Link):
+    """The connection that the author of a bridge has written."""
+
+    def __init__(self, bridge: ReconnectingBridge) -> None:
+        super().__init__(f"bridge {bridge.name}")
+        self._bridge = bridge
+        self._wait = bridge.retry_after
+        self._is_made = False  # and has to be closed
+
+    def connect(self) -> float:
+        bridge = self._bridge
+        bridge.connect()
+        self._is_made, self._wait = True, bridge.retry_after
+        if bridge.safety.lost and not self.is_ended:
+            bridge.set_status(ConnectionState.CONNECTED)  # unless `connect` has said so itself
+        return 0.0
+
+    def attend(self) -> float:
+        fed = self._bridge.fed.count
+        self._bridge.receive()
+        return _IDLE if self._bridge.fed.count == fed else 0.0
+
+    def lose(self, sentence: str) -> float:
+        self._bridge.set_status(ConnectionState.LOST, f"{sentence} It is tried again.")
+        wait, self._wait = self._wait, min(2 * self._wait, _LONGEST * self._bridge.retry_after)
+        return wait
+
+    def disconnect(self) -> None:
+        with self._changed:
+            was_made, self._is_made = self._is_made, False
+        if was_made:
+            bridge = self._bridge
             try:
-                self.connect()
-                self._connected = True
-                waits = _waits(self.retry_after)
-                if self.safety.lost and not ending.is_set():
-                    self.set_status(ConnectionState.CONNECTED)  # unless `connect` has said so itself
-                if not first.done():
-                    first.set_result(None)
-                self._receive(ending)
-            except BaseException as error:
-                sentence = self._sentence("receive" if self._connected else "connect", error)
-                if not first.done():
-                    first.set_exception(BridgeError(sentence))
-                    return
-                if not ending.is_set():
-                    self.set_status(ConnectionState.LOST, f"{sentence} It is tried again.")
-                    self._disconnect()
-                    ending.wait(next(waits))
-        self._disconnect()
+                bridge.disconnect()
+            except Exception as error:  # it is gone in any case
+                bridge.safety.notice("fault", f"Disconnecting `{bridge.name}` failed: {sentence_of(error)}")
 
-    def _receive(self, ending: threading.Event) -> None:
-        while not ending.is_set():
-            fed = self.fed.count
-            self.receive()
-            if self.fed.count == fed:
-                ending.wait(_IDLE)
-
-    def _sentence(self, hook: str, error: BaseException) -> str:
+    def explain(self, error: BaseException) -> str:
         if isinstance(error, BridgeError):
             return str(error)
         if isinstance(error, (OSError, EOFError)):
-            what = "cannot be reached" if hook == "connect" else "no longer answers"
-            return ended(f"`{self.name}` {what}: {getattr(error, 'strerror', None) or sentence_of(error)}")
-        return f"`{hook}` raised {sentence_of(error)}"
-
-    def _disconnect(self) -> None:
-        """Close the connection, once."""
-        with self._disconnecting:
-            was_connected, self._connected = self._connected, False
-        if was_connected:
-            try:
-                self.disconnect()
-            except Exception as error:  # it is gone in any case
-                self.safety.notice("fault", f"Disconnecting `{self.name}` failed: {sentence_of(error)}")
-
-
-def _waits(first: float) -> Iterator[float]:
-    """Yield the seconds between attempts to connect."""
-    factor = 1
-    while True:
-        yield first * factor
-        factor = min(2 * factor, _LONGEST)
+            what = "no longer answers" if self._is_made else "cannot be reached"
+            why = getattr(error, "strerror", None) or sentence_of(error)
+            return ended(f"`{self._bridge.name}` {what}: {why}")
+        return f"`{'receive' if self._is_made else 'connect'}` raised {sentence_of(error)}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import socket
 import threading
 from collections.abc import Iterator
@@ -13,7 +12,7 @@ from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.conformance import BridgeConformance
-from lrp_jupyter.bridges.reconnecting import ReconnectingBridge, _waits
+from lrp_jupyter.bridges.reconnecting import ReconnectingBridge
 from lrp_jupyter.errors import BridgeError
 
 
@@ -205,6 +204,7 @@ def test_without_a_robot_opening_fails_in_a_sentence():
 def test_a_robot_that_does_not_answer_is_given_up(robot, monkeypatch):
     over, calls = threading.Event(), []
     monkeypatch.setattr(Line, "connect_within", 0.1)
+    monkeypatch.setattr("lrp_jupyter.bridges.link._JOIN", 0.01)
 
     def connect(line: Line) -> None:
         over.wait(120)
@@ -218,14 +218,14 @@ def test_a_robot_that_does_not_answer_is_given_up(robot, monkeypatch):
     with pytest.raises(BridgeError, match="has not ended yet"):
         line.open()
     over.set()
-    assert line._thread is not None
-    line._thread.join(120)
+    assert line._link is not None
+    assert line._link.has_ended(within=120)
     assert calls == ["disconnect"], "what came too late is closed"
     assert line.status.state is ConnectionState.DISCONNECTED
 
 
 def test_closing_ends_a_wait_for_data(line, monkeypatch):
-    monkeypatch.setattr("lrp_jupyter.bridges.reconnecting._CALM", 0.01)
+    monkeypatch.setattr("lrp_jupyter.bridges.link._CALM", 0.01)
     waiting, closed = threading.Event(), threading.Event()
 
     def receive() -> None:
@@ -239,10 +239,9 @@ def test_closing_ends_a_wait_for_data(line, monkeypatch):
 
     line.receive, line.disconnect = receive, disconnect  # type: ignore[method-assign]
     assert waiting.wait(120)
-    thread = line._thread
-    assert thread is not None
     line.close()
-    thread.join(120)
+    assert line._link is not None
+    assert line._link.has_ended(within=120)
     assert line.status.sentence == "`test-line` is closed."
     assert [notice.text for notice in line.safety.notices if notice.kind == "fault"] == []
 
@@ -263,8 +262,13 @@ def test_a_connection_may_have_a_sentence_of_its_own(robot):
         talkative.close()
 
 
-def test_the_waits_between_attempts_double_up_to_a_limit():
-    assert [*itertools.islice(_waits(0.5), 7)] == [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]
+def test_the_waits_between_attempts_double_up_to_a_limit(line, robot, monkeypatch):
+    monkeypatch.setattr(Line, "retry_after", 0.5)
+    line._link.close()
+    for _ in range(2):
+        line._link.connect()
+        assert [line._link.lose("It is gone.") for _ in range(7)] == [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]
+        line._link.disconnect()
 
 
 class TestLine(BridgeConformance):

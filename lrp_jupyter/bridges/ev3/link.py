@@ -1,8 +1,8 @@
-"""The connection to a brick: one thread that reads it, renews what turns, detects its loss and reconnects.
+"""The connection to a brick, which is read periodically and renews what turns.
 
 The loop of a program never waits for a brick: it uses the latest reading, and its commands are sent
-without waiting for an answer. Each reading of the thread detects whether the brick is still there, and its
-question carries the renewals (:mod:`~lrp_jupyter.bridges.ev3.slices`).
+without waiting for an answer. Each reading detects whether the brick is still there, and its question carries
+the renewals (:mod:`~lrp_jupyter.bridges.ev3.slices`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import ANSWER_TIME, BrickClient
 from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading, MotorReading
 from lrp_jupyter.bridges.ev3.slices import SLICE, Slices
-from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
+from lrp_jupyter.bridges.link import Link
+from lrp_jupyter.errors import BridgeError, NoDataYet
 
 Pose = tuple[float, float, float]
 """x and y (metres) and the heading (radians), from where it began."""
@@ -56,7 +57,7 @@ class _Connection:
     slices: Slices
 
 
-class BrickLink:
+class BrickLink(Link):
     """The connection to one brick over its losses.
 
     Owner: any thread may use it; its own one is the only one that reads the brick.
@@ -76,43 +77,23 @@ class BrickLink:
         advance: Advance = lambda pose, _degrees: pose,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
+        super().__init__("EV3")
         self._find, self._report = find, report
         self._advance, self._clock = advance, clock
         self.snapshot = BrickState()
         self.name = ""
         self._connection: _Connection | None = None
-        self._closing = threading.Event()
         self._latest = threading.Lock()  # held while the snapshot is replaced
         self._resets = [0] * 4  # how often each motor's count was set to zero
         self._counted: tuple[int, ...] = (0,) * 4  # … at the last reading
         self._modes = [SAME_MODE] * 4
         self._usual: tuple[int, ...] = (SAME_MODE,) * 4
-        self._thread = threading.Thread(target=self._run, name="EV3", daemon=True)
 
     @property
     def client(self) -> BrickClient | None:
         """The connection; None while there is none."""
         connection = self._connection
         return connection.client if connection else None
-
-    def open(self) -> None:
-        """Find the brick and read it once; then read it periodically.
-
-        Raises BridgeError: it was not found, or cannot be read.
-        """
-        self._adopt(self._find(self._closing.is_set))
-        self._thread.start()
-
-    def search(self) -> None:
-        """Search for the brick in the background for as long as it takes."""
-        self._thread.start()
-
-    def close(self) -> None:
-        """End the thread and the connection; idempotent."""
-        self._closing.set()
-        if self._thread.is_alive() and self._thread is not threading.current_thread():
-            self._thread.join(2.0)
-        self._disconnect()
 
     def command(self, code: bytes, motors: int = 0) -> None:
         """Send a byte code without waiting for the brick to perform it.
@@ -145,7 +126,7 @@ class BrickLink:
         connection = self._connection
         if connection is not None:
             _stop(connection, _STOP_TIME)
-        elif self.snapshot.reading is not None and not self._closing.is_set():
+        elif self.snapshot.reading is not None and not self.is_ended:
             why = self.snapshot.trouble or "The brick is being reconnected."
             raise BridgeError(
                 f"{why} What was renewed stops within {SLICE:g} s by itself, and all as soon as it is found."
@@ -191,46 +172,9 @@ class BrickLink:
         """Return the requested mode; -1 for none."""
         return self._modes[sensor]
 
-    def _run(self) -> None:
-        while not self._closing.is_set():
-            self._closing.wait(self._turn())
-        self._disconnect()
-
-    def _turn(self) -> float:
-        """Read the brick, or search for it; return the seconds until the next turn."""
-        try:
-            if self._connection is None:
-                self._adopt(self._find(self._closing.is_set), again=self.snapshot.reading is not None)
-            else:
-                self._read(self._connection)
-        except BridgeError as error:
-            return self._handle_trouble(str(error))
-        except Exception as error:  # of this bridge: better told than going on with old readings
-            trouble = f"The EV3 bridge itself failed: {sentence_of(error)}"
-            if (client := self.client) is not None:
-                client.lost = client.lost or trouble
-            return self._handle_trouble(trouble)
-        return _PERIOD
-
-    def _handle_trouble(self, trouble: str) -> float:
-        """Report a trouble, once; return the seconds until the next attempt."""
-        if self._closing.is_set():
-            return 0.0
-        client, known = self.client, self.snapshot.trouble
-        refused = client is not None and not client.lost
-        with self._latest:
-            if refused or not known:
-                self.snapshot = replace(self.snapshot, trouble=trouble)
-        if not refused:
-            self._disconnect()
-        if client is not None and trouble != known:
-            self._report("stale" if refused else "lost", trouble)
-        elif client is None and self.snapshot.reading is None:
-            self._report("disconnected", f"{trouble} The search goes on.")
-        return _PERIOD if client is not None else _REST
-
-    def _adopt(self, client: BrickClient, again: bool = False) -> None:
-        """Adopt a new connection. A brick that was lost may still be driving: it is stopped first."""
+    def connect(self) -> float:
+        """Search for the brick and read it once; one that was lost is stopped first: it may still drive."""
+        client, again = self._find(lambda: self.is_ended), self.snapshot.reading is not None
         connection = _Connection(client, Slices(self._clock))
         try:
             if again:
@@ -245,6 +189,44 @@ class BrickLink:
         if again:
             sentence += " It had been lost, so its motors were stopped: start them again."
         self._report("connected", sentence)
+        return _PERIOD
+
+    def attend(self) -> float:
+        """Read the brick; one that refuses it stays connected."""
+        connection = self._connected()
+        try:
+            self._read(connection)
+        except BridgeError as error:
+            if connection.client.lost:
+                raise
+            if str(error) != self.snapshot.trouble:
+                self._set_trouble(str(error))
+                self._report("stale", str(error))
+        return _PERIOD
+
+    def lose(self, sentence: str) -> float:
+        """Report that the brick is lost, or was not found."""
+        client = self.client
+        if client is None:
+            self._set_trouble(self.snapshot.trouble or sentence)
+            if self.snapshot.reading is None:
+                self._report("disconnected", f"{sentence} The search goes on.")
+            return _REST
+        client.lost = client.lost or sentence
+        self._set_trouble(sentence)
+        self.disconnect()
+        self._report("lost", sentence)
+        return _PERIOD
+
+    def disconnect(self) -> None:
+        """Close the connection."""
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            connection.client.close()
+
+    def _set_trouble(self, sentence: str) -> None:
+        with self._latest:
+            self.snapshot = replace(self.snapshot, trouble=sentence)
 
     def _greeting(self, client: BrickClient) -> str:
         return f"Connected to `{self.name}` at {client.place}."
@@ -280,11 +262,6 @@ class BrickLink:
             self._report("late", f"{names} stopped: nothing renewed it for {SLICE:g} s. Start it again.")
         if before.trouble and connection is self._connection:
             self._report("connected", self._greeting(client))
-
-    def _disconnect(self) -> None:
-        connection, self._connection = self._connection, None
-        if connection is not None:
-            connection.client.close()
 
 
 def _stop(connection: _Connection, timeout: float = ANSWER_TIME) -> None:

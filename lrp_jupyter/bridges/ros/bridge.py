@@ -341,8 +341,8 @@ class RosBridge(Bridge):
             self.wiring.attach(link)
             if searching:
                 link.search()
-            else:
-                link.open(self._patience)
+            elif not link.open(self._patience):
+                raise BridgeError(f"{link.place} did not answer within {self._patience:g} s.")
         except BridgeError:
             self.wiring.link = None
             self.nodes.clear()

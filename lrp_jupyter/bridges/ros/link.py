@@ -1,8 +1,8 @@
 """The connections of a set-up, kept up by one thread over every loss of the robot.
 
-The set-up lists the wanted connections; the thread compares them with the actual ones periodically,
-and reconnects after a loss. All calls that may block happen on that thread: a dead master or server
-does not delay a program's loop. A `Transport` communicates with ROS.
+The set-up lists the wanted connections; the link's thread compares them with the actual ones periodically.
+All calls that may block happen on that thread: a dead master or server does not delay a program's loop. A
+`Transport` communicates with ROS.
 
 Paper: §7.1 (subscriptions are the bridge's, not the program's, so a restart makes no second one).
 """
@@ -12,11 +12,11 @@ from __future__ import annotations
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
 from contextlib import suppress
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.link import Link
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
@@ -28,10 +28,9 @@ GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
 
 SLOW = 0.3
-"""Seconds of a round trip from which on a link is slow, which is told."""
+"""Round trip in seconds above which the link is reported as slow."""
 
 _AGAIN = 0.5  # seconds until a connection that was lost, or a topic that is missing, is tried again
-_JOIN = 2.0  # seconds that ending the thread may take
 _FAST = 0.2  # seconds of a round trip below which a link is no longer slow
 
 
@@ -136,7 +135,7 @@ class Transport(ABC):
 OnStatus = Callable[[ConnectionState, str], None]
 
 
-class TopicLink:
+class TopicLink(Link):
     """The connections of a set-up.
 
     `find`: returns the transport, which is not connected yet; called once, on the link's thread. It may ask
@@ -155,8 +154,9 @@ class TopicLink:
         learned: Callable[[Channel], None],
         warn: Callable[[str], None],
     ) -> None:
+        super().__init__("ROS")
         self._find = find
-        self._place = place
+        self.place = place
         self._transport: Transport | None = None
         self.types = Types()
         self.topics: Mapping[str, str] = {}
@@ -169,10 +169,6 @@ class TopicLink:
         self._lock = threading.Lock()  # for the two above
         self._trouble = f"{place} is not connected yet"
         self._described: set[str] = set()
-        self._first: Future[None] = Future()
-        self._closing = threading.Event()
-        self._wake = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="ROS", daemon=True)
 
     @property
     def transport(self) -> Transport:
@@ -182,42 +178,11 @@ class TopicLink:
 
     # -- from any thread --------------------------------------------------------------------------
 
-    def open(self, patience: float) -> None:
-        """Connect, within so many seconds.
-
-        Raises BridgeError: no server answers, or it does not speak ROS.
-        """
-        self._thread.start()
-        try:
-            self._first.result(patience)
-        except BridgeError:
-            self.close()
-            raise
-        except TimeoutError:
-            self._closing.set()
-            self._disconnect()  # ends what the thread waits for
-            self.close()
-            raise BridgeError(f"{self._place} did not answer within {patience:g} s.") from None
-
-    def search(self) -> None:
-        """Connect in the background, for as long as it takes."""
-        self._first.set_result(None)
-        self._thread.start()
-
-    def close(self) -> None:
-        """End all connections; idempotent."""
-        self._closing.set()
-        self._wake.set()
-        if not self.connected:
-            self._disconnect()  # ends what the thread waits for
-        if self._thread.is_alive() and self._thread is not threading.current_thread():
-            self._thread.join(_JOIN)
-
     def add(self, channel: Channel) -> None:
         """Connect a channel, soon."""
         with self._lock:
             self._channels += (channel,)
-        self._wake.set()
+        self.hurry()
 
     def drop(self, channel: Channel) -> None:
         """Disconnect a channel, soon; nothing arrives in it from now on."""
@@ -225,7 +190,7 @@ class TopicLink:
             self._channels = tuple(other for other in self._channels if other is not channel)
             self._dropped.append(channel)
         channel.forget()
-        self._wake.set()
+        self.hurry()
 
     def send(self, channel: Channel, message: RosMessage | None, urgent: bool = False) -> None:
         """Publish, without waiting; `urgent` for a stop, which is always tried.
@@ -244,34 +209,19 @@ class TopicLink:
 
     # -- on its own thread ------------------------------------------------------------------------
 
-    def _run(self) -> None:
-        while not self._closing.is_set():
-            self._wake.clear()
-            try:
-                if not self.connected:
-                    self._connect()
-                self._wake.wait(self._synchronize())
-            except BridgeError as error:
-                self._lose(str(error))
-            except Exception as error:  # of this bridge: better told than going on with old readings
-                self._lose(ended(f"The ROS bridge itself failed: {type(error).__name__}: {error}"))
-        self.connected = False
-        for channel in (*self._channels, *self._dropped):
-            with suppress(Exception):  # of a library: what is left open goes with the connection
-                self._leave(channel)
-        self._disconnect()
-
-    def _connect(self) -> None:
+    def connect(self) -> float:
+        """Connect, and make the connections of all channels."""
         if self._transport is None:
             self._transport = self._find()
-            self._transport.changed = self._wake.set
-            self._place = f"`{self._transport.place}`"
+            self._transport.changed = self.hurry
+            self.place = f"`{self._transport.place}`"
         self._transport.connect()
         self._described.clear()
         for channel in (*self._channels, *self._dropped):
             self._leave(channel)
+        return self.attend()
 
-    def _synchronize(self) -> float:
+    def attend(self) -> float:
         """Make the actual connections match the wanted ones; return the seconds until the next time."""
         trouble = self.transport.trouble()
         if trouble:
@@ -295,8 +245,6 @@ class TopicLink:
         for channel in channels:  # last: who waited for the answer finds the status that belongs to it
             if not channel.is_asked_for:
                 channel.answered.set()
-        if not self._first.done():
-            self._first.set_result(None)
         in_need = any(channel.waiting or channel.problem or channel.expects for channel in channels)
         return self.transport.tend(in_need)
 
@@ -386,24 +334,24 @@ class TopicLink:
         if handle is not None:
             self.transport.leave(handle)
 
-    def _lose(self, sentence: str) -> None:
-        """Report that the robot is lost, and wait until the next attempt."""
-        if self._closing.is_set():
-            return
-        if not self._first.done():
-            self._first.set_exception(BridgeError(sentence))
-            self._closing.set()
-            return
+    def lose(self, sentence: str) -> float:
+        """Report that the robot is lost, and forget what is known of it."""
         self._trouble, self.connected, self.topics = sentence, False, {}
         for channel in self._channels:
             channel.forget()
             channel.problem, channel.commanders = sentence, ()
             channel.owes_stop |= channel.has_moved
-        self._report_change(ConnectionState.LOST, sentence)  # first: the transport may still send a stop
-        self._disconnect()
-        self._closing.wait(_AGAIN)  # whatever else changes: a connection that ends is such a change
+        self._report_change(ConnectionState.LOST, sentence)  # the transport may still send a stop
+        return _AGAIN
 
-    def _disconnect(self) -> None:
+    def _run(self) -> None:
+        super()._run()
+        for channel in (*self._channels, *self._dropped):
+            with suppress(Exception):  # of a library: most leave all channels when they disconnect
+                self._leave(channel)
+
+    def disconnect(self) -> None:
+        """Close the connection."""
         if self._transport is not None:
             self._transport.disconnect()
 
@@ -422,7 +370,7 @@ class TopicLink:
         return ConnectionState.CONNECTED, f"Connected to {self.transport.place}."
 
     def _report_change(self, state: ConnectionState, sentence: str) -> None:
-        if self._last_status != (state, sentence) and not self._closing.is_set():
+        if self._last_status != (state, sentence) and not self.is_ended:
             self._last_status = (state, sentence)
             self._report(state, sentence)
 

@@ -19,6 +19,7 @@ from support.waiting import no_thread_left
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.link import BrickLink
+from lrp_jupyter.bridges.link import Stage
 from lrp_jupyter.errors import BridgeError
 
 MODULES = ("bridge", "client", "finding", "lines", "link", "usb")
@@ -111,7 +112,7 @@ def wired(brick: Brick, air: Hands, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in MODULES:
         monkeypatch.setattr(f"lrp_jupyter.bridges.ev3.{name}.time", SimpleNamespace(monotonic=air))
     monkeypatch.setattr("lrp_jupyter.bridges.ev3.bridge.connect", connect)
-    monkeypatch.setattr(BrickLink, "_run", lambda _: None)
+    monkeypatch.setattr(BrickLink, "_run", lambda link: link._turn() if link._stage is Stage.OPENING else 0)
     monkeypatch.setattr(EV3Bridge, "stop_timeout", None)
 
 

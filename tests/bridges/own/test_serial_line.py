@@ -64,7 +64,7 @@ def line(tmp_path: Path) -> Iterator[Line]:
 @pytest.fixture
 def bridge(line: Line, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bridge]:
     """Open and armed; what it was told is not old, however long a test is held up."""
-    monkeypatch.setattr("lrp_jupyter.bridges.reconnecting._CALM", 0.01)
+    monkeypatch.setattr("lrp_jupyter.bridges.link._CALM", 0.01)
     bridge = make_bridge(SERIAL, port=str(line.link))
     bridge.fed.clock = lambda: 0.0
     bridge.stopper = lambda: None  # type: ignore[method-assign]

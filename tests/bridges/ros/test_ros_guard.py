@@ -45,10 +45,10 @@ def test_a_robot_whose_commands_cease_is_stopped_on_its_own_side(
     port = real.rosbridge_port if backend == "rosbridge" else real.master_port
     options = ("--backend", backend, "--host", f"127.0.0.1:{port}", "--topic", "/cmd_vel")
     printed: list[str] = real.lines(real.start(sys.executable, "-m", "lrp_jupyter", "guard", *options))
-    until(lambda: any("Connected" in line or "nothing has arrived" in line for line in printed))
+    until(lambda: any("nothing has arrived" in line for line in printed))
     command = ("/cmd_vel", "geometry_msgs/Twist", "[0.2, 0, 0]", "[0, 0, 0.5]")
     program = real.start("/usr/bin/rostopic", "pub", "-r", "10", *command)
-    until(lambda: robot.drives)
+    until(lambda: robot.drives and any("Connected" in line for line in printed))
     os.killpg(program.pid, signal.SIGKILL)
     robot.is_stopped()
     until(lambda: any("No command for 0.5 s" in line for line in printed))

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from support.waiting import until
 
+from lrp_jupyter.bridges import link
 from lrp_jupyter.bridges.bridge import ConnectionState
-from lrp_jupyter.bridges.ros import link
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.definitions import KNOWN, Definition
 from lrp_jupyter.bridges.ros.link import TopicLink, Transport
@@ -89,7 +89,7 @@ def test_a_link_that_was_closed_reports_nothing_any_more(
     monkeypatch.setattr(link, "_JOIN", 0.01)
     searching.close()  # it does not wait for the robot
     slow.answer.set()
-    searching._thread.join(60)
+    assert searching.has_ended(within=60)
     assert reports == []
 
 
@@ -99,5 +99,5 @@ def test_what_cannot_be_left_keeps_no_connection_open(
     slow.answer.set()
     until(lambda: reports == [ConnectionState.WAITING])
     searching.close()
-    searching._thread.join(60)
-    assert slow.disconnected == 1
+    assert searching.has_ended(within=60)
+    assert slow.disconnected

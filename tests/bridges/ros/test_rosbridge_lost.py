@@ -190,13 +190,16 @@ def test_a_server_whose_master_dies_is_looked_for_in_steps_until_it_is_back(
     ros.open()
     ros.subscribe("odom", "/odom")
     assert ros.wiring.link is not None
-    steps: list[float] = []
-    monkeypatch.setattr(ros.wiring.link._closing, "wait", steps.append)
+    steps: list[tuple[float, bool]] = []
+    monkeypatch.setattr(
+        ros.wiring.link._changed, "wait_for", lambda holds, seconds: steps.append((seconds, holds()))
+    )
     graph.master_is_alive = False
     until(lambda: "its ROS master does not" in ros.status.sentence)
     assert ros.status.state is ConnectionState.LOST
+    del steps[:]
     until(lambda: len(steps) > 2)
-    assert set(steps) == {link._AGAIN}, "a connection that ends does not hurry it"
+    assert set(steps) == {(link._AGAIN, False)}, "a connection that ends does not hurry it"
     graph.master_is_alive = True
     until(lambda: ros.status.state is ConnectionState.WAITING)
     until(lambda: hears(ros, graph))
