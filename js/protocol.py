@@ -127,12 +127,13 @@ class Writer:
 
     def interface(self, module: str, name: str, node: ast.ClassDef | ast.FunctionDef) -> str:
         """Write a TypedDict or dataclass with all of its fields, or a function with its parameters."""
-        is_class = isinstance(node, ast.ClassDef)
-        fields = self.fields(module, node) if is_class else self.parameters(module, node)
+        fields = (
+            self.fields(module, node) if isinstance(node, ast.ClassDef) else self.parameters(module, node)
+        )
         self.zeros[name] = "{ " + ", ".join(f"{f}: {zero}" for f, (_, zero) in fields.items()) + " }"
         (first, *_) = (ast.get_docstring(node) or "").split("\n\n")
-        bases = [b.id for b in node.bases if isinstance(b, ast.Name)] if is_class else []
-        base = next((each for each in bases if each == "ViewState"), None)
+        bases = node.bases if isinstance(node, ast.ClassDef) else []
+        base = next((b.id for b in bases if isinstance(b, ast.Name) and b.id == "ViewState"), None)
         inherits = f" extends Changes<{self.reference(module, base)}>" if base else ""
         lines = [f"  {field}: {type_};" for field, (type_, _) in fields.items()]
         return "\n".join(

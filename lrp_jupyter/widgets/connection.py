@@ -172,15 +172,13 @@ class PageConnection:
         if handler.is_present:
             self.looking.back(self.session)
         job = partial(handler.function, self, **asked.given)
-        answer = _done(partial(self.work, job) if handler.is_question else job)
+        answer = _done(partial(self.work, job) if handler.answer else job)
         if answer.exception() is None and answer.result() is not None:
             answer = answer.result()
         if asked.id:
             deadline = self._clock() + handler.patience
             self._publisher.reply_later(
-                PendingReply(
-                    asked.view, asked.id, answer, deadline, handler.is_question, handler.changes_world
-                )
+                PendingReply(asked.view, asked.id, answer, deadline, handler.answer, handler.changes_world)
             )
         else:
             answer.add_done_callback(lambda _: self.wake())

@@ -6,8 +6,7 @@ as one step of its own history.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 from lrp_jupyter.errors import Edit, LRPError, LRPSyntaxError
 from lrp_jupyter.language import drawing, nesting
@@ -17,7 +16,7 @@ from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import rename_edits
 from lrp_jupyter.widgets.messages import OpenProgram, question
 from lrp_jupyter.widgets.places import edits_view, path_of
-from lrp_jupyter.widgets.protocol import ElementKind
+from lrp_jupyter.widgets.protocol import ElementKind, TextEdit
 
 DrawingAct = Literal[
     "state",
@@ -36,7 +35,7 @@ DrawingAct = Literal[
 """What is done to an element; `to` names the other state, `form` holds what was written."""
 
 
-@question()
+@question("edits")
 def draw(
     opened: OpenProgram,
     text: str,
@@ -46,8 +45,8 @@ def draw(
     to: str = "",
     form: str = "",
     old: str = "",
-) -> Mapping[str, Any]:
-    """Draw on the state graph of a text. Answered by the `edits` of that text.
+) -> list[TextEdit]:
+    """Draw on the state graph of a text: return the edits of that text.
 
     `kind` and `path` name the element acted on: for a new state and a new form the one around it (empty for
     the program), for a new transition its source (``m/*`` for every state). `old` is the source to replace.
@@ -60,7 +59,7 @@ def draw(
         ) from None
     except ValueError as error:
         raise LRPError(str(error)) from None
-    return {"edits": edits_view(text, edits)}
+    return edits_view(text, edits)
 
 
 def _drawn(

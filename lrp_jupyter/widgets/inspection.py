@@ -20,13 +20,13 @@ _MOST = 100  # facets of one object
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 
-@question()
-def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) -> Mapping[str, Any]:
-    """Inspect an element, or (`into`: steps of earlier facets) a part of its value. Answered by `inspect`.
+@question("inspect")
+def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) -> InspectView:
+    """Inspect an element, or (`into`: steps of earlier facets) a part of its value.
 
     Raises UnknownElementError: there is no such element, or it has no value now.
     """
-    return {"inspect": _inspect(opened, kind, path_of(kind, path), into)}
+    return _inspect(opened, kind, path_of(kind, path), into)
 
 
 def _inspect(opened: OpenProgram, kind: ElementKind, path: Path, into: Sequence[str]) -> InspectView:

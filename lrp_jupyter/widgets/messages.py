@@ -147,8 +147,8 @@ class Handler:
     later; an exception, raised or in the future, is the error of the reply.
 
     `patience`: wall seconds after which a message that is not answered yet is answered with the reason.
-    `is_question`: whether it runs on the worker's thread instead, where it may wait, and returns the fields
-        of the reply.
+    `answer`: the field of the reply that gets what a question returns, which is asked on the worker's thread
+        and may wait there; empty for an act.
     `is_present`: whether it changes the run or the world as it is now: views that show the past return from
         it first.
     `changes_world`: whether a page shows what it does until the world is described; the reply follows the
@@ -159,7 +159,7 @@ class Handler:
     name: str
     function: Callable[..., Any]
     patience: float
-    is_question: bool = False
+    answer: str = ""
     is_present: bool = False
     changes_world: bool = False
     is_noted: bool = True
@@ -181,18 +181,18 @@ def act(patience: float = 1.0, **flags: bool) -> Callable[[Function], Function]:
 
     def register(function: Function) -> Function:
         name = function.__name__
-        ACTS[name] = Handler(name, function, patience, **flags)
+        ACTS[name] = Handler(name, function, patience, "", **flags)
         return function
 
     return register
 
 
-def question(patience: float = 1.0) -> Callable[[Function], Function]:
-    """Return the decorator of what answers a question of a page."""
+def question(answer: str, patience: float = 1.0) -> Callable[[Function], Function]:
+    """Return the decorator of what answers a question of a page; see `Handler`."""
 
     def register(function: Function) -> Function:
         name = function.__name__.rstrip("_")  # which would be another name of Python's
-        QUESTIONS[name] = Handler(name, function, patience, is_question=True, is_noted=False)
+        QUESTIONS[name] = Handler(name, function, patience, answer, is_noted=False)
         return function
 
     return register

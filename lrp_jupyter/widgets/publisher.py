@@ -191,7 +191,7 @@ class PendingReply:
 
     `view`: the view that sent it.
     `deadline`: when it is answered with the reason for the delay.
-    `is_question`: whether the result is the reply's fields.
+    `field`: that of the reply which gets the result; empty for none.
     `describes`: whether a changed world is described before the reply.
     """
 
@@ -199,7 +199,7 @@ class PendingReply:
     id: int
     answer: Future[Any]
     deadline: float
-    is_question: bool = False
+    field: str = ""
     describes: bool = False
 
     def outcome(self) -> tuple[str | None, Mapping[str, Any]]:
@@ -208,7 +208,7 @@ class PendingReply:
             return "A newer request replaced this one.", {}
         error = self.answer.exception()
         if error is None:
-            return None, self.answer.result() if self.is_question else {}
+            return None, {self.field: self.answer.result()} if self.field else {}
         if isinstance(error, (ValueError, OSError)) and str(error):
             return str(error), {}
         return sentence_of(error), {}

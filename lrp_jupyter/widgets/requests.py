@@ -10,7 +10,7 @@ import builtins
 import inspect
 import keyword
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import Any
 
@@ -35,6 +35,8 @@ from lrp_jupyter.widgets.protocol import (
     HoverView,
     Option,
     ReferencesView,
+    TextEdit,
+    VersionView,
     WhyLine,
     WhyView,
 )
@@ -47,92 +49,14 @@ class _NothingError(Exception):
     """A name has no meaning here."""
 
 
-@question()
-def complete(opened: OpenProgram, prefix: str, scope: str) -> Mapping[str, Any]:
+@question("options")
+def complete(opened: OpenProgram, prefix: str, scope: str) -> list[Option]:
     """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
 
-    The page itself completes keywords and the program's names. Answered by `options`.
-    """
-    return {"options": _completions(opened.session, prefix, scope)}
-
-
-@question()
-def hover(opened: OpenProgram, chain: str, scope: str) -> Mapping[str, Any]:
-    """Describe a dotted name (``robot.light.data``) in a scope. Answered by `hover`."""
-    return {"hover": _hover(opened.session, chain, scope)}
-
-
-@question()
-def references(opened: OpenProgram, line: int, column: int) -> Mapping[str, Any]:
-    """Find the element named at a place of the last text sent. Answered by `references`."""
-    return {"references": _references(opened.texts.text, line, column)}
-
-
-@question()
-def format_(opened: OpenProgram, text: str) -> Mapping[str, Any]:
-    """Lay out a program's text; only white space changes. Answered by `edits` of this text."""
-    try:
-        edits = formatting(text)
-    except LRPSyntaxError:
-        raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
-    return {"edits": edits_view(text, edits)}
-
-
-@question()
-def why(opened: OpenProgram, kind: ElementKind, path: str) -> Mapping[str, Any]:
-    """Ask why a transition did not fire, why a state is active, or why the robot does what it does.
-
-    `kind` is ``transition``, ``state`` or ``robot``, whose `path` is the name of a command, or empty for the
-    command that moves it. Answered by `why`.
-    """
-    return {"why": _why(opened, kind, path)}
-
-
-@question()
-def explain(opened: OpenProgram, code: str) -> Mapping[str, Any]:
-    """Explain a code, such as ``LRP301``. Answered by `explanation`."""
-    found, *_ = codes.explain(code)
-    explanation: ExplanationView = {
-        "code": found.code,
-        "title": found.title,
-        "explanation": found.explanation,
-        "example": found.example,
-        "script": found.script,
-        "remedy": found.remedy,
-        "repaired": found.repaired,
-        "address": found.address,
-    }
-    return {"explanation": explanation}
-
-
-@question()
-def versions(opened: OpenProgram) -> Mapping[str, Any]:
-    """List the earlier texts, the newest first. Answered by `versions`."""
-    return {
-        "versions": [
-            {"key": version.key, "when": version.when, "text": version.text}
-            for version in opened.texts.versions
-        ]
-    }
-
-
-@question()
-def save(opened: OpenProgram, name: str, replace: bool) -> Mapping[str, Any]:
-    """Write the text to a file. Answered by `exists`: another file is there, and nothing was written."""
-    if not name.strip():
-        raise LRPError("Enter a name for the file.")
-    return {"exists": not opened.saver.save_as(name.strip(), replace)}
-
-
-# -- Python names ----------------------------------------------------------------------------------------
-
-
-def _completions(session: Session, prefix: str, scope: str) -> list[Option]:
-    """Complete a name, or a member of the expression before the last dot.
-
     ``robot.move().`` asks for the fields of the message that a command sends, ``robot.move(`` for its
-    arguments.
+    arguments. The page itself completes keywords and the program's names.
     """
+    session = opened.session
     robot = session.bridge
     command, bracket, argument = prefix.partition("(")
     if bracket and not argument.startswith(")"):
@@ -148,6 +72,134 @@ def _completions(session: Session, prefix: str, scope: str) -> list[Option]:
         return options
     except _NothingError:
         return []
+
+
+@question("hover")
+def hover(opened: OpenProgram, chain: str, scope: str) -> HoverView | None:
+    """Describe a dotted name (``robot.light.data``) in a scope, with its present value."""
+    if keyword.iskeyword(chain):
+        return None
+    session = opened.session
+    path, frame = _variable_in_scope(session, chain, scope), session.frame
+    if path is not None:
+        if path not in frame.variables:
+            return None
+        return _hover_view(chain, type(frame.values[path]).__name__, frame.variables[path])
+
+    def card() -> HoverView:
+        if chain.startswith("robot."):
+            return _member_card(chain, session.bridge.describe(chain.removeprefix("robot.")))
+        return _card(chain, _value_of(session, chain, scope))
+
+    try:
+        found: HoverView = session.call(card)
+        return found
+    except (_NothingError, MemberError):
+        return None
+
+
+@question("references")
+def references(opened: OpenProgram, line: int, column: int) -> ReferencesView | None:
+    """Find the element named at a place of the last text sent."""
+    text = opened.texts.text
+    program, _ = scan(text)
+    if program is None:
+        raise LRPError(
+            "The text is not a valid program at the moment, so references cannot be found. Correct it first."
+        )
+    found = find_references(program, offset_of(text, line, column))
+    if found is None:
+        return None
+    definition = range_of(text, *found.definition)
+    others = [range_of(text, *span) for span in found.references if span != found.definition]
+    kind: Any = found.element.kind
+    return {
+        "kind": kind,
+        "path": id_of(kind, found.element.path),
+        "name": text[slice(*found.definition)],
+        "definition": definition,
+        "references": [definition, *others],
+    }
+
+
+@question("edits")
+def format_(opened: OpenProgram, text: str) -> list[TextEdit]:
+    """Lay out a program's text; only white space changes."""
+    try:
+        edits = formatting(text)
+    except LRPSyntaxError:
+        raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
+    return edits_view(text, edits)
+
+
+@question("why")
+def why(opened: OpenProgram, kind: ElementKind, path: str) -> WhyView:
+    """Ask why a transition did not fire, why a state is active, or why the robot does what it does.
+
+    `kind` is ``transition``, ``state`` or ``robot``, whose `path` is the name of a command, or empty for the
+    command that moves it. The question is about the moment that the views show.
+    """
+    session = opened.session
+    at = opened.looking.tick(session)
+    try:
+        if kind == "transition":
+            reason = session.why_not(path_of(kind, path), at)
+        elif kind == "state":
+            reason = session.why(path_of(kind, path), at)
+        else:
+            reason = session.why(f"robot.{path or _moving(session.bridge)}", at)
+    except ValueError as error:
+        raise LRPError(str(error)) from None
+    program = session.at(reason.tick).program if reason.code != "not-in-program" else session.program
+    lines: list[WhyLine] = []
+    sources = program.text.splitlines()
+    for line in reason.facts["lines"]:
+        if line <= len(sources):
+            lines.append({"line": line, "text": sources[line - 1].strip()})
+    return {
+        "code": reason.code,
+        "name": _name_of(kind, path, program),
+        "tick": reason.tick,
+        "time": reason.time,
+        "sentence": str(reason),
+        "lines": lines,
+        "present": program.text == session.program.text,
+    }
+
+
+@question("explanation")
+def explain(opened: OpenProgram, code: str) -> ExplanationView:
+    """Explain a code, such as ``LRP301``."""
+    found, *_ = codes.explain(code)
+    return {
+        "code": found.code,
+        "title": found.title,
+        "explanation": found.explanation,
+        "example": found.example,
+        "script": found.script,
+        "remedy": found.remedy,
+        "repaired": found.repaired,
+        "address": found.address,
+    }
+
+
+@question("versions")
+def versions(opened: OpenProgram) -> list[VersionView]:
+    """List the earlier texts, the newest first."""
+    return [
+        {"key": version.key, "when": version.when, "text": version.text} for version in opened.texts.versions
+    ]
+
+
+@question("exists")
+def save(opened: OpenProgram, name: str, replace: bool) -> bool:
+    """Write the text to a file; return whether another file is there, and nothing was written."""
+    if not name.strip():
+        raise LRPError("Enter a name for the file.")
+    return not opened.saver.save_as(name.strip(), replace)
+
+
+# -- Python names ----------------------------------------------------------------------------------------
 
 
 def _names(session: Session, begun: str) -> list[Option]:
@@ -190,28 +242,6 @@ def _option(name: str, value: object) -> Option:
     else:
         kind, detail = "variable", "" if value is None else render(value, of_type)[:40]
     return {"label": name, "kind": kind, "detail": detail, "info": _doc(value) if callable(value) else ""}
-
-
-def _hover(session: Session, chain: str, scope: str) -> HoverView | None:
-    """Return a description of a dotted name, with its present value."""
-    if keyword.iskeyword(chain):
-        return None
-    path, frame = _variable_in_scope(session, chain, scope), session.frame
-    if path is not None:
-        if path not in frame.variables:
-            return None
-        return _hover_view(chain, type(frame.values[path]).__name__, frame.variables[path])
-
-    def card() -> HoverView:
-        if chain.startswith("robot."):
-            return _member_card(chain, session.bridge.describe(chain.removeprefix("robot.")))
-        return _card(chain, _value_of(session, chain, scope))
-
-    try:
-        found: HoverView = session.call(card)
-        return found
-    except (_NothingError, MemberError):
-        return None
 
 
 def _member_card(title: str, member: Member) -> HoverView:
@@ -340,62 +370,7 @@ def _leaves(member: Member) -> Iterator[Member]:
             yield field
 
 
-# -- references ------------------------------------------------------------------------------------------
-
-
-def _references(text: str, line: int, column: int) -> ReferencesView | None:
-    """Return the element named at a place of the text."""
-    program, _ = scan(text)
-    if program is None:
-        raise LRPError(
-            "The text is not a valid program at the moment, so references cannot be found. Correct it first."
-        )
-    found = find_references(program, offset_of(text, line, column))
-    if found is None:
-        return None
-    definition = range_of(text, *found.definition)
-    others = [range_of(text, *span) for span in found.references if span != found.definition]
-    kind: Any = found.element.kind
-    return {
-        "kind": kind,
-        "path": id_of(kind, found.element.path),
-        "name": text[slice(*found.definition)],
-        "definition": definition,
-        "references": [definition, *others],
-    }
-
-
-def _why(opened: OpenProgram, kind: ElementKind, path: str) -> WhyView:
-    """Return the answer to a question about the moment that the views show.
-
-    Raises LRPError: it cannot be answered; the message gives the reason.
-    """
-    session = opened.session
-    at = opened.looking.tick(session)
-    try:
-        if kind == "transition":
-            reason = session.why_not(path_of(kind, path), at)
-        elif kind == "state":
-            reason = session.why(path_of(kind, path), at)
-        else:
-            reason = session.why(f"robot.{path or _moving(session.bridge)}", at)
-    except ValueError as error:
-        raise LRPError(str(error)) from None
-    program = session.at(reason.tick).program if reason.code != "not-in-program" else session.program
-    lines: list[WhyLine] = []
-    sources = program.text.splitlines()
-    for line in reason.facts["lines"]:
-        if line <= len(sources):
-            lines.append({"line": line, "text": sources[line - 1].strip()})
-    return {
-        "code": reason.code,
-        "name": _name_of(kind, path, program),
-        "tick": reason.tick,
-        "time": reason.time,
-        "sentence": str(reason),
-        "lines": lines,
-        "present": program.text == session.program.text,
-    }
+# -- why -------------------------------------------------------------------------------------------------
 
 
 def _name_of(kind: ElementKind, path: str, program: Program) -> str:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated
 
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.plots import Plot
@@ -17,18 +17,16 @@ from lrp_jupyter.widgets.places import id_of
 from lrp_jupyter.widgets.protocol import CourseView, HappeningView, PlotView, TimelineView, WhatIfView
 
 
-@question()
-def timeline(
-    opened: OpenProgram, epoch: int, tick: int, plots: dict[str, int] | None = None
-) -> Mapping[str, Any]:
+@question("timeline")
+def timeline(opened: OpenProgram, epoch: int, tick: int, plots: dict[str, int] | None = None) -> TimelineView:
     """Ask what happened since a tick that the page knows, in the run of this `epoch`, 0 for none.
 
     `plots` are the names to plot, such as ``robot.light.data`` or ``follower/lightlim``, each with the tick
-    up to which the page has its samples. Answered by `timeline`.
+    up to which the page has its samples.
     """
     since = TimelineCursor(epoch - 1, tick) if epoch else None
     told = opened.session.timeline(since, plots)
-    view: TimelineView = {
+    return {
         "epoch": told.epoch + 1,
         "first": told.first,
         "last": told.last,
@@ -39,7 +37,6 @@ def timeline(
         "plots": [_plot_view(plot) for plot in told.plots],
         "names": list(told.names),
     }
-    return {"timeline": view}
 
 
 @act(is_noted=False)
@@ -72,16 +69,13 @@ def run_from(opened: OpenProgram) -> Applied:
     return opened.work(partial(opened.looking.run_on, opened.session))
 
 
-@question(30.0)  # a long run is repeated up to that moment, and the page asks once
-def what_if(opened: OpenProgram, seconds: Annotated[float, Between(0.1, 600)]) -> Mapping[str, Any]:
-    """Ask how the present program goes on from the moment looked at, or from now, for some seconds.
-
-    Answered by `what_if`.
-    """
+@question("what_if", 30.0)  # a long run is repeated up to that moment, and the page asks once
+def what_if(opened: OpenProgram, seconds: Annotated[float, Between(0.1, 600)]) -> WhatIfView:
+    """Ask how the present program goes on from the moment looked at, or from now, for some seconds."""
     session = opened.session
     answer = session.what_if(opened.looking.tick(session), seconds=seconds)
     difference, touch = answer.divergence, answer.changed.touch
-    view: WhatIfView = {
+    return {
         "tick": answer.tick,
         "begin": answer.begin,
         "end": answer.end,
@@ -94,7 +88,6 @@ def what_if(opened: OpenProgram, seconds: Annotated[float, Between(0.1, 600)]) -
         "collision_at": None if touch is None else touch.time,
         "open_loop": answer.open_loop,
     }
-    return {"what_if": view}
 
 
 def _happening_views(happenings: Iterable[Happening]) -> list[HappeningView]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import replace as renamed
 from functools import partial
@@ -179,33 +179,34 @@ def world_text(opened: OpenProgram, text: str) -> Applied:
     return _change(opened, partial(_world(opened).load_world, read_text(text, "The file")))
 
 
-@question()
-def save_world(opened: OpenProgram, name: str, replace: bool) -> Mapping[str, Any]:
-    """Write the world to a JSON file. Answered by `exists`: a file is there; it was not replaced."""
+@question("exists")
+def save_world(opened: OpenProgram, name: str, replace: bool) -> bool:
+    """Write the world to a JSON file; return whether another file is there, and nothing was written."""
     file = Path(os.path.expanduser(name.strip()))
     if not file.name:
         raise LRPError("Enter a name for the file.")
     if file.suffix != ".json":
         file = file.with_name(f"{file.name}{WORLD_FILE}")
     if not replace and os.path.lexists(file):
-        return {"exists": True}
+        return True
     described = renamed(_world(opened).world, name=file.name.removesuffix(".json").removesuffix(".world"))
     write_file(file, described.to_json(indent=1) + "\n")
-    return {"exists": False}
+    return False
 
 
-@question()
-def world_picture(opened: OpenProgram) -> Mapping[str, Any]:
-    """Draw the world as it is now. Answered by `svg`."""
+@question("svg")
+def world_picture(opened: OpenProgram) -> str:
+    """Draw the world as it is now."""
     bridge = _world(opened)
-    return {"svg": opened.session.call(lambda: svg(bridge.simulation))}
+    picture: str = opened.session.call(lambda: svg(bridge.simulation))
+    return picture
 
 
-@question()
-def world_animation(opened: OpenProgram) -> Mapping[str, Any]:
-    """Draw how the world moved, as far as it is remembered. Answered by `svg`."""
+@question("svg")
+def world_animation(opened: OpenProgram) -> str:
+    """Draw how the world moved, as far as it is remembered."""
     _world(opened)
-    return {"svg": opened.session.animation()}
+    return opened.session.animation()
 
 
 def saved_worlds(folder: str | os.PathLike[str] = ".") -> list[str]:

@@ -29,9 +29,9 @@ def test_the_lines_of_a_text_are_counted_once_for_all_edits(monkeypatch):
     count = places.line_starts
     monkeypatch.setattr(places, "line_starts", lambda text: counted.append(text) or count(text))
     text = "(machine m\r\n(state a)(state b)\r\n(on  [a]  a->a))\n"
-    answer = format_(None, text)
-    assert len(answer["edits"]) > 4
-    assert answer["edits"][1] == {
+    edits = format_(None, text)
+    assert len(edits) > 4
+    assert edits[1] == {
         "range": {"line": 2, "column": 10, "end_line": 2, "end_column": 10},
         "text": "\r\n  ",
     }

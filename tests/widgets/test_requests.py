@@ -100,7 +100,7 @@ class Marked:
 
 def hovered(lab, chain):
     """Return the card of a name, asked for on a thread of its own, and publish nothing."""
-    return hover(lab.connection, chain, "")["hover"]
+    return hover(lab.connection, chain, "")
 
 
 def test_hover_calls_the_code_of_a_value_only_on_the_loops_thread(bench):
