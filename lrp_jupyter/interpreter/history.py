@@ -287,17 +287,14 @@ class History:
         return None
 
     def _built(self, view: _View) -> PastState:
-        run = self.run
-        source = view.get(run, "source")
-        roots = view.get(run, "roots")
-        home = view.get(run, "globals")
-        own = {name: slot.cell for name, slot in view.get(home, "own").items()}
-        machines = tuple(self._machine(view, act) for act in roots)
-        cells = {id(cell): cell for cell in own.values()}
-        for machine in [each for root in machines for each in root.walk()]:
-            cells.update((id(cell), cell) for cell in machine.cells.values())
-        values = {key: view.value(cell) for key, cell in cells.items()}
-        return PastState(self._program(source), machines, own, values)
+        run, environments = self.run, self._environments(view)
+        slots = [slot for each in environments for slot in view.get(each, "visible").values()]
+        return PastState(
+            self._program(view.get(run, "source")),
+            tuple(self._machine(view, act) for act in view.get(run, "roots")),
+            {name: slot.cell for name, slot in view.get(view.get(run, "globals"), "own").items()},
+            {id(slot.cell): view.value(slot.cell) for slot in slots},
+        )
 
     def _machine(self, view: _View, act: Activation) -> PastMachine:
         visible: dict[str, Slot] = view.get(act, "visible")

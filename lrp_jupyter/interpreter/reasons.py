@@ -33,7 +33,6 @@ ReasonCode = Literal[
     "paused",
     "not-in-program",
 ]
-CODES: tuple[ReasonCode, ...] = ReasonCode.__args__  # type: ignore[attr-defined]
 
 _OF_FAULTS: Mapping[str, ReasonCode] = {
     "no data yet": "no-data",

@@ -9,10 +9,11 @@ from support.reference import Reference, Skip, find
 from support.wild import program
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.interpreter.reasons import CODES, cause_in
+from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element
 from lrp_jupyter.language.triggers import Delay, Occurrence
+from lrp_jupyter.live.reason import EXPLANATIONS
 
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 
@@ -148,4 +149,4 @@ def test_the_reason_is_the_one_that_was_seen(text, lights):
     for tick, each in enumerate(expected, 1):
         for element, code in each.items():
             found = cause_in(i.history.state(tick, before=True), i.history.facts(tick), element).code
-            assert (found, found in CODES) == (code, True), f"{element} in tick {tick}"
+            assert (found, found in EXPLANATIONS["transition"]) == (code, True), f"{element} in tick {tick}"
