@@ -110,7 +110,7 @@ PROGRAM = f"(var goal := [2]) {TWINS} (spawn left driving) (spawn right driving)
         (lambda s: drawing.new_state(s.text, ("lefft",), "x"), ("left",)),
         (lambda s: drawing.new_transition(s.text, ("left",), "drivin", "turning", ""), ("left/driving",)),
         (lambda s: drawing.retarget(s.text, ("left", "turned"), "source", "drivin"), ("driving",)),
-        (lambda s: drawing.retarget(s.text, ("left", "turnd"), "source", "driving"), ("turned",)),
+        (lambda s: drawing.retarget(s.text, ("left", "turnd"), "source", "driving"), ("left/turned",)),
     ],
 )
 def test_an_unknown_element_tells_what_can_have_been_meant(ask, candidates):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Callable
 
 from rich.console import Console, RenderableType
 from rich.text import Text
@@ -13,7 +14,6 @@ from lrp_jupyter.codes import style_of
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path
-from lrp_jupyter.live.frame import matches
 from lrp_jupyter.live.trace import Trace
 
 SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
@@ -23,14 +23,14 @@ SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused",
 class EventCollector:
     """An observer that queues events for another thread, which pops them from the left.
 
-    `until`: the state that ends the run; :attr:`reached` is set when it is entered.
+    `until`: whether a state, by its path, ends the run; :attr:`reached` is set when such a one is entered.
     `traced`: whether to collect the lines of a trace.
     `lines`: lines of the trace not written yet.
     `pending`: events worth printing, not printed yet.
     `since`: when the active states were entered, in seconds.
     """
 
-    def __init__(self, until: str | None = None, traced: bool = False) -> None:
+    def __init__(self, until: Callable[[Path], bool] | None = None, traced: bool = False) -> None:
         self.lines: deque[str] = deque()
         self.pending: deque[TraceEvent] = deque()
         self.since: dict[Path, float] = {}
@@ -45,7 +45,7 @@ class EventCollector:
             self._trace(event)
         if kind == "entered":
             self.since[path] = now
-            if self._until is not None and matches(self._until, path):
+            if self._until is not None and self._until(path):
                 self.reached.set()
         if kind in SHOWN:
             self.pending.append(event)

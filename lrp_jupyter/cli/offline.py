@@ -17,12 +17,13 @@ from lrp_jupyter.cli.excerpt import finding_text, summary
 from lrp_jupyter.cli.options import check_outputs
 from lrp_jupyter.cli.source import Source, read_source
 from lrp_jupyter.codes import address_of
-from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError
+from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.format import formatted
+from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Finding, Program, path_text
+from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live.checking import members_of, members_of_world
 
@@ -168,12 +169,6 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
         for finding in findings:
             plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
         return 1
-    known = [path_text(path) for path, _ in program.walk()]
-    if machine is not None and machine.strip("/") not in known:
-        listed = ", ".join(f"`{path}`" for path in known) or "none"
-        raise UnknownElementError.missing(
-            f"There is no machine `{machine}`.", machine, known, f"The program has {listed}."
-        )
     picture = _rendered(program, machine, kind)
     if output is None:
         sys.stdout.write(picture)
@@ -196,7 +191,7 @@ def _kind_of(output: Path | None) -> Format:
 
 
 def _rendered(program: Program, machine: str | None, kind: Format) -> str:
-    path = tuple(machine.strip("/").split("/")) if machine else None
+    path = None if machine is None else find(program, "machine", machine).path
     from lrp_jupyter.graph.state_graph import find_machine
 
     if kind == "svg":

@@ -18,8 +18,8 @@ import typer
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import shown
 from lrp_jupyter.language.blocks import facts_of, faults_of
-from lrp_jupyter.language.initials import find_variable
-from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
+from lrp_jupyter.language.lookup import find
+from lrp_jupyter.language.program import Machine, Path, Program, State, Variable
 from lrp_jupyter.live.timing import FASTEST, SLOWEST
 
 
@@ -147,13 +147,13 @@ def _assignment(name: str, text: str) -> Assignment:
     if facts.empty or not facts.valid:
         why = "It is empty." if facts.valid else faults_of(text)[0].message
         raise typer.BadParameter(f"--set {name}: `{text}` is not a valid Python expression: {why}")
-    return Assignment(tuple(name.strip("/").split("/")), text)
+    return Assignment(name, text)
 
 
 class Assignment(NamedTuple):
-    """A variable's path (or its name alone, where there is only one) and a Python expression."""
+    """A variable, by name or path, and a Python expression."""
 
-    variable: Path
+    variable: str
     expression: str
 
 
@@ -164,9 +164,9 @@ def with_initials(program: Program, assignments: Sequence[Assignment]) -> Progra
     """
     for variable, expression in assignments:
         try:
-            path, _ = find_variable(program, variable)
+            path = find(program, "variable", variable).path
         except UnknownElementError as error:
-            raise UnknownElementError(f"--set {path_text(variable)}: {error}", error.candidates) from None
+            raise UnknownElementError(f"--set {variable}: {error}", error.candidates) from None
 
         def changed(old: Variable, text: str = expression) -> Variable:
             return replace(old, initial=replace(old.initial, text=text))

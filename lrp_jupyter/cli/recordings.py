@@ -19,7 +19,6 @@ from lrp_jupyter.cli.source import read_source
 from lrp_jupyter.errors import LRPError, UnknownElementError, printable
 from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.events import TraceEvent
-from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live import commands as do
@@ -38,7 +37,7 @@ _SETS = (
 
 def prepared(program: Program, initials: Mapping[str, str]) -> Program:
     """Return a program with the initial values that a recorded run was started with."""
-    return with_initials(program, [Assignment(as_path(name), text) for name, text in initials.items()])
+    return with_initials(program, [Assignment(name, text) for name, text in initials.items()])
 
 
 def replay_file(file: str, program: str | None, begin: float, end: float | None, trusted: bool) -> int:

@@ -16,6 +16,7 @@ import sys
 from collections import deque
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
+from functools import partial
 from pathlib import Path as FilePath
 from queue import Empty, SimpleQueue
 from time import perf_counter
@@ -41,13 +42,12 @@ from lrp_jupyter.cli.terminal import Keys, Writer, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.lookup import called, find, means
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Finding, Path, Program, path_text
+from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.live.unknown import unknown
-from lrp_jupyter.live.why.finding import the_transition
 from lrp_jupyter.logs import open_log
 
 _REFRESH = 1 / 12  # s between two refreshes of the display
@@ -59,6 +59,9 @@ _SUFFIXES = {
     "animate": [".svg"],
 }
 """Those that the name of an output may have."""
+_PAUSES = {"state": "entered", "transition": "fires"}
+"""The argument of `Session.pause_when` for an element that --break names alone, by its kind."""
+_EXAMPLES = {"left": "left moving", "event": "event bump", "when": "when robot.bumper.data"}
 _BAD = (ConnectionState.LOST, ConnectionState.STALE)
 
 
@@ -158,35 +161,24 @@ def _pause_when(session: Session, what: str) -> None:
             session.pause_when(left=rest)
         elif word == "event" and rest:
             session.pause_when(event=rest)
+        elif word in _EXAMPLES and not any(called(session.program, kind, word) for kind in _PAUSES):
+            example = _EXAMPLES[word]
+            raise typer.BadParameter(f"--break: Write more after `{word}`, as in `--break '{example}'`.")
         else:
-            _pause_at(session, what)
+            remedies = {"event": f"Write `--break 'event {what}'`."}
+            found = find(session.program, tuple(_PAUSES), what.strip(), remedies)
+            session.pause_when(**{_PAUSES[found.kind]: found.path})  # type: ignore[arg-type]
     except UnknownElementError as error:
         raise typer.BadParameter(f"--break: {error}") from None
     except SyntaxError as error:
         raise typer.BadParameter(f"--break: {error.msg}") from None
 
 
-def _pause_at(session: Session, what: str) -> None:
-    """Set a breakpoint for a state or, if there is no such state, for a transition."""
-    for argument in ("entered", "fires"):
-        try:
-            session.pause_when(**{argument: what})  # type: ignore[arg-type]
-            return
-        except UnknownElementError as error:
-            if len(error.candidates) > 1:
-                raise
-    examples = {"left": "left moving", "event": "event bump", "when": "when robot.bumper.data"}
-    if (word := what.strip()) in examples:
-        raise typer.BadParameter(f"--break: Write more after `{word}`, as in `--break '{examples[word]}'`.")
-    remedies = {"event": f"Write `--break 'event {what}'`."}
-    raise unknown("state or transition", ["state", "transition"], what, [session.program], remedies)
-
-
 def _record(session: Session, wanted: RunOptions, stack: ExitStack) -> None:
     """Begin a recording, which ends with the run; Python's random numbers are seeded for it."""
     seed = random.SystemRandom().randrange(2**32)
     random.seed(seed)
-    initials = {path_text(each.variable): each.expression for each in wanted.assignments}
+    initials = {each.variable: each.expression for each in wanted.assignments}
     stream = stack.enter_context(open_log(str(wanted.record)))
     recorder = session.recorder(stream.write, seed, initials)
     stack.callback(recorder.end)
@@ -215,6 +207,11 @@ def _check_state(program: Program, until: str) -> None:
         raise typer.BadParameter(f"--until: {missing}")
 
 
+def _is_meant(session: Session, until: str, state: Path) -> bool:
+    """Return whether a state is the one that ends the run."""
+    return means(session.interpreter.program, until, state)
+
+
 def _report(show: Any, name: str, text: str, findings: tuple[Finding, ...]) -> None:
     for finding in findings:
         show(finding_text(name, text, finding))
@@ -232,7 +229,8 @@ class _Run:
         self._quit = False  # by the key q
         self._trace = trace
         self._cut = False  # the trace is not read any more
-        self._events = EventCollector(wanted.until, trace is not None)
+        until = None if wanted.until is None else partial(_is_meant, session, wanted.until)
+        self._events = EventCollector(until, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(plain_console(soft_wrap=False)) if drawn else None
@@ -268,7 +266,7 @@ class _Run:
         """Have a transition fired after the tick at this time."""
         session = self.session
         try:
-            path = the_transition(name, session.program).path
+            path = find(session.program, "transition", name).path
         except UnknownElementError as error:
             raise typer.BadParameter(f"--fire: {error}") from None
 

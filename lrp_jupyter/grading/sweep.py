@@ -337,7 +337,7 @@ def sweep_axes(
         changed = text
         for name, value in zip(axes, values, strict=True):
             try:
-                changed = with_initial(changed, tuple(name.strip("/").split("/")), repr(value))
+                changed = with_initial(changed, name, repr(value))
             except UnknownElementError as error:
                 raise UnknownElementError(f"`{name}` cannot be swept: {error}", error.candidates) from None
         texts.append(changed)

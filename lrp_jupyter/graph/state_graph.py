@@ -13,11 +13,11 @@ Paper: §3.1 (kinds of transitions, the fictional state ``*``).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
-from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, not_found, path_text
+from lrp_jupyter.language.lookup import definition_of, find
+from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, resolve
 
 if TYPE_CHECKING:
@@ -31,25 +31,14 @@ PROGRAM: Path = ()
 """The node of the program itself."""
 
 
-def find_machine(program: Program, path: Sequence[str]) -> Machine:
-    """Return the machine at a path.
+def find_machine(program: Program, path: str | Path) -> Machine:
+    """Return a machine, by name or path.
 
-    Parameters
-    ----------
-    program : Program
-    path : sequence of str
-        Names of machines and states in turn, as machines are *defined*.
-
-    Raises
-    ------
-    UnknownElementError
-        No machine is defined there.
+    Raises UnknownElementError: there is none, or there are several.
     """
-    wanted = tuple(path)
-    for found, machine in program.walk():
-        if found == wanted:
-            return machine
-    raise not_found("machine", wanted, [found for found, _ in program.walk()])
+    found = definition_of(program, find(program, "machine", path))
+    assert isinstance(found, Machine)
+    return found
 
 
 def distinct_states(machine: Machine) -> dict[str, State]:

@@ -20,6 +20,7 @@ from lrp_jupyter.graph.layout import LABEL_FONT, STATE_FONT, layout
 from lrp_jupyter.graph.routes import number
 from lrp_jupyter.graph.shapes import Label, Layout, Port, StateShape, TransitionShape
 from lrp_jupyter.graph.state_graph import DefinedPaths, find_machine
+from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 
 __all__ = ["draw", "mimebundle", "svg"]
@@ -56,7 +57,7 @@ def svg(
     subject: Program | Machine,
     active: Iterable[Sequence[str]] = (),
     fired: Iterable[str] | str | None = None,
-    machine_path: Sequence[str] | None = None,
+    machine_path: str | Path | None = None,
     *,
     previous: Layout | None = None,
     theme: Theme = "auto",
@@ -73,7 +74,7 @@ def svg(
         itself, paths that begin with its name.
     fired : str or iterable of str, optional
         Ids of the transitions fired last (``follower:tlooking``).
-    machine_path : sequence of str, optional
+    machine_path : str or path, optional
         The one machine of the program to draw; by default all of them, the outer ones first.
     previous : Layout, optional
         An earlier layout of the one machine, whose states keep their positions.
@@ -92,12 +93,12 @@ def svg(
     Raises
     ------
     UnknownElementError
-        There is no machine at `machine_path`.
+        There is no such machine, or there are several.
     """
     if isinstance(subject, Machine):
         drawings = [layout(subject, previous)]
     elif machine_path is not None:
-        path = tuple(machine_path)
+        path = find(subject, "machine", machine_path).path
         drawings = [layout(find_machine(subject, path), previous, program=subject, path=path)]
     else:
         drawn: dict[str, Layout] = {}

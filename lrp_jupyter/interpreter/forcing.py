@@ -14,47 +14,37 @@ from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Row
-from lrp_jupyter.language.program import Element, Path, not_found
+from lrp_jupyter.language.lookup import find
+from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.resolution import resolve
 
 How = Literal["transition", "teleport", "fire"]
 
 
-def find_state(run: Run, path: Path) -> StatePlan:
-    """Return a state by its path of definition, or by its path as spawned.
+def find_state(run: Run, wanted: str | Path) -> StatePlan:
+    """Return a state.
 
-    Raises UnknownElementError: if there is none.
+    Raises UnknownElementError: there is none, or there are several.
     """
-    state = run.plan.state(path)
-    if state is None:
-        for root in run.roots:
-            for act in root.walk():
-                if act.path == path[:-1]:
-                    state = act.machine.states.get(path[-1])
-    if state is None:
-        machines = run.plan.machines.items()
-        raise not_found("state", path, [(*where, name) for where, plan in machines for name in plan.states])
-    return state
+    *machine, name = find(run.program, "state", wanted).path
+    return run.plan.machines[tuple(machine)].states[name]
 
 
-def find_destination(run: Run, path: Path) -> StatePlan:
+def find_destination(run: Run, wanted: str | Path) -> StatePlan:
     """Return the state to which a transition leads from the active state of its machine.
 
-    Raises UnknownElementError: if there is no such transition.
-    Raises ValueError: if it does not leave the active state, or leads nowhere.
+    Raises UnknownElementError: there is no such transition, or there are several.
+    Raises ValueError: it does not leave the active state, or leads nowhere.
     """
-    names = resolve(run.program)
-    element = Element("transition", (*names.defined(path[:-1]), path[-1]))
-    known = {arrow.element: arrow.noun for arrows in names.arrows.values() for arrow in arrows}
-    if element not in known:
-        raise not_found("transition", path, [each.path for each in known])
+    element = find(run.program, "transition", wanted)
     act = run.live.get(element.path[:-1])
     edge = act.row.edge if isinstance(act, Activation) else None
     while edge is not None and edge.plan.site.element != element:
         edge = edge.next
     if edge is None:
-        noun = known[element]
-        raise ValueError(f"None of the states that `{noun.label}` leaves is active: {noun.source_text}.")
+        arrow = resolve(run.program).arrow(element)
+        source = arrow and arrow.noun.source_text
+        raise ValueError(f"None of the states that `{element.shown[-1]}` leaves is active: {source}.")
     if edge.target is None:
         raise ValueError(edge.missing)
     return edge.target

@@ -571,7 +571,7 @@ class Interpreter:
         UnknownElementError
             If there is no such state; nothing changes.
         """
-        self._force("transition", find_state(self._run, as_path(path)), now)
+        self._force("transition", find_state(self._run, path), now)
 
     def teleport_to(self, path: Path | str, now: float | None = None) -> None:
         """Make a state active without running any action; its spawns are executed. Paper: §6.4.
@@ -581,7 +581,7 @@ class Interpreter:
         UnknownElementError
             If there is no such state; nothing changes.
         """
-        self._force("teleport", find_state(self._run, as_path(path)), now)
+        self._force("teleport", find_state(self._run, path), now)
 
     def fire(self, path: Path | str, now: float | None = None) -> None:
         """Go where a transition leads, with the actions on the way, whatever its condition. Paper: §6.4.
@@ -600,7 +600,7 @@ class Interpreter:
         ValueError
             If no state that it leaves is active, or it leads nowhere; nothing changes.
         """
-        self._force("fire", find_destination(self._run, as_path(path)), now)
+        self._force("fire", find_destination(self._run, path), now)
 
     def _force(self, how: How, target: StatePlan, now: float | None) -> None:
         run = self._run

@@ -17,9 +17,10 @@ from typing import Literal, NamedTuple
 
 from lrp_jupyter.errors import Edit, LRPSyntaxError, UnknownElementError, edited
 from lrp_jupyter.language.forms import Shape, shape_of
+from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.names import normal
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Path, Program, State, not_found, path_text
+from lrp_jupyter.language.program import Path, Program, State, path_text
 from lrp_jupyter.language.rename import check_name
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 from lrp_jupyter.language.scanner import block_end
@@ -47,28 +48,19 @@ class DrawnProgram:
 
     def machine(self, path: Path) -> Scope:
         """Return the machine at a path."""
-        found = self.names.by_path.get(path)
-        if found is None or found.noun is None:
-            raise not_found("machine", path, self.names.by_path)
-        return found
+        return self.names.by_path[find(self.program, "machine", path).path]
 
     def state(self, path: Path) -> tuple[Scope, State]:
         """Return the state at a path, and its machine."""
-        found = self.names.by_path.get(path[:-1])
-        state = found.states.get(path[-1]) if found and path else None
-        if found is None or state is None:
-            raise not_found("state", path, [(*path[:-1], name) for name in found.states] if found else ())
-        return found, state
+        *where, name = find(self.program, "state", path).path
+        scope = self.names.by_path[tuple(where)]
+        return scope, scope.states[name]
 
     def arrow(self, path: Path) -> Arrow:
-        """Return the transition at a path, whose last name is its id."""
-        scope = self.machine(path[:-1])
-        for arrow in self.names.arrows[scope]:
-            if arrow.element.path == path:
-                return arrow
-        known = [arrow.element.path[-1] for arrow in self.names.arrows[scope]]
-        message = f"There is no transition `{path[-1]}` in `{path_text(scope.path)}`."
-        raise UnknownElementError.missing(message, path[-1], known)
+        """Return the transition at a path."""
+        arrow = self.names.arrow(find(self.program, "transition", path))
+        assert arrow is not None
+        return arrow
 
     def form_of(self, scope: Scope) -> WrittenForm:
         """Return the form of a machine, or the top level."""
@@ -219,9 +211,7 @@ def new_transition(text: str, machine: Path, source: str, destination: str, trig
     Raises ValueError: it would not be a valid program.
     """
     drawing = DrawnProgram(text)
-    scope = drawing.machine(machine)
-    if source != "*" and source not in scope.states:
-        raise not_found("state", (*machine, source), [(*machine, name) for name in scope.states])
+    scope = drawing.machine(machine) if source == "*" else drawing.state((*machine, source))[0]
     destination = _new_name(destination)
     edits = [] if destination in scope.states else _state(drawing, scope, destination)
     keyword, condition = _trigger(scope, trigger.strip())
@@ -263,11 +253,11 @@ def new_form(text: str, path: Path, form: str) -> list[Edit]:
     Raises ValueError: it is not one form, or one that does not belong there.
     """
     drawing = DrawnProgram(text)
-    if path in drawing.names.by_path:
-        scope = drawing.names.by_path[path]
-        parent, keyword = drawing.form_of(scope), "machine" if path else "program"
+    keyword = find(drawing.program, ("machine", "state"), path).kind if path else "program"
+    if keyword == "state":
+        parent = drawing.sheet.at(drawing.state(path)[1].span.start)
     else:
-        parent, keyword = drawing.sheet.at(drawing.state(path)[1].span.start), "state"
+        parent = drawing.form_of(drawing.machine(path)) if path else drawing.sheet.root
     return drawing.edits([drawing.sheet.added(parent, _only_form(form, keyword))])
 
 

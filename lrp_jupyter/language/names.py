@@ -326,7 +326,7 @@ def normal(name: str) -> str:
 def as_path(path: str | Path) -> Path:
     """Return a path as a tuple of names as the parser makes them; it may be written as ``"m/a"``."""
     try:
-        names = [normal(name) for name in (path.split("/") if isinstance(path, str) else path)]
+        names = [normal(name) for name in (path.strip("/").split("/") if isinstance(path, str) else path)]
         return tuple(names) or ("",)
     except (TypeError, AttributeError):
         kind = "None" if path is None else type(path).__name__

@@ -16,7 +16,7 @@ from functools import cached_property
 from itertools import accumulate
 from typing import NamedTuple
 
-from lrp_jupyter.errors import Edit, Finding, Fix, UnknownElementError
+from lrp_jupyter.errors import Edit, Finding, Fix
 from lrp_jupyter.language.display import Displayed
 from lrp_jupyter.language.scanner import LINE_END
 from lrp_jupyter.language.source import NOWHERE, Block, Name, Span
@@ -39,7 +39,6 @@ __all__ = [
     "State",
     "Transition",
     "Variable",
-    "not_found",
     "path_text",
 ]
 
@@ -75,12 +74,6 @@ class Element(_Identity):
 def path_text(path: Path) -> str:
     """Return a path as text: ``follower/looking/lookalgo``."""
     return "/".join(path)
-
-
-def not_found(kind: str, path: Path, known: Iterable[Path]) -> UnknownElementError:
-    """Return the error that a program has no such element, when it has the known ones of its kind."""
-    message = f"There is no {Element(kind, path)}."
-    return UnknownElementError.missing(message, path_text(path), map(path_text, known))
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,10 +16,11 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit, LRPSyntaxError, UnknownElementError, edited
 from lrp_jupyter.language.blocks import block_names
+from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.names import normal
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
-from lrp_jupyter.language.program import Element, Name, Path, Program, Span, not_found
+from lrp_jupyter.language.program import Element, Name, Path, Program, Span
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 
 _KINDS = ("state", "machine", "event", "variable", "transition")
@@ -115,7 +116,7 @@ def references(program: Program, offset: int) -> Symbol | None:
     return None
 
 
-def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
+def rename(program: Program, kind: str, path: str | Path, new_name: str) -> str:
     """Return the program's text with one element renamed, everything else unchanged.
 
     Raises UnknownElementError: the element does not exist.
@@ -127,13 +128,15 @@ def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
     return edited(program.text, rename_edits(program, kind, path, new_name))
 
 
-def rename_edits(program: Program, kind: str, path: Path, new_name: str) -> list[Edit]:
+def rename_edits(program: Program, kind: str, path: str | Path, new_name: str) -> list[Edit]:
     """Return the edits of a rename of a program that has a text. Raise as :func:`rename` does."""
-    element = Element(kind, tuple(path))
+    if kind not in _KINDS:
+        raise UnknownElementError(f"A {kind} has no name of its own. Only these have: {', '.join(_KINDS)}.")
+    element = find(program, kind, path)
     found, uses = symbols(program)
     symbol = next((symbol for symbol in found if symbol.element == element), None)
     if symbol is None:
-        raise _unknown(program, element)
+        raise ValueError(f"{element} has no name of its own. Write one after its destination.")
     check_name(kind, new_name)
     name = normal(new_name)
     if name == normal(program.text[slice(*symbol.definition)]):
@@ -145,18 +148,6 @@ def rename_edits(program: Program, kind: str, path: Path, new_name: str) -> list
     except LRPSyntaxError as error:
         raise ValueError(f"`{name}` is not valid everywhere: {error.findings[0].message}") from None
     return edits
-
-
-def _unknown(program: Program, element: Element) -> Exception:
-    if element.kind not in _KINDS:
-        return UnknownElementError(
-            f"A {element.kind} has no name of its own. Only these have: {', '.join(_KINDS)}."
-        )
-    machine = dict(program.walk()).get(element.path[:-1])
-    if element.kind == "transition" and machine and element.path[-1] in machine.labels:
-        return ValueError(f"{element} has no name of its own. Write one after its destination.")
-    known = [each.path for each in resolve(program).elements() if each.kind == element.kind]
-    return not_found(element.kind, element.path, known)
 
 
 def check_name(kind: str, name: str) -> None:

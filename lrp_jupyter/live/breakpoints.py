@@ -10,48 +10,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from lrp_jupyter.errors import UnknownElementError, sentence_of
+from lrp_jupyter.errors import sentence_of
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.variables import BlockTest, check_expression
+from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
+from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.live.frame import Hit
-from lrp_jupyter.live.unknown import unknown
 
-_KEYWORDS = {"state": "entered", "transition": "fires", "event": "event", "machine": "machine"}
+_KEYWORDS = {"state": "entered", "transition": "fires", "event": "event"}
 """The argument of `Session.pause_when` that takes an element, by its kind."""
 
 
 def noun_of(kind: BreakpointKind) -> str:
     """Return the kind of element that a kind of breakpoint has; empty for a condition."""
     return {"fired": "transition", "event": "event", "condition": ""}.get(kind, "state")
-
-
-def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
-    """Return a state, transition or event by its name, label or path.
-
-    Raises UnknownElementError: there is none, or there are several.
-    """
-    path, text = as_path(wanted), path_text(as_path(wanted))
-    known = [element for element in resolve(program).elements() if element.kind == kind]
-    found = [element for element in known if element.path == path] or [
-        element
-        for element in known
-        if path in (element.path, element.path[-1:])
-        or text in (element.shown[-1], path_text(element.shown), path_text(element.path))
-    ]
-    if not found and kind == "state" and len(path) > 2:
-        defined = (*resolve(program).defined(path[:-1]), path[-1])
-        found = [element for element in known if element.path == defined]
-    if len(found) == 1:
-        return found[0]
-    if found:
-        raise UnknownElementError.ambiguous(f"{kind}s", text, [path_text(each.path) for each in found])
-    remedies = {each: f'Pass `{keyword}="{text}"`.' for each, keyword in _KEYWORDS.items()}
-    raise unknown(kind, [kind], wanted, [program], remedies)
 
 
 def breakpoint_of(
@@ -71,8 +47,10 @@ def breakpoint_of(
     Raises SyntaxError: the condition is not an expression.
     """
     if kind != "condition":
-        return Breakpoint(0, kind, element_of(program, noun_of(kind), wanted), after=after, once=once)
-    home = element_of(program, "machine", machine).path if machine else ()
+        noun, text = noun_of(kind), path_text(as_path(wanted))
+        remedies = {each: f'Pass `{keyword}="{text}"`.' for each, keyword in _KEYWORDS.items()}
+        return Breakpoint(0, kind, find(program, noun, wanted, remedies), after=after, once=once)
+    home = find(program, "machine", machine).path if machine else ()
     return Breakpoint(0, kind, None, check_expression(str(wanted)), home, after=after, once=once)
 
 

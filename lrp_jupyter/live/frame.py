@@ -17,10 +17,11 @@ from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.variables import Outdated
 from lrp_jupyter.language.identity import Successors
-from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Path, Program, Spawn, path_text
-from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.language.lookup import called, means, missing
+from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.live.breakpoint import Breakpoint
+
+_NONE = Program()
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
@@ -224,44 +225,21 @@ class Frame:
         state : str or path
             A bare name (``"moving"``), a path as text (``"follower/moving"``) or as a tuple.
         """
-        return is_active(state, self.active)
+        return is_active(state, self.active, self.program)
 
     def count_of(self, state: str | Path) -> int:
         """Return how often states of this name or path, of definition or as spawned, were entered."""
-        wanted = definition_of(state, self.program)
-        return sum(count for path, count in self.visits.items() if matches(wanted, path))
+        return sum(count for path, count in self.visits.items() if means(self.program, state, path))
 
 
-def matches(wanted: str | Path, path: Path) -> bool:
-    """Return whether a path is the wanted one; a bare name matches at any depth."""
-    wanted = as_path(wanted)
-    return path[-1:] == wanted if len(wanted) == 1 else path == wanted
+def is_active(state: str | Path, active: tuple[Path, ...], program: Program = _NONE) -> bool:
+    """Return whether a state is among the active ones, or encloses one of them.
 
-
-def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
-    """Return whether a state is among the active ones, or encloses one of them."""
-    return any(matches(state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
+    `program`: that in which they are active; without it a state is called as it is spawned, or by its name.
+    """
+    return any(means(program, state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
 
 
 def missing_state(state: str | Path, program: Program) -> UnknownElementError | None:
-    """Return the error that a program has no such state; None if it has."""
-    wanted = definition_of(state, program)
-    known = [(*path, str(noun.name)) for path, machine in program.walk() for noun in machine.states]
-    if any(matches(wanted, path) for path in known):
-        return None
-    path = as_path(state)
-    message = f"There is no state `{path_text(path)}`."
-    return UnknownElementError.missing(message, path[-1], [each[-1] for each in known])
-
-
-def definition_of(state: str | Path, program: Program) -> str | Path:
-    """Return the path of definition of a state given as spawned; other paths unchanged."""
-    path = as_path(state)
-    scope = resolve(program).top.machines.get("", {}).get(path[0])
-    for name, inner in zip(path[1:-1:2], path[2::2], strict=False):
-        outer = scope.states.get(name) if scope is not None else None
-        if scope is None or outer is None:
-            return path
-        spawned = any(isinstance(item, Spawn) and item.machine == inner for item in outer.onentry)
-        scope = scope.machine(name, inner) if spawned else scope.machines.get(name, {}).get(inner)
-    return (*scope.path, path[-1]) if scope is not None and len(path) > 2 else path
+    """Return the error that a program has no such state; None if it has, even several."""
+    return None if called(program, "state", state) else missing([program], ["state"], state)

@@ -45,12 +45,13 @@ from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.lookup import means
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.live.breakpoints import Breakpoints
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
-from lrp_jupyter.live.frame import Frame, Hit, Hung, Status, is_active, matches
+from lrp_jupyter.live.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
 from lrp_jupyter.live.record import Record
@@ -229,10 +230,10 @@ class Loop:
 
     def _tell_halted(self) -> None:
         """Say what has stood since the robot was stopped because only an `onentry` had set it in motion."""
-        visits = self.interpreter.visits.items()
+        visits, program = self.interpreter.visits.items(), self.interpreter.program
         for name, origin in ((each.name, each.origin) for each in self.bridge.safety.left_halted()):
             state, _, action = origin.block.rpartition(".")
-            entered = any(matches(state, path) and count.tick == origin.tick for path, count in visits)
+            entered = any(means(program, state, path) and count.tick == origin.tick for path, count in visits)
             if action == "onentry" and entered and self.is_active(state):
                 text = (
                     f"`{name}` ended when the robot was stopped, for instance by a pause, and `onentry` of"
@@ -429,7 +430,7 @@ class Loop:
 
     def is_active(self, state: str | Path) -> bool:
         """Return whether a state is active now, at any depth."""
-        return is_active(state, self.interpreter.active)
+        return is_active(state, self.interpreter.active, self.interpreter.program)
 
     # -- commands --------------------------------------------------------------------------------
 
@@ -593,7 +594,7 @@ class Loop:
         interpreter = self.interpreter
         force = interpreter.teleport_to if how == "teleport" else interpreter.transition_to
         try:
-            force(_full_path(interpreter.program, path), self.timing.now)
+            force(path, self.timing.now)
         except UnknownElementError as error:
             element, tick, message = Element("state", path), interpreter.tick, str(error)
             issue = Issue("unknown state", element, message, 1, 1, first_tick=tick, last_tick=tick)
@@ -640,16 +641,3 @@ class Loop:
         except BaseException as error:
             self.bridge.lose(hook.__name__, error)
             self.bridge.stop_all()
-
-
-def _full_path(program: Program, path: Path) -> Path:
-    """Complete a bare name to the path of the only state with this name."""
-    if len(path) != 1:
-        return path
-    found = [
-        (*machine, str(state.name))
-        for machine, noun in program.walk()
-        for state in noun.states
-        if state.name == path[0]
-    ]
-    return found[0] if len(found) == 1 else path

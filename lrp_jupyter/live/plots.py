@@ -15,8 +15,8 @@ from itertools import chain
 from typing import Literal, NamedTuple
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.language.expressions import UnknownValueError, evaluate, expression_of, names_in
+from lrp_jupyter.language.lookup import as_defined, called, missing
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.resolution import Scope, resolve
@@ -132,8 +132,9 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
     Raises UnknownElementError: several variables have that name.
     """
     whole = [_whole(loop, name) for name in names]
+    program = loop.interpreter.program
     present = {name for name in whole if _is_present(loop, name)}
-    known = plottable(loop)
+    readings = [each for each in plottable(loop) if each.startswith(_ROBOT)]
     compute = plotting(loop, dict.fromkeys(whole, 0))
 
     def plots() -> list[Plot]:
@@ -141,24 +142,20 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
         for plot in found:
             had_value = any(value is not None for value in plot.values)
             if plot.times and not had_value and plot.name not in present:
-                raise _unknown(plot.name, known)
+                raise missing([program], ("variable", "reading"), plot.name, others=readings)
         return found
 
     return plots
 
 
-def _unknown(name: str, known: list[str]) -> UnknownElementError:
-    message = f"There is no variable or reading `{name}` to plot."
-    listed = ", ".join(f"`{each}`" for each in known)
-    return UnknownElementError.missing(message, name, known, f"There are: {listed}.")
-
-
 def _whole(loop: Loop, name: str) -> str:
-    """Return the path of a variable that is called by its name only; other names unchanged."""
-    path, present = as_path(name), loop.frame.values
-    if name.startswith(_ROBOT) or len(path) > 1 or not any(each[-1:] == path for each in present):
-        return name
-    return path_text(full_path(path, tuple(present)))
+    """Return the path, as spawned, of the variable that is meant; any other name unchanged."""
+    program = loop.interpreter.program
+    present = {as_defined(program, "variable", path): path for path in loop.frame.values}
+    found = [present[each.path] for each in called(program, "variable", name) if each.path in present]
+    if len(found) > 1:
+        raise UnknownElementError.ambiguous("variables", name, map(path_text, found))
+    return path_text(found[0]) if found else name
 
 
 def _is_present(loop: Loop, name: str) -> bool:
@@ -167,9 +164,7 @@ def _is_present(loop: Loop, name: str) -> bool:
         return bool(loop.record.moments) and name.removeprefix(_ROBOT) in loop.record.readings_of(
             loop.record.moments[-1][2]
         )
-    path, names = as_path(name), resolve(loop.interpreter.program)
-    scope = names.by_path.get(names.defined(path[:-1]))
-    return path in loop.frame.values or (scope is not None and path[-1] in scope.variables)
+    return as_path(name) in loop.frame.values or bool(called(loop.interpreter.program, "variable", name))
 
 
 class _Sample(NamedTuple):

@@ -76,6 +76,7 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.expressions import Evaluation
+from lrp_jupyter.language.lookup import find, means
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Element, Finding, Path, Program, path_text
@@ -91,7 +92,7 @@ from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
 from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private_namespace
-from lrp_jupyter.live.frame import Frame, Status, definition_of, matches, missing_state
+from lrp_jupyter.live.frame import Frame, Status, missing_state
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import animation_of, frame_at, tick_of
@@ -104,7 +105,6 @@ from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.why.answers import Answers
-from lrp_jupyter.live.why.finding import the_transition
 from lrp_jupyter.logs import open_log, unused
 
 __all__ = ["Session", "Until"]
@@ -812,7 +812,7 @@ class Session:
         ValueError
             No state that it leaves is active, or it leads nowhere.
         """
-        self._driver.do(do.Fire(the_transition(transition, self.program).path))
+        self._driver.do(do.Fire(find(self.program, "transition", transition).path))
 
     def set_variable(self, variable: str | Path, value: object = _ABSENT, *, evaluate: str = "") -> None:
         """Assign a value to a variable, or the value of a Python expression.
@@ -1615,8 +1615,8 @@ def _tried(
 
 
 def _count(interpreter: Interpreter, state: str | Path) -> int:
-    wanted = definition_of(state, interpreter.program)
-    return sum(count.times for path, count in interpreter.visits.items() if matches(wanted, path))
+    program, visits = interpreter.program, interpreter.visits
+    return sum(count.times for path, count in visits.items() if means(program, state, path))
 
 
 def _drop(name: str, driver: Driver, loop: Loop, bridge: Bridge) -> None:

@@ -10,7 +10,19 @@ from typing import Any
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.interpreter.rendering import render
-from lrp_jupyter.language.program import Path, Program, Span, Spawn, not_found, path_text
+from lrp_jupyter.language.lookup import as_defined, definition_of, find
+from lrp_jupyter.language.program import (
+    Element,
+    Event,
+    Machine,
+    Path,
+    Program,
+    Span,
+    Spawn,
+    State,
+    Transition,
+    path_text,
+)
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, question
 from lrp_jupyter.widgets.places import id_of, path_of
@@ -37,26 +49,22 @@ def _inspect(opened: OpenProgram, kind: ElementKind, path: Path, into: Sequence[
     if kind == "variable":
         seen: InspectView = session.call(lambda: _variable(session, program, path, into))
         return seen
-    machine = find_machine(program, path if kind == "machine" else path[:-1])
-    if kind == "machine":
-        facets = [_facet("states", ", ".join(str(state.name) for state in machine.states))]
-        facets += [_facet(str(t.kind), f"{t.source_text} -> {t.destination}") for t in machine.transitions]
-        return _view(f"machine {machine.name}", "", program, machine.span, facets)
-    if kind == "event":
-        event = next((event for event in machine.events if event.name == path[-1]), None)
-        if event is None:
-            raise not_found("event", path, [(*path[:-1], str(each.name)) for each in machine.events])
-        return _view(f"event {event.name}", "", program, event.span, [])
-    if kind == "transition":
-        return _transition(opened.view_state(), program, path)
-    return _state(opened.view_state(), program, path)
+    element = find(program, kind, path)
+    noun = definition_of(program, element)
+    if isinstance(noun, Machine):
+        facets = [_facet("states", ", ".join(str(state.name) for state in noun.states))]
+        facets += [_facet(str(t.kind), f"{t.source_text} -> {t.destination}") for t in noun.transitions]
+        return _view(f"machine {noun.name}", "", program, noun.span, facets)
+    if isinstance(noun, Transition):
+        return _transition(opened.view_state(), program, element.path, noun)
+    if isinstance(noun, State):
+        return _state(opened.view_state(), program, element.path, noun)
+    assert isinstance(noun, Event)
+    return _view(f"event {noun.name}", "", program, noun.span, [])
 
 
-def _state(now: ViewState, program: Program, path: Path) -> InspectView:
+def _state(now: ViewState, program: Program, path: Path, state: State) -> InspectView:
     machine = find_machine(program, path[:-1])
-    state = next((state for state in machine.states if state.name == path[-1]), None)
-    if state is None:
-        raise not_found("state", path, [(*path[:-1], str(each.name)) for each in machine.states])
     name = path_text(path)
     visits = now["entered"].get(name, {"count": 0, "tick": 0})
     facets = [_facet("active", "yes" if name in now["lit"] else "no"), _facet("entered", _times(visits))]
@@ -78,12 +86,7 @@ def _action(action: object) -> str:
     return f"[{getattr(action, 'text', '')}]"
 
 
-def _transition(now: ViewState, program: Program, path: Path) -> InspectView:
-    machine = find_machine(program, path[:-1])
-    transition = dict(zip(machine.ids, machine.transitions, strict=True)).get(path[-1])
-    if transition is None:
-        message = f"There is no transition `{path[-1]}` in `{path_text(path[:-1])}`."
-        raise UnknownElementError.missing(message, path[-1], machine.ids)
+def _transition(now: ViewState, program: Program, path: Path, transition: Transition) -> InspectView:
     fired = now["fired"].get(id_of("transition", path), {"count": 0, "tick": 0})
     facets = [
         _facet("kind", transition.kind),
@@ -127,6 +130,7 @@ def _robot(session: Session) -> InspectView:
 
 
 def _variable(session: Session, program: Program, path: Path, into: Sequence[str]) -> InspectView:
+    path = session.interpreter.variables.path(path)
     value = session.interpreter.variables[path]
     title = path[-1]
     for step in into:
@@ -149,8 +153,7 @@ def _variable(session: Session, program: Program, path: Path, into: Sequence[str
         for step, label, inner in every[:_MOST]
     ]
     length = len(value) if isinstance(value, (Mapping, Sequence, Set)) else len(every)
-    noun: Any = program if len(path) == 1 else find_machine(program, path[:-1])
-    variable = next((one for one in noun.variables if one.name == path[-1]), None)
+    variable = definition_of(program, Element("variable", as_defined(program, "variable", path)))
     return {
         "title": title,
         "type": type(value).__name__,

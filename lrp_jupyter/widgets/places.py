@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, line_starts, path_text
 from lrp_jupyter.widgets.protocol import TextEdit, TextRange
 
@@ -52,7 +53,7 @@ def id_of(kind: str, path: Path) -> str:
 
 def path_of(kind: str, text: str) -> Path:
     """Return an element's path from the form in which the page writes it."""
-    if kind == "transition":
-        machine, _, label = text.partition(":")
+    machine, colon, label = text.partition(":")
+    if kind == "transition" and colon:
         return (*machine.split("/"), label)
-    return tuple(text.split("/")) if text else ()
+    return as_path(text) if text else ()

@@ -21,7 +21,8 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.interpreter.variables import Outdated
 from lrp_jupyter.language.identity import Successors
-from lrp_jupyter.language.program import Element, Finding, Machine, Program, Span, path_text
+from lrp_jupyter.language.lookup import line_of_element
+from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.breakpoint import Breakpoint
 from lrp_jupyter.live.frame import Frame, Hit
 from lrp_jupyter.live.session import Session
@@ -296,25 +297,8 @@ def _breakpoint_view(each: Breakpoint, program: Program) -> BreakpointView:
         "after": each.after,
         "dormant": each.dormant,
         "problem": each.problem,
-        "line": 0 if element is None else _line_of(program, element),
+        "line": 0 if element is None else line_of_element(program, element),
     }
-
-
-def _line_of(program: Program, element: Element) -> int:
-    """Return the line in which a state, a transition or an event is defined; 0 if it is missing."""
-    *scope, name = element.path
-    owners: list[Program | Machine] = (
-        [program] if not scope else [machine for path, machine in program.walk() if [*path] == scope]
-    )
-    for owner in owners:
-        places: list[tuple[str, Span]] = [(each.name, each.span) for each in owner.events]
-        if isinstance(owner, Machine) and element.kind == "state":
-            places = [(each.name, each.span) for each in owner.states]
-        elif isinstance(owner, Machine) and element.kind == "transition":
-            places = [(id_, each.span) for id_, each in zip(owner.ids, owner.transitions, strict=True)]
-        if name in dict(places):
-            return program.place(dict(reversed(places))[name][0])[0]
-    return 0
 
 
 def program_view(program: Program) -> ProgramView:

@@ -111,7 +111,7 @@ def test_a_sweep_shows_what_is_wrong_with_a_text_that_is_not_a_program(lrp, prog
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--set", "w=1,2"], "`w` cannot be swept: The program has no such variable. It has `v` (line 1)."),
+        (["--set", "w=1,2"], "`w` cannot be swept: There is no variable `w`. There is only `v`."),
         (["--set", "v=1:2"], "takes FROM:TO:COUNT"),
         (["--set", "v=1:2:1"], "a count of 2 to 1,000"),
         (["--set", "v=1:inf:3"], "takes FROM:TO:COUNT"),

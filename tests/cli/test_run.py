@@ -185,7 +185,8 @@ def test_what_cannot_be_meant_is_a_sentence_and_exit_code_2(lrp, arguments, sent
 
 def test_a_variable_set_in_a_program_that_has_none_is_a_sentence(lrp, program):
     result = lrp("run", program("(machine m (state a)) (spawn m a)"), "--set", "x=1")
-    assert (result.exit_code, result.stderr) == (2, "lrp: --set x: The program has no variables.\n")
+    words = "lrp: --set x: There is no variable `x`. The program has no variable.\n"
+    assert (result.exit_code, result.stderr) == (2, words)
 
 
 @pytest.mark.parametrize("command", [[], ["run"], ["check"], ["graph"], ["grade"]])

@@ -145,7 +145,7 @@ def test_a_sweep_is_a_picture_and_a_table_in_a_notebook():
 @every(
     ("variables", "error", "words"),
     [
-        ({"w": [1]}, UnknownElementError, "`w` cannot be swept: The program has no such variable."),
+        ({"w": [1]}, UnknownElementError, "`w` cannot be swept: There is no variable `w`."),
         ({"vv": [1]}, UnknownElementError, "Did you mean `v`"),
         ({}, ValueError, "needs a variable"),
         ({"v": []}, ValueError, "has no values"),

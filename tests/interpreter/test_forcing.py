@@ -180,7 +180,7 @@ def test_an_exit_that_is_fired_by_hand_leads_out_of_where_its_machine_was_spawne
     ("path", "error", "told"),
     [
         ("m/lat", UnknownElementError, "There is no transition `m/lat`. Did you mean `m/late`?"),
-        ("m/a", UnknownElementError, "There is no transition `m/a`."),
+        ("m/a", UnknownElementError, "`m/a` is a state, not a transition."),
         ("helper/go", ValueError, "None of the states that `go` leaves is active: p."),
         ("m/late", ValueError, "None of the states that `late` leaves is active: *-{b}."),
         ("m/lost", ValueError, "The machine `m` has no state `nowhere`."),

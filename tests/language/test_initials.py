@@ -1,8 +1,7 @@
 import pytest
 
-from lrp_jupyter.errors import LRPSyntaxError, UnknownElementError
-from lrp_jupyter.language.initials import find_variable, with_initial
-from lrp_jupyter.language.parser import parse
+from lrp_jupyter.errors import LRPSyntaxError
+from lrp_jupyter.language.initials import with_initial
 
 TEXT = """; a comment [with brackets]
 (var speed := [ # an odd layout
@@ -22,20 +21,6 @@ def test_only_the_initialiser_of_the_variable_changes():
 
 def test_of_two_definitions_the_first_one_counts():
     assert with_initial("(var v := [1]) (var v := [2])", ("v",), "3") == "(var v := [3]) (var v := [2])"
-
-
-def test_a_variable_that_is_not_there_is_answered_with_the_nearest_or_with_all():
-    with pytest.raises(UnknownElementError, match="Did you mean `speed`"):
-        find_variable(parse(TEXT), ("sped",))
-    with pytest.raises(UnknownElementError, match=r"It has `speed` \(line 2\), `m/time` \(line 5\)"):
-        find_variable(parse(TEXT), ("quark",))
-    with pytest.raises(UnknownElementError, match="has no variables"):
-        find_variable(parse("(machine m (state a))"), ("quark",))
-
-
-def test_a_name_that_several_variables_have_is_answered_with_their_paths_and_lines():
-    with pytest.raises(UnknownElementError, match=r"Use one of `m/time` \(line 5\), `m/a/n/time` \(line 6\)"):
-        find_variable(parse(TEXT), ("time",))
 
 
 def test_a_text_that_is_not_a_program_has_no_initialisers():

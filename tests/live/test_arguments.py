@@ -270,7 +270,7 @@ def test_a_wrong_argument_anywhere_is_one_sentence(call, sentence):
             SyntaxError,
             "`x = 5` is not an expression. Write a value, such as `2 * 3`.",
         ),
-        (lambda s: s.run(1, until=[]), UnknownElementError, "There is no state ``."),
+        (lambda s: s.run(1, until=[]), UnknownElementError, "There is no state ``. There are: `a`, `b`."),
         (lambda s: s.frame.values[b"n"], TypeError, A_PATH.replace("int", "bytes")),
         (lambda s: s.frame.values[None], TypeError, A_PATH.replace("int", "None")),
         (lambda s: s.check(3), TypeError, "`program` must be a text or a Program, not int."),

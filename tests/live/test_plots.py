@@ -130,7 +130,7 @@ def test_a_name_that_does_not_exist_gives_an_empty_plot_in_the_timeline(name):
     with Session(PROGRAM) as session:
         session.run(0.3)
         assert session.timeline(plots={name: 0}).plots[0].values == (None, None, None)
-        with pytest.raises(UnknownElementError, match=f"no variable or reading `{name}` to plot"):
+        with pytest.raises(UnknownElementError, match=f"no variable or reading `{name}`"):
             session.plots([name])
 
 

@@ -7,12 +7,11 @@ from dataclasses import replace
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.reasons import transition_of
+from lrp_jupyter.language.lookup import find_first
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
-from lrp_jupyter.live.unknown import unknown
-from lrp_jupyter.live.why.finding import find_state, find_transition
 from lrp_jupyter.live.why.recorded_run import Again, RecordedRun
 from lrp_jupyter.live.why.robot_commands import command_reason, commands_of
 from lrp_jupyter.live.why.states import state_reason
@@ -43,14 +42,10 @@ class Answers:
         Raises UnknownElementError: there is no such transition, or there are several.
         Raises ValueError: the tick is not recorded.
         """
-        reason = self._of_transition(transition, at)
-        if reason is None:
-            if path_text(as_path(transition)) in self._commands:
-                raise UnknownElementError(
-                    f"`{path_text(as_path(transition))}` is a command, not a transition. Ask `why` about it."
-                )
-            raise unknown("transition", ["transition"], transition, self._programs(at), _INSTEAD)
-        return reason
+        text = path_text(as_path(transition))
+        if text in self._commands:
+            raise UnknownElementError(f"`{text}` is a command, not a transition. Ask `why` about it.")
+        return self._answer(("transition",), transition, at)
 
     def why(self, what: str | Path, at: int | None = None) -> Reason:
         """Return why a state was entered last, or why the robot got its last command (`robot.move`).
@@ -58,10 +53,7 @@ class Answers:
         Raises UnknownElementError: there is no such state or command, or there are several.
         Raises ValueError: the tick is not recorded.
         """
-        reason = self._of_state_or_command(what, at)
-        if reason is None:
-            raise unknown("state", ["state"], what, self._programs(at), _INSTEAD, self._commands)
-        return reason
+        return self._answer(("state", "command"), what, at)
 
     def explain(self, name: str | Path, at: int | None = None) -> Reason:
         """Return why a transition did not fire or, if there is no such transition, what `why` returns.
@@ -69,20 +61,21 @@ class Answers:
         Raises UnknownElementError: there is no such transition, state or command, or there are several.
         Raises ValueError: the tick is not recorded.
         """
-        reason = self._of_transition(name, at) or self._of_state_or_command(name, at)
-        if reason is None:
-            noun, kinds = "transition, state or command", ["transition", "state"]
-            raise unknown(noun, kinds, name, self._programs(at), _INSTEAD, self._commands)
-        return reason
+        return self._answer(("transition", "state", "command"), name, at)
 
-    def _of_transition(self, wanted: str | Path, at: int | None) -> Reason | None:
-        """Return the answer about a transition; None if there is no such transition."""
+    def _answer(self, kinds: tuple[str, ...], wanted: str | Path, at: int | None) -> Reason:
+        """Return the answer about an element of one of these kinds; a command counts as a state."""
         tick = self._run.tick(at)
-        found = find_transition(wanted, self._programs(at))
-        if found is None:
-            return None
-        element, program = found
+        text = path_text(as_path(wanted))
+        if "state" in kinds and text.startswith(_ROBOT):
+            name = text.removeprefix(_ROBOT)
+            return command_reason(self._run, name, tick, now=at is None)
+        programs = self._run.program(tick), self._run.present_program
+        commands = self._commands if "state" in kinds else ()
+        element, program = find_first(programs, kinds, wanted, _INSTEAD, commands)
         then = self._then(element, program, tick)
+        if element.kind == "state":
+            return state_reason(self._run, then.path, element.path[-1], tick)
         if transition_of(self._run.program(tick), then) is not None:
             element, program = then, self._run.program(tick)
         reason = transition_reason(self._run, element, program, tick)
@@ -94,20 +87,6 @@ class Answers:
         facts = {**reason.facts, "otherwise": reason.code}
         return replace(reason, code="paused", time=time, sentence=sentence, facts=facts)
 
-    def _of_state_or_command(self, wanted: str | Path, at: int | None) -> Reason | None:
-        """Return the answer about a state or a command of the robot; None if there is no such state."""
-        text = path_text(as_path(wanted))
-        tick = self._run.tick(at)
-        if text.startswith(_ROBOT):
-            name = text.removeprefix(_ROBOT)
-            return command_reason(self._run, name, tick, now=at is None)
-        found = find_state(wanted, self._programs(at))
-        if found is None:
-            return None
-        path, program = found
-        then = self._then(Element("state", path), program, tick)
-        return state_reason(self._run, then.path, path[-1], tick)
-
     def _then(self, element: Element, program: Program, tick: int) -> Element:
         """Return an element of a program by the path that it had in a tick."""
         if program is self._run.program(tick):
@@ -117,7 +96,3 @@ class Answers:
     @property
     def _commands(self) -> list[str]:
         return [_ROBOT + name for name in commands_of(self._run.loop.bridge)]
-
-    def _programs(self, at: int | None) -> tuple[Program, Program]:
-        """Return the programs in which a name is looked up: that of the tick, then the present one."""
-        return self._run.program(self._run.tick(at)), self._run.present_program

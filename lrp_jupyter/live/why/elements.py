@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import chain
 
-from lrp_jupyter.interpreter.reasons import transition_of
+from lrp_jupyter.language.lookup import line_of_element
 from lrp_jupyter.language.program import Block, Element, Path, Program, Spawn, State, Transition
 from lrp_jupyter.language.resolution import Arrow, Spawning, resolve
 
@@ -17,13 +17,12 @@ def line_of(program: Program, part: Block | Spawn | State | Transition | None) -
 
 def line_of_transition(program: Program, element: Element) -> int:
     """Return the line of a transition; 0 if the program does not have it."""
-    return line_of(program, transition_of(program, element))
+    return line_of_element(program, element)
 
 
 def line_of_state(program: Program, path: Path) -> int:
     """Return the line of a state by its path of definition; 0 if the program does not have it."""
-    scope = resolve(program).by_path.get(path[:-1])
-    return line_of(program, scope.states.get(path[-1]) if scope is not None else None)
+    return line_of_element(program, Element("state", path))
 
 
 def spawns_of(program: Program, machine: Path) -> list[Spawning]:

@@ -106,7 +106,7 @@ def test_what_does_not_exist_is_named_with_what_was_probably_meant():
         live.run(1)
         with pytest.raises(UnknownElementError, match="Did you mean `full`"):
             live.why_not("ful")
-        with pytest.raises(UnknownElementError, match="no state `c`"):
+        with pytest.raises(UnknownElementError, match="no state or command `c`"):
             live.why("c")
         with pytest.raises(UnknownElementError, match="no command `mov`"):
             live.why("robot.mov")
@@ -121,9 +121,12 @@ def test_what_does_not_exist_is_named_with_what_was_probably_meant():
         (lambda s: s.explain("xyz"), "There is no transition, state or command `xyz`. There are: `full`, "),
         (lambda s: s.why_not("a"), "`a` is a state, not a transition. Ask `why` about it."),
         (lambda s: s.why_not("robot.move"), "`robot.move` is a command, not a transition. Ask `why` "),
-        (lambda s: s.why("full"), "`full` is a transition, not a state. Ask `why_not` about it."),
-        (lambda s: s.why("m"), "`m` is a machine, not a state. There are: `a`, `b`."),
-        (lambda s: s.why("move"), "There is no state `move`. Did you mean `robot.move`?"),
+        (lambda s: s.why("full"), "`full` is a transition, not a state or command. Ask `why_not` about it."),
+        (
+            lambda s: s.why("m"),
+            "`m` is a machine, not a state or command. There are: `a`, `b`, ",
+        ),
+        (lambda s: s.why("move"), "There is no state or command `move`. Did you mean `robot.move`?"),
         (lambda s: s.why("robot.light.data"), "`robot` has no command `light.data`. There are: `move`"),
         (lambda s: s.pause_when("full"), '`full` is a transition, not a state. Pass `fires="full"`.'),
         (lambda s: s.pause_when(event="bump"), "There is no event `bump`. The program has no event."),
@@ -606,7 +609,7 @@ def test_a_moment_in_a_question_is_a_tick_or_a_time_that_is_remembered():
 @every(
     ("ask", "name", "told"),
     [
-        ("why", "go", "`go` is a transition, not a state. Ask `why_not` about it."),
+        ("why", "go", "`go` is a transition, not a state or command. Ask `why_not` about it."),
         ("why_not", "m/s", "`m/s` is a state, not a transition. Ask `why` about it."),
         ("explain", "m", "`m` is a machine, not a transition, state or command. There are: `go`, `s`, `t`."),
         ("explain", "n", "`n` is a variable, not a transition, state or command. There are: `go`, `s`"),
