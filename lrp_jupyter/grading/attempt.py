@@ -92,6 +92,11 @@ class Attempt(NamedTuple):
         broken = (verdict for verdict in missing if verdict.decided is not None)
         return next(broken, missing[0] if missing else None)
 
+    def check(self) -> None:
+        """Raise an LRPError if not the program failed, but what runs and judges it."""
+        if self.ended == "fault":
+            raise LRPError(self.verdicts[0].reason)
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain data, as :meth:`from_dict` reads it."""
         return {**self._asdict(), "verdicts": [verdict._asdict() for verdict in self.verdicts]}
@@ -163,10 +168,10 @@ def _verdict(data: Any) -> Verdict:
     )
 
 
-def failed(job: Job, ended: Ended, sentence: str, reason: str, hint: str = "") -> Attempt:
-    """Return an attempt of which nothing is known but why it ended."""
+def failed(ended: Ended, sentence: str, reason: str, hint: str = "") -> Attempt:
+    """Return an attempt at any job, of which nothing is known but why it ended."""
     verdict = Verdict(sentence, False, reason, state="failed")
-    return Attempt(job.world_name, job.seed, 0.0, (verdict,), (hint,) if hint else (), ended=ended)
+    return Attempt("", 0, 0.0, (verdict,), (hint,) if hint else (), ended=ended)
 
 
 def attempt(job: Job) -> Attempt:
@@ -179,12 +184,12 @@ def attempt(job: Job) -> Attempt:
     try:
         referee = _run(job)
     except SessionTimeoutError as error:
-        return failed(job, "time", f"is computed within {job.limit:g} s", str(error))
+        return failed("time", f"is computed within {job.limit:g} s", str(error)).of(job)
     except LRPSyntaxError as error:
         hint = "Correct the text first; the editor marks the error."
-        return failed(job, "text", "is a valid program", str(error.findings[0]), hint)
+        return failed("text", "is a valid program", str(error.findings[0]), hint).of(job)
     except MemoryError:
-        return failed(job, "memory", "needs little memory", "It needed more than it may have.")
+        return failed("memory", "needs little memory", "It needed more than it may have.").of(job)
     finally:
         random.setstate(before)
     run, verdicts = referee.run, referee.verdicts(True)

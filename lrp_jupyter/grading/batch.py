@@ -67,7 +67,6 @@ def grade_all(
         jobs,
         how.memory,
         stop_at_end=True,
-        keep_going=True,
         processes=how.processes,
         scheduler=how.scheduler,
     ):

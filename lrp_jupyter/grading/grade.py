@@ -170,6 +170,7 @@ def grade(
     )
     attempts: dict[int, Attempt] = {}
     for index, attempt in run_jobs(jobs, memory, stop_at_end=True):
+        attempt.check()
         attempts[index] = attempt
     return Grade.of(task, attempts, len(jobs))
 

@@ -154,7 +154,7 @@ def grade_class(
 def _unread(submission: Submission, task: Challenge, seeds: int | Iterable[int] | None) -> Grade:
     """Return the grade of a submission that cannot be read."""
     jobs = jobs_of("", task, seeds)[1]
-    return Grade.of(task, {0: failed(jobs[0], "text", "can be read", submission.problem)}, len(jobs))
+    return Grade.of(task, {0: failed("text", "can be read", submission.problem).of(jobs[0])}, len(jobs))
 
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -1,9 +1,8 @@
-"""A worker: a process that makes one graded run after the other, each in a process forked from it.
+"""A worker: a process that makes graded runs, each in a process forked from it.
 
-It says on its standard output that it is ready, reads requests from its standard input, and writes what came
-of them to its standard output, each message preceded by its length. A request is pickled; an answer is JSON,
-because a program that is graded may have written it. What programs print goes nowhere. Where processes cannot
-be forked, it makes one run and ends.
+It prints a line when it is ready, and one for each run. A request is pickled; an outcome is JSON, because a
+program that is graded may have written it. What programs print goes nowhere. Where processes cannot be
+forked, it makes one run, prints its answer, and ends.
 """
 
 from __future__ import annotations
@@ -13,102 +12,78 @@ import faulthandler
 import json
 import os
 import pickle
-import selectors
+import select
 import signal
-import struct
 import sys
 import traceback
 from contextlib import suppress
-from io import BytesIO
 from pathlib import Path
 from time import monotonic
-from typing import IO, Any, NamedTuple
+from typing import NamedTuple
 
 from lrp_jupyter.errors import sentence_of
 from lrp_jupyter.grading.attempt import attempt, failed
 
-FORKS, ENDS = b"It forks a process for each run.", b"It makes one run."
-"""What a worker says when it is ready."""
-LOST, LATE, NONE = b"lost", b"late", b"none"
-"""Instead of an answer: the run was killed from outside, did not end, or ended without one."""
-MARK = "LRP_GRADING"
-"""The variable by which the processes that a worker and its runs have started are found."""
+FORKS = hasattr(os, "fork")
+READY = b"ready\n"
+LARGEST = 4_000_000  # bytes of an answer
 
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
-_SIZE = struct.Struct(">Q")
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nothing ends them
-_LARGEST = 4_000_000  # bytes of an answer
-_LOOKS = 50  # for processes that were left behind: while one forks, there are new ones
 
 
 class Request(NamedTuple):
-    """A run that is to be made.
-
-    `job`: the job and the megabytes that it may need, pickled; to unpickle it may fail, or run anything.
-    `limit`: wall seconds of computing.
-    """
+    """A run that is to be made: the job and the megabytes that it may need, pickled; seconds of computing."""
 
     job: bytes
     limit: float
 
-    @property
-    def longest(self) -> float:
-        """After how many seconds the run is ended."""
-        return self.limit * 7 / 6 + _LOADING
 
-    @property
-    def patience(self) -> float:
-        """After how many seconds the worker must have answered."""
-        return self.longest + _LATER
+class Outcome(NamedTuple):
+    """How the process of a run ended.
 
+    `code`: its exit code; None if it was ended because it took too long.
+    `answer`: a line of JSON, unless the program wrote it.
+    """
 
-def send(pipe: IO[bytes], message: bytes) -> None:
-    """Write a message."""
-    pipe.write(_SIZE.pack(len(message)) + message)
-    pipe.flush()
+    code: int | None
+    answer: str
 
 
-def receive(pipe: IO[bytes], most: int = _LARGEST) -> bytes:
-    """Read a message; empty if there is none any more, or none of that size."""
-    head = pipe.read(_SIZE.size)
-    size = _SIZE.unpack(head)[0] if len(head) == _SIZE.size else 0
-    message = pipe.read(size) if size <= most else b""
-    return message if len(message) == size else b""
+LOST = Outcome(-9, "")
+"""The process was killed from outside."""
 
 
-def end_started(mark: str) -> None:
-    """End all processes with a mark in their environment but this one; only Linux tells it."""
-    for _ in range(_LOOKS):
-        found = [each for each in Path("/proc").glob("[0-9]*") if _has(each, mark)]
-        for process in found:
-            with suppress(OSError):
-                os.kill(int(process.name), signal.SIGKILL)
-        if not found:
-            return
+def patience(limit: float) -> float:
+    """Return after how many seconds a worker must have answered, of a run that has so many for computing."""
+    return _longest(limit) + _LATER
 
 
-def _has(process: Path, mark: str) -> bool:
-    with suppress(OSError):
-        return process.name != str(os.getpid()) and mark.encode() in (process / "environ").read_bytes()
-    return False
+def _longest(limit: float) -> float:
+    return limit * 7 / 6 + _LOADING
 
 
 def main() -> None:
     """Make runs until the standard input is closed."""
-    requests, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    requests, outcomes = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
-    can_fork = hasattr(os, "fork")
-    _prctl(_SET_CHILD_SUBREAPER, 1)  # what a run leaves behind is found
-    send(answers, FORKS if can_fork else ENDS)
-    while message := receive(requests, 1 << 62):
-        request = Request(*pickle.loads(message))
-        if not can_fork:
-            send(answers, _made(request))
+    _prctl(_SET_CHILD_SUBREAPER, 1)  # what a run leaves behind becomes a child of this process
+    message = READY
+    while True:
+        outcomes.write(message)
+        outcomes.flush()
+        try:
+            job, limit = pickle.load(requests)
+        except EOFError:
             return
-        send(answers, _forked(request, requests, answers))
+        if not FORKS:
+            outcomes.write(_answer(job, limit))
+            return
+        code, answer = _forked(job, limit, requests.fileno(), outcomes.fileno())
+        message = b"%b\n" % json.dumps([code, answer.decode(errors="replace")]).encode()
 
 
 def _prctl(option: int, value: int) -> None:
@@ -116,19 +91,19 @@ def _prctl(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
-def _made(request: Request) -> bytes:
-    """Make a run and return what came of it."""
+def _answer(packed: bytes, limit: float) -> bytes:
+    """Make a run and return what came of it, a line; to unpickle it may fail, or run anything."""
     # a thread of C, which also ends a call of C that does not return, and a run whose worker is gone
-    faulthandler.dump_traceback_later(request.patience + _LATER, exit=True)
+    faulthandler.dump_traceback_later(patience(limit) + _LATER, exit=True)
     try:
-        job, memory = pickle.loads(request.job)
-        _limit(memory, request.patience)
-        answer: dict[str, Any] = attempt(job).to_dict()
+        job, memory = pickle.loads(packed)
+        _limit(memory, patience(limit))
+        made = attempt(job)
     except KeyboardInterrupt:  # only a program interrupts this process
-        answer = failed(job, "crash", "runs to its end", "It was interrupted.").to_dict()
+        made = failed("crash", "runs to its end", "It was interrupted.")
     except BaseException as error:
-        answer = {"fault": f"{sentence_of(error)}\n{traceback.format_exc()}"}
-    return json.dumps(answer).encode()
+        made = failed("fault", "can be judged", f"{sentence_of(error)}\n{traceback.format_exc()}")
+    return b"%b\n" % json.dumps(made.to_dict()).encode()
 
 
 def _limit(memory: float, seconds: float) -> None:
@@ -146,36 +121,45 @@ def _limit(memory: float, seconds: float) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
-def _forked(request: Request, *pipes: IO[bytes]) -> bytes:
-    """Make a run in a process of its own, which ends when it takes too long; return what came of it."""
+def _forked(job: bytes, limit: float, requests: int, outcomes: int) -> tuple[int | None, bytes]:
+    """Make a run in a process of its own; return its exit code, None if it took too long, and its answer."""
     reading, writing = os.pipe()
     child = os.fork()
     if not child:
         _prctl(_SET_PDEATHSIG, signal.SIGKILL)  # it ends with its worker, also in a call of C
         os.setsid()
-        os.close(reading)
-        for pipe in pipes:
-            os.close(pipe.fileno())
-        with os.fdopen(writing, "wb") as pipe:
-            send(pipe, _made(request))
+        for pipe in (reading, requests, outcomes):
+            os.close(pipe)
+        with os.fdopen(writing, "wb") as file:
+            file.write(_answer(job, limit))
         os._exit(0)
     os.close(writing)
-    answer = _read(reading, pipes[0].fileno(), monotonic() + request.longest)
+    is_late, answer = _read(reading, requests, monotonic() + _longest(limit))
+    os.close(reading)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(child, signal.SIGKILL)  # and whatever it has started
     os.kill(child, signal.SIGKILL)  # which is not waited for yet, so its id is still its own
     _, status = os.waitpid(child, 0)
-    end_started(os.environ[MARK])
     _end_children()
-    code = os.waitstatus_to_exitcode(status)
-    if answer or code == 0:
-        return answer or NONE
-    if answer is None:
-        return LATE
-    if code == -signal.SIGKILL:
-        return LOST
-    job, _ = pickle.loads(request.job)
-    return json.dumps(failed(job, "crash", "runs to its end", _reason(code)).to_dict()).encode()
+    return None if is_late else os.waitstatus_to_exitcode(status), answer
+
+
+def _read(answers: int, requests: int, end: float) -> tuple[bool, bytes]:
+    """Return whether a run took too long, or is not needed any more, and what it wrote.
+
+    No request comes before the outcome of the last one, so if there is anything to read from that pipe, it
+    is its end: the process that wanted the run is gone.
+    """
+    data = b""
+    while not data.endswith(b"\n") and len(data) <= LARGEST:
+        ready, _, _ = select.select([answers, requests], [], [], max(0.0, end - monotonic()))
+        if not ready or requests in ready:
+            return True, data
+        part = os.read(answers, 1 << 16)
+        if not part:
+            break
+        data += part
+    return False, data
 
 
 def _end_children() -> None:
@@ -185,36 +169,6 @@ def _end_children() -> None:
             for child in children:
                 os.kill(int(child), signal.SIGKILL)
             os.waitpid(-1, 0)
-
-
-def _read(pipe: int, requests: int, end: float) -> bytes | None:
-    """Return a message; empty if there is none, None if it takes too long or is not needed any more.
-
-    No request comes before the answer to the last one, so if there is anything to read from that pipe, it
-    is its end: the process that wanted the run is gone.
-    """
-    data = bytearray()
-    with selectors.DefaultSelector() as selector, os.fdopen(pipe, "rb", 0) as reading:
-        selector.register(reading, selectors.EVENT_READ)
-        selector.register(requests, selectors.EVENT_READ)
-        while ready := selector.select(max(0.0, end - monotonic())):
-            if any(key.fd == requests for key, _ in ready):
-                return None
-            part = reading.read(1 << 16)
-            data += part
-            body = len(data) - _SIZE.size
-            is_whole = body >= 0 and body >= _SIZE.unpack_from(data)[0]
-            if not part or is_whole or len(data) > _LARGEST:
-                return receive(BytesIO(data))
-    return None
-
-
-def _reason(code: int) -> str:
-    if code >= 0:
-        return f"The program ended its own process, with the exit code {code}."
-    with suppress(ValueError):
-        return f"The process of the program crashed ({signal.Signals(-code).name})."
-    return f"The process of the program crashed (signal {-code})."
 
 
 if __name__ == "__main__":

@@ -16,30 +16,20 @@ import json
 import os
 import pickle
 import secrets
+import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
-from typing import IO, Protocol
+from pathlib import Path
 
 from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
 from lrp_jupyter.grading.cluster import Cluster
-from lrp_jupyter.grading.worker import (
-    ENDS,
-    FORKS,
-    LATE,
-    LOST,
-    MARK,
-    NONE,
-    Request,
-    end_started,
-    receive,
-    send,
-)
+from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Outcome, Request, patience
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.checkpoints import names_of
@@ -56,7 +46,6 @@ def run_jobs(
     memory: float,
     *,
     stop_at_end: bool = False,
-    keep_going: bool = False,
     processes: int | None = None,
     scheduler: str | None = None,
     halt: threading.Event | None = None,
@@ -69,172 +58,186 @@ def run_jobs(
     `stop_at_end`: whether no other run of a program is begun after one that took too long, crashed or is not
         a valid program. Where there are several programs, the second run of each waits for the first one, so
         that a program that hangs does not hold up the others.
-    `keep_going`: whether the other runs are made after a fault of the interpreter, which is then an attempt.
     `processes`: how many at a time; default: one for each processor.
     `scheduler`: the address of a Dask scheduler, or ``"local"`` for a Dask cluster on this machine; its
         workers make the runs.
-    `halt`: with it :func:`halt_runs` ends the runs from another thread.
-    Raises LRPError: the interpreter itself failed, a name of the notebook cannot be sent to another process,
-        or the cluster cannot be reached.
+    `halt`: set from another thread, it ends the runs.
+    Raises LRPError: a name of the notebook cannot be sent to another process, or the cluster cannot be
+        reached.
     """
-    queue = _Queue(jobs, stop_at_end)
+    batch = _Batch(jobs, memory, stop_at_end, halt or threading.Event())
     if sys.platform == "emscripten":
-        while (index := queue.next()) is not None:
-            made = attempt(jobs[index])
-            queue.end(index, made)
-            yield index, made
+        yield from batch.made_here()
         return
-    halt = threading.Event() if halt is None else halt
-    crew: _Crew
-    if scheduler is not None:
-        crew = Cluster(scheduler, answer, processes or processors())
-    else:
-        crew = _Processors(processes or processors(), halt)
-    running: dict[Future[bytes], int] = {}
-    with closing(crew):
+    size = processes or processors()
+    with closing(_Processors(size) if scheduler is None else Cluster(scheduler, answer, size)) as crew:
+        yield from batch.made_by(crew)
+
+
+class _Batch:
+    """Runs, in the order in which they begin.
+
+    One that is lost is made again, alone, as are those of its program that had not begun: another program may
+    have ended its process.
+    """
+
+    def __init__(self, jobs: Sequence[Job], memory: float, stop_at_end: bool, halt: threading.Event) -> None:
+        self._jobs, self._memory, self._stop_at_end, self._halt = jobs, memory, stop_at_end, halt
+        self._waiting = list(range(len(jobs)))
+        self._lost: list[int] = []
+        self._is_alone = False  # whether those are made again
+        programs = {job.texts for job in jobs}
+        self._proven = set() if stop_at_end and len(programs) > 1 else programs  # any number runs at a time
+        self._has_ended = False  # whether any run has
+
+    def made_here(self) -> Iterator[tuple[int, Attempt]]:
+        """Make the runs in this process, one after the other."""
+        while self._waiting:
+            index = self._waiting.pop(0)
+            yield index, self._end(index, attempt(self._jobs[index]))
+
+    def made_by(self, crew: _Processors | Cluster) -> Iterator[tuple[int, Attempt]]:
+        """Have a crew make the runs."""
+        running: dict[Future[Outcome], int] = {}
         while True:
-            while len(running) < crew.size and (index := queue.next()) is not None:
-                running[crew.submit(_packed(jobs[index], memory))] = index
+            while (index := self._next(running.values(), crew.size)) is not None:
+                running[crew.submit(_packed(self._jobs[index], self._memory))] = index
             if not running:
                 return
             done, _ = wait(running, timeout=crew.patience, return_when=FIRST_COMPLETED)
-            if halt.is_set():
+            if self._halt.is_set():
                 return
             for future in sorted(done, key=running.__getitem__):
                 index = running.pop(future)
-                try:
-                    answered = crew.result(future)
-                except LRPError:
-                    if not (queue.has_ended and queue.again(index)):
-                        raise
-                    continue
-                if answered == LOST and queue.again(index):
-                    continue
-                try:
-                    made = _made(jobs[index], answered)
-                except LRPError as error:
-                    if not keep_going:
-                        raise
-                    made = failed(jobs[index], "fault", "can be judged", str(error))
-                queue.end(index, made)
-                yield index, made
+                if (made := self._made(index, crew, future)) is not None:
+                    yield index, self._end(index, made)
 
+    def _next(self, running: Collection[int], size: int) -> int | None:
+        """Return the run that is to begin now; None if there is none."""
+        if self._lost and not (self._waiting or running):
+            self._waiting, self._lost, self._is_alone = self._lost, [], True
+            close_workers()  # those that are idle may be stopped, too
+        if len(running) >= (1 if self._is_alone else size):
+            return None
+        busy = {self._jobs[index].texts for index in running} - self._proven
+        index = next((each for each in self._waiting if self._jobs[each].texts not in busy), None)
+        if index is not None:
+            self._waiting.remove(index)
+        return index
 
-class _Queue:
-    """The runs that are still to be made, in the order in which they begin."""
+    def _made(self, index: int, crew: _Processors | Cluster, future: Future[Outcome]) -> Attempt | None:
+        """Return what came of a run; None if it is to be made again."""
+        job = self._jobs[index]
+        try:
+            outcome = crew.result(future)
+        except LRPError:
+            if self._is_alone or not self._has_ended:
+                raise
+            outcome = LOST
+        if outcome == LOST and not self._is_alone:
+            self._lost += [index, *self._withdraw(job)]
+            return None
+        return _attempt_of(job, outcome)
 
-    def __init__(self, jobs: Sequence[Job], stop_at_end: bool) -> None:
-        self._jobs, self._stop_at_end = jobs, stop_at_end
-        self._waiting = dict.fromkeys(range(len(jobs)))
-        self._alone = len({job.texts for job in jobs}) == 1
-        self._busy: list[tuple[str, ...]] = []  # the programs that run
-        self._proven: set[tuple[str, ...]] = set()  # those of which a run came to its end
-        self._lost: dict[int, bool] = {}  # those that are made again, and whether they still wait
-
-    def next(self) -> int | None:
-        """Return the index of the run that is to begin now; None if there is none."""
-        found = next(filter(self._may_begin, self._waiting), None)
-        if found is None and not self._busy:
-            found = next((index for index, waits in self._lost.items() if waits), None)
-        if found is not None:
-            self._waiting.pop(found, None)
-            if found in self._lost:
-                self._lost[found] = False
-            self._busy.append(self._jobs[found].texts)
-        return found
-
-    def _may_begin(self, index: int) -> bool:
-        texts = self._jobs[index].texts
-        if any(waits and self._jobs[lost].texts == texts for lost, waits in self._lost.items()):
-            return False
-        return not self._stop_at_end or self._alone or texts in self._proven or texts not in self._busy
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether any run has come to its end."""
-        return bool(self._proven)
-
-    def again(self, index: int) -> bool:
-        """Note that a run was lost, and that it is to be made again, alone; return False if that was done.
-
-        Another program may have ended its process.
-        """
-        if index in self._lost:
-            return False
-        self._lost[index] = True
-        self._busy.remove(self._jobs[index].texts)
-        return True
-
-    def end(self, index: int, made: Attempt) -> None:
-        """Note that a run has ended."""
-        texts = self._jobs[index].texts
-        self._busy.remove(texts)
-        self._proven.add(texts)
+    def _end(self, index: int, made: Attempt) -> Attempt:
+        self._has_ended = True
+        self._proven.add(self._jobs[index].texts)
         if made.ended and self._stop_at_end:
-            self._waiting = {each: None for each in self._waiting if self._jobs[each].texts != texts}
+            self._withdraw(self._jobs[index])
+        return made
 
-
-class _Crew(Protocol):
-    """Who makes runs: processors or a cluster.
-
-    `size`: how many runs at a time; it may change.
-    `patience`: seconds of one wait for the end of a run: Ctrl-C does not end it if another thread gets the
-        signal.
-    """
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def patience(self) -> float: ...
-
-    def submit(self, request: Request) -> Future[bytes]:
-        """Have a run made."""
-
-    def result(self, future: Future[bytes]) -> bytes:
-        """Return the answer of a run that is done; empty if its process ended."""
-
-    def close(self) -> None:
-        """End the runs that have begun."""
+    def _withdraw(self, job: Job) -> list[int]:
+        """Return the waiting runs of the program of a job, which wait no more."""
+        found = [index for index in self._waiting if self._jobs[index].texts == job.texts]
+        self._waiting = [index for index in self._waiting if index not in found]
+        return found
 
 
 class _Processors:
-    """The processors of this machine."""
+    """The processors of this machine.
 
-    patience = 1.0
+    `size`: how many runs at a time.
+    `patience`: seconds of one wait for the end of a run: Ctrl-C does not end it if another thread gets the
+        signal, nor does what halts the runs.
+    """
 
-    def __init__(self, size: int, halt: threading.Event) -> None:
-        self.size, self._halt = size, halt
+    patience = 0.1
+
+    def __init__(self, size: int) -> None:
+        self.size = size
         self._pool = ThreadPoolExecutor(size, "lrp grading")
+        self._busy: set[_Worker] = set()
+        self._is_closed = False
 
-    def submit(self, request: Request) -> Future[bytes]:
-        return self._pool.submit(answer, request, self._halt)
+    def submit(self, request: Request) -> Future[Outcome]:
+        return self._pool.submit(self.outcome, request)
 
-    def result(self, future: Future[bytes]) -> bytes:
+    def outcome(self, request: Request) -> Outcome:
+        """Have a worker that is idle, or a new one, make a run.
+
+        Raises LRPError: a worker cannot be started.
+        """
+        try:
+            worker = _idle.pop()
+        except IndexError:
+            worker = _Worker()
+        self._busy.add(worker)
+        try:
+            return LOST if self._is_closed else worker.ask(request)
+        finally:
+            self._busy.discard(worker)
+            if worker.is_spent:
+                worker.close()
+            else:
+                _idle.append(worker)
+
+    def result(self, future: Future[Outcome]) -> Outcome:
         return future.result()
 
     def close(self) -> None:
-        halt_runs(self._halt)
+        self._is_closed = True
+        for worker in self._busy.copy():
+            worker.close()
         self._pool.shutdown()
+
+
+def answer(request: Request) -> Outcome:
+    """Have a worker of this machine make a run; a Dask worker does.
+
+    Raises LRPError: a worker cannot be started.
+    """
+    return _Processors(1).outcome(request)
+
+
+_idle: list[_Worker] = []
+
+
+def close_workers() -> None:
+    """End the workers that are idle; the next run starts a new one."""
+    while _idle:
+        _idle.pop().close()
+
+
+atexit.register(close_workers)
 
 
 _STARTING = 120.0  # s that a worker may take until it is ready
 _ENDING = 5.0  # s that it has to end by itself
-_LONGEST = 10_000  # characters of a fault
+_MARK = "LRP_GRADING"  # the variable by which the processes that a worker and its runs have started are found
+_LOOKS = 50  # for processes that were left behind: while one forks, there are new ones
 
 
 class _Worker:
     """The near end of a worker.
 
-    `serves`: the event that stops the run that it makes; None while it is idle.
-    `lasts`: whether it makes more than one run.
+    `is_spent`: whether it makes no more runs.
     Raises LRPError: it cannot be started.
     """
 
     def __init__(self) -> None:
         self._mark = secrets.token_hex(8)
         started = python_of("lrp_jupyter.grading.worker")
-        started["env"] |= {MARK: self._mark, "PYTHONHASHSEED": "0"}  # every run orders a set of texts alike
+        started["env"] |= {_MARK: self._mark, "PYTHONHASHSEED": "0"}  # every run orders a set of texts alike
         try:
             self.process = subprocess.Popen(
                 **started,
@@ -245,34 +248,45 @@ class _Worker:
             )
         except OSError as error:
             raise _unstarted(error.strerror or str(error)) from error
-        self.serves: threading.Event | None = None
-        self._is_ready = self.lasts = False
+        assert self.process.stdin
+        assert self.process.stdout
+        assert self.process.stderr
+        self._pipes = self.process.stdin, self.process.stdout, self.process.stderr
+        self._is_ready = self.is_spent = False
 
-    def ask(self, request: Request) -> bytes:
-        """Send a request and return the answer; empty if the worker has ended.
+    def ask(self, request: Request) -> Outcome:
+        """Have a run made.
 
-        Raises LRPError: the worker could not begin.
+        Raises LRPError: the worker does not start.
         """
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        if not self._is_ready:
-            self._begin(self.process.stdout)
-        with self._at_most(request.patience) as is_late, suppress(OSError, ValueError):
-            send(self.process.stdin, pickle.dumps(tuple(request)))
-            if answer := receive(self.process.stdout):
-                return answer
-        if self.lasts:
-            return LOST
-        return LATE if is_late.is_set() else NONE
+        requests, outcomes, _ = self._pipes
+        self.is_spent, line = True, b""
+        self._begin()
+        with (
+            self._at_most(patience(request.limit)) as is_late,
+            suppress(OSError, ValueError),
+        ):  # it was closed
+            pickle.dump(tuple(request), requests)
+            requests.flush()
+            line = outcomes.readline(8 * LARGEST)  # of which a character may need six
+        if not FORKS:
+            return Outcome(None if is_late.is_set() else self._code(), line.decode(errors="replace"))
+        with suppress(ValueError, TypeError, RecursionError):
+            code, answer = json.loads(line)
+            if isinstance(answer, str) and isinstance(code, int | None):
+                self.is_spent = False
+                return Outcome(code, answer)
+        return LOST
 
-    def _begin(self, answers: IO[bytes]) -> None:
-        assert self.process.stderr is not None
-        with self._at_most(_STARTING), self.process.stderr as complaints:
-            ready = receive(answers)
-            if ready not in (FORKS, ENDS):
+    def _begin(self) -> None:
+        _, outcomes, complaints = self._pipes
+        if self._is_ready:
+            return
+        with self._at_most(_STARTING):
+            if outcomes.readline() != READY:
                 words = complaints.read().decode(errors="replace").split("\n")
                 raise _unstarted(next(filter(None, map(str.strip, reversed(words))), "it has ended"))
-        self._is_ready, self.lasts = True, ready == FORKS
+        self._is_ready = True
 
     @contextmanager
     def _at_most(self, seconds: float) -> Iterator[threading.Event]:
@@ -281,7 +295,7 @@ class _Worker:
 
         def give_up() -> None:
             is_late.set()
-            self.kill()
+            self._kill()
 
         timer = threading.Timer(seconds, give_up)
         timer.daemon = True
@@ -291,39 +305,40 @@ class _Worker:
         finally:
             timer.cancel()
 
-    def kill(self) -> None:
-        """End the process, and what it and its runs have started."""
-        self.process.kill()
-        end_started(self._mark)
+    def _code(self) -> int:
+        try:
+            return self.process.wait(_ENDING)
+        except subprocess.TimeoutExpired:  # it has closed its output
+            return 0
 
-    def stop(self) -> None:
-        """Let the process end soon, and the run that it makes."""
-        threading.Thread(target=self._end_at_last, daemon=True).start()
-        self._let_end()
-
-    def end(self) -> None:
-        """Wait for the end of the process and of the run that it makes."""
-        self._let_end()
-        self._end_at_last()
-        for pipe in (self.process.stdin, self.process.stdout, self.process.stderr):
-            assert pipe is not None
+    def close(self) -> None:
+        """End the process, the run that it makes, and what its runs have started."""
+        self.is_spent = True
+        with suppress(OSError):  # it ends by itself: if it is killed, it cannot end its run
+            self._pipes[0].close()
+        with suppress(subprocess.TimeoutExpired):
+            self.process.wait(_ENDING if FORKS else 0)
+        self._kill()
+        self.process.wait()
+        for pipe in self._pipes:
             with suppress(OSError):
                 pipe.close()
 
-    def _let_end(self) -> None:
-        """Ask the process to end; one that is killed could not end the process that it has forked."""
-        assert self.process.stdin is not None
-        if self.lasts:
-            with suppress(OSError):
-                self.process.stdin.close()
-        else:
-            self.process.kill()
+    def _kill(self) -> None:
+        """End the process, and what it and its runs have started; only Linux says what that is."""
+        self.process.kill()
+        for _ in range(_LOOKS):
+            found = [each for each in Path("/proc").glob("[0-9]*") if self._has_started(each)]
+            for process in found:
+                with suppress(OSError):
+                    os.kill(int(process.name), signal.SIGKILL)
+            if not found:
+                return
 
-    def _end_at_last(self) -> None:
-        with suppress(subprocess.TimeoutExpired):
-            self.process.wait(_ENDING)
-        self.kill()
-        self.process.wait()
+    def _has_started(self, process: Path) -> bool:
+        with suppress(OSError):
+            return self._mark.encode() in (process / "environ").read_bytes()
+        return False
 
 
 def _unstarted(reason: str) -> LRPError:
@@ -332,82 +347,35 @@ def _unstarted(reason: str) -> LRPError:
     )
 
 
-_lock = threading.Lock()
-_workers: list[_Worker] = []
-
-
-def answer(request: Request, halt: threading.Event | None = None) -> bytes:
-    """Have a worker of this machine make a run, and return its answer; empty if its process ended.
-
-    Raises LRPError: a worker cannot be started.
-    """
-    halt = threading.Event() if halt is None else halt
-    with _lock:
-        worker = next((each for each in _workers if each.serves is None), None)
-        if worker is None:
-            worker = _Worker()
-            _workers.append(worker)
-        worker.serves = halt
-    answer = LOST
-    try:
-        if not halt.is_set():
-            answer = worker.ask(request)
-    finally:
-        with _lock:
-            worker.serves = None
-            is_spent = answer == LOST or not worker.lasts or halt.is_set()
-            if is_spent and worker in _workers:
-                _workers.remove(worker)
-        if is_spent:
-            worker.end()
-    return answer
-
-
-def _made(job: Job, answer: bytes) -> Attempt:
+def _attempt_of(job: Job, outcome: Outcome) -> Attempt:
     """Return the attempt that a worker's answer describes.
 
     The program could write it: what is not the answer for this run is none.
-    Raises LRPError: the interpreter itself failed.
     """
-    if answer == LATE:
+    with suppress(ValueError, RecursionError):
+        return Attempt.from_dict(json.loads(outcome.answer)).of(job)
+    if outcome.code is None:
         reason = (
             "A call into compiled code did not return. Let the blocks wait for nothing, and stop no process."
         )
-        return failed(job, "time", f"is computed within {job.limit:g} s", reason)
-    fault = None
-    with suppress(ValueError, RecursionError):
-        made = json.loads(answer)
-        if not (isinstance(made, dict) and isinstance(fault := made.get("fault"), str)):
-            return Attempt.from_dict(made).of(job)
-    if isinstance(fault, str):
-        raise LRPError(printable(fault[:_LONGEST], "\n"))
-    reason = "The run ended without an answer. Let the program end or stop no process, and close no files."
-    if answer == LOST:
-        reason = "Its process was killed, and once more when it was run again, alone."
-    elif answer != NONE:
-        reason = "The run ended with an answer that is none. Let the program write to its own files only."
-    return failed(job, "crash", "runs to its end", reason)
+        return failed("time", f"is computed within {job.limit:g} s", reason).of(job)
+    return failed("crash", "runs to its end", _reason(outcome)).of(job)
 
 
-def halt_runs(halt: threading.Event) -> None:
-    """End the runs that were begun with an event, and begin no more of them."""
-    halt.set()
-    with _lock:
-        stopped = [worker for worker in _workers if worker.serves is halt]
-        _workers[:] = [worker for worker in _workers if worker.serves is not halt]
-    for worker in stopped:
-        worker.stop()
-
-
-def close_workers() -> None:
-    """End all workers; the next run starts new ones."""
-    with _lock:
-        ended, _workers[:] = _workers[:], []
-    for worker in ended:
-        worker.end()
-
-
-atexit.register(close_workers)
+def _reason(outcome: Outcome) -> str:
+    """Return why the process of a run has ended without its answer."""
+    code = outcome.code or 0
+    if outcome.answer:
+        return "The run ended with an answer that is none. Let the program write to its own files only."
+    if outcome == LOST:
+        return "Its process was killed, and once more when it was run again, alone."
+    if not code:
+        return "The run ended without an answer. Let the program end or stop no process, and close no files."
+    if code > 0:
+        return f"The program ended its own process, with the exit code {code}."
+    with suppress(ValueError):
+        return f"The process of the program crashed ({signal.Signals(-code).name})."
+    return f"The process of the program crashed (signal {-code})."
 
 
 def _packed(job: Job, memory: float) -> Request:

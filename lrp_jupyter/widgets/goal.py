@@ -21,7 +21,7 @@ from lrp_jupyter.grading.attempt import Attempt, Job, attempt
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
-from lrp_jupyter.grading.workers import halt_runs, run_jobs
+from lrp_jupyter.grading.workers import run_jobs
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.session import Session
@@ -79,7 +79,7 @@ class Goal:
         """End the check that is being made, and judge no more runs."""
         self._end()
         if self._check is not None:
-            halt_runs(self._check.halted)
+            self._check.halted.set()
 
     def _see(self, session: Session) -> None:
         bridge, referee = session.bridge, self._referee
@@ -164,7 +164,7 @@ class Goal:
     def check(self, session: Session, text: str) -> None:
         """Begin to run the text in every world of the challenge, with every seed; ends an earlier check."""
         if self._check is not None:
-            halt_runs(self._check.halted)
+            self._check.halted.set()
         _, jobs = jobs_of(text, self.task, namespace=session.namespace, limit=_LIMIT)
         check = _Check(text, jobs, Grade.of(self.task, {}, len(jobs)))
         self._check, self._hinted = check, 0
@@ -178,6 +178,7 @@ class Goal:
         """Make the runs, and tell the views of each."""
         with _ending(check, self._wake):
             for index, made in run_jobs(check.jobs, _MEMORY, halt=check.halted):
+                made.check()
                 self._note(check, index, made)
 
     async def _run_here(self, check: _Check) -> None:

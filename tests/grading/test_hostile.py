@@ -93,7 +93,7 @@ def test_no_text_of_a_program_commands_a_terminal_or_cannot_be_written():
 
 def ours():
     """Return the processes that workers of this process have started, and the workers."""
-    marks = [SLEEP.encode(), *(worker._mark.encode() for worker in workers._workers)]
+    marks = [SLEEP.encode(), *(worker._mark.encode() for worker in workers._idle)]
     found = set()
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
@@ -121,7 +121,7 @@ LEAVING = [
 def test_no_process_that_a_program_has_started_stays(code):
     bad, good = grade_all([doing(f"import os, time; {code}"), DRIVE], FIRST, 1, HowRun(limit=1))
     assert (bad.points, good.points) == (0, 10)
-    idle = {worker.process.pid for worker in workers._workers}
+    idle = {worker.process.pid for worker in workers._idle}
     until(lambda: ours() <= idle, lambda: f"{ours()} beside {idle}")
 
 
@@ -132,7 +132,7 @@ def test_a_program_that_ends_or_stops_all_workers_takes_no_mark_from_another(num
     """All workers, that of the other program's run too; both are made again, alone."""
     workers.close_workers()
     grade_all([DRIVE, DRIVE.replace("0.2", "0.21")], FIRST, 1, HowRun(processes=2))
-    siblings = {worker.process.pid for worker in workers._workers}
+    siblings = {worker.process.pid for worker in workers._idle}
     attack = doing(
         f"import os, signal\nfor number in {siblings}: os.kill(number, signal.SIG{number})\nwhile True: pass"
     )
