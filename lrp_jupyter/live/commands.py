@@ -18,6 +18,8 @@ from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live.breakpoint import Breakpoint
 from lrp_jupyter.live.breakpoints import Breakpoints
 from lrp_jupyter.live.inbox import Command
+from lrp_jupyter.live.inputs import Pause as Pause
+from lrp_jupyter.live.inputs import Resume as Resume
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.record import Record
 
@@ -144,24 +146,6 @@ class Renew(Command, recorded=True, mends=True):
 
     def apply(self, loop: Loop) -> None:
         loop.renew(self.program)
-
-
-@dataclass(frozen=True, slots=True)
-class Pause(Command, interrupts=True, urgent=True):
-    """Pause, for a reason (a sentence, or empty). Paper: §6.3."""
-
-    reason: str = ""
-
-    def apply(self, loop: Loop) -> None:
-        loop.pause(self.reason)
-
-
-@dataclass(frozen=True, slots=True)
-class Resume(Command, moves=True):
-    """Start, or continue after a pause. Paper: §6.3."""
-
-    def apply(self, loop: Loop) -> None:
-        loop.resume()
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from lrp_jupyter.interpreter.rendering import render, short
 from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
+from lrp_jupyter.live.inputs import EndRun
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.plain import plain, unplain
@@ -25,9 +25,9 @@ from lrp_jupyter.sim.worlds import load
 Line = dict[str, Any]
 
 INPUTS: dict[str, type] = {
-    "pause": Paused,
-    "resume": Resumed,
-    "rest": RunEnded,
+    "pause": do.Pause,
+    "resume": do.Resume,
+    "rest": EndRun,
     "edit": do.ReplaceProgram,
     "rename": do.Rename,
     "force": do.Force,

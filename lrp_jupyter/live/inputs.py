@@ -11,26 +11,36 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import takewhile
 from threading import RLock
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
+from lrp_jupyter.live.inbox import Command
 
 
 @dataclass(frozen=True, slots=True)
-class Paused:
-    """The program was paused, for a reason: a sentence, or empty."""
+class Pause(Command, interrupts=True, urgent=True):
+    """Pause, for a reason (a sentence, or empty); the loop records it, and those of its own. Paper: §6.3."""
 
     reason: str = ""
 
-
-@dataclass(frozen=True, slots=True)
-class Resumed:
-    """The program was started, or continued."""
+    def apply(self, loop: Any) -> None:
+        loop.pause(self.reason)
 
 
 @dataclass(frozen=True, slots=True)
-class RunEnded:
-    """A run in virtual time was over: what follows is paused, though the program was not told."""
+class Resume(Command, moves=True):
+    """Start, or continue after a pause; the loop records it. Paper: §6.3."""
+
+    def apply(self, loop: Any) -> None:
+        loop.resume()
+
+
+@dataclass(frozen=True, slots=True)
+class EndRun(Command):
+    """Be paused, though the program is not told: a run in virtual time is over; the loop records it."""
+
+    def apply(self, loop: Any) -> None:
+        loop.rest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +56,7 @@ class Input(NamedTuple):
     `number`: in the order of application; the first is 1.
     `tick`: how many ticks were completed before it.
     `time`: seconds of the run at which it was applied.
-    `what`: :class:`Paused`, :class:`Resumed`, a command, or an input of the robot's world.
+    `what`: a command, :class:`Rewound`, or what was done to the robot or its world.
     """
 
     number: int

@@ -53,7 +53,7 @@ from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.live.inbox import Command, Inbox
-from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
+from lrp_jupyter.live.inputs import EndRun, Pause, Resume
 from lrp_jupyter.live.record import Record
 from lrp_jupyter.live.timing import ROUNDING, STEP, Timing
 from lrp_jupyter.live.values import ValueTexts, numbers_of
@@ -256,7 +256,7 @@ class Loop:
         if self.status == "running":
             self.status = "paused"
             self.timing.clock.pause()
-            self.record.note(RunEnded())
+            self.record.note(EndRun())
 
     def begin(self, checkpoint: SessionCheckpoint) -> None:
         """Continue from a checkpoint of another session; see :meth:`Record.begin`."""
@@ -540,7 +540,7 @@ class Loop:
             with self.record.deriving():
                 self.interpreter.pause(self.timing.now, reason)
                 self._stand_still(reason)
-            self.record.note(Paused(reason))
+            self.record.note(Pause(reason))
         elif self.status in ("ready", "paused") and reason:
             self.paused_by = None
             self._unstarted = self._unstarted or self.status == "ready"
@@ -565,7 +565,7 @@ class Loop:
         with self.record.deriving():
             self._call_hook(self.bridge.on_start if first else self.bridge.on_resume)
             self.interpreter.resume(self.timing.now)
-        self.record.note(Resumed())
+        self.record.note(Resume())
 
     def step(self) -> None:
         """Run one tick and one period of time; paused before and after. Paper: §6.3."""

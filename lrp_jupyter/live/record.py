@@ -30,7 +30,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.live.checkpoints import COPIED, PLAIN, Checkpoints, SessionCheckpoint, names_of
 from lrp_jupyter.live.inbox import Command
-from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, Rewound, RunEnded
+from lrp_jupyter.live.inputs import Input, Inputs, Rewound
 from lrp_jupyter.live.moments import Moments
 from lrp_jupyter.live.names import ChangeNames, WatchedNames
 from lrp_jupyter.live.randomness import random_module
@@ -265,4 +265,4 @@ class Record:
 
 def _is_of_the_world(what: object) -> bool:
     """Return whether an input was done to the robot or its world, and not to the program or in a tick."""
-    return not isinstance(what, (Command, Paused, Resumed, Rewound, RunEnded, CommandsHeld))
+    return not isinstance(what, (Command, Rewound, CommandsHeld))

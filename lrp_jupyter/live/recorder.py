@@ -15,7 +15,7 @@ from lrp_jupyter.errors import FileError, LRPError, sentence_of
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.live.checkpoints import COPIED
 from lrp_jupyter.live.input_lines import input_line, literal
-from lrp_jupyter.live.inputs import Input, RunEnded
+from lrp_jupyter.live.inputs import EndRun, Input
 from lrp_jupyter.live.looks import Look
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.plain import plain
@@ -72,7 +72,7 @@ class Recorder(Trace):
         self._unobserve()
         self.write_looks()
         loop = self._loop
-        self._input(Input(0, loop.interpreter.tick, loop.timing.now, RunEnded()))
+        self._input(Input(0, loop.interpreter.tick, loop.timing.now, EndRun()))
         loop.record.written = None
         loop.after_tick.remove(self._tick)
         if self._failure is not None:

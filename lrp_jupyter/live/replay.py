@@ -20,7 +20,7 @@ from lrp_jupyter.language.program import Element
 from lrp_jupyter.live.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.commands import Rename, ReplaceProgram
 from lrp_jupyter.live.inbox import Command
-from lrp_jupyter.live.inputs import Input, Paused, Resumed, Rewound, RunEnded
+from lrp_jupyter.live.inputs import Input, Rewound
 from lrp_jupyter.live.leftovers import leftover
 from lrp_jupyter.live.loop import Loop
 
@@ -97,12 +97,6 @@ def repeat(loop: Loop, entry: Entry) -> None:
 def _apply(loop: Loop, what: object) -> None:
     bridge = loop.bridge
     match what:
-        case Paused(reason):
-            loop.pause(reason)
-        case Resumed():
-            loop.resume()
-        case RunEnded():
-            loop.rest()
         case Command():
             loop.apply(what)
         case RobotStopped():

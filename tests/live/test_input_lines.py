@@ -10,7 +10,7 @@ from lrp_jupyter.language.program import Element
 from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.input_lines import INPUTS, input_line, input_of
-from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
+from lrp_jupyter.live.inputs import EndRun
 from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.edits import Become, Draw, SetStart
@@ -20,9 +20,9 @@ from lrp_jupyter.sim.worlds import load
 PROGRAM = parse("(machine m (state a)) (spawn m a)")
 WAITS = Unmeant(parse("(machine m)"), "waits: the state has no name yet", True, Element("state", ("m", "a")))
 EXAMPLES = [
-    Paused("The robot stands at a wall."),
-    Resumed(),
-    RunEnded(),
+    do.Pause("The robot stands at a wall."),
+    do.Resume(),
+    EndRun(),
     do.ReplaceProgram(PROGRAM),
     do.ReplaceProgram(PROGRAM, WAITS),
     do.Rename("state", ("m", "a"), "b"),

@@ -10,7 +10,7 @@ import pytest
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.outside import RobotStopped
-from lrp_jupyter.live.inputs import Inputs, Resumed
+from lrp_jupyter.live.inputs import Inputs, Resume
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.timeline import TimelineCursor
 
@@ -200,10 +200,10 @@ def test_an_earlier_moment_is_found_by_its_time(session):
 def test_inputs_can_be_read_while_another_thread_adds_some():
     inputs = Inputs()
     for tick in (0, 0, 3, 5):
-        inputs.keep(inputs.next(tick, tick / 10, Resumed()))
+        inputs.keep(inputs.next(tick, tick / 10, Resume()))
     read = iter(inputs)
     next(read)
-    inputs.keep(inputs.next(7, 0.7, Resumed()))
+    inputs.keep(inputs.next(7, 0.7, Resume()))
     assert [entry.tick for entry in read] == [0, 3, 5]
     assert [entry.number for entry in inputs.since(3)] == [3, 4, 5]
 
@@ -212,12 +212,12 @@ def test_the_tick_of_an_input_is_read_when_no_other_is_noted(session):
     """Else a thread that was held up would add an earlier tick after a later one."""
     loop, held = session._loop, session._loop.record.inputs.lock
     with held:
-        other = Thread(target=loop.record.note, args=(Resumed(),))
+        other = Thread(target=loop.record.note, args=(Resume(),))
         other.start()
         other.join(0.05)
         for _ in range(3):
             loop.tick()
-        loop.record.note(Resumed())
+        loop.record.note(Resume())
     other.join()
     assert [entry.tick for entry in loop.record.inputs.since(0)] == [3, 3]
 
@@ -236,9 +236,9 @@ def test_the_stop_of_another_thread_is_noted_once_by_whoever_comes_first(session
     loop.record._stops, noted = Contended([RobotStopped()]), []
     loop.record.written = noted.append
     with ThreadPoolExecutor() as threads:
-        for done in [threads.submit(loop.record.prepare, False), threads.submit(loop.record.note, Resumed())]:
+        for done in [threads.submit(loop.record.prepare, False), threads.submit(loop.record.note, Resume())]:
             done.result()
-    assert [entry.what for entry in noted] == [RobotStopped(), Resumed()]
+    assert [entry.what for entry in noted] == [RobotStopped(), Resume()]
 
 
 def test_a_stop_while_a_checkpoint_is_taken_is_noted_before_the_next_tick(session):
