@@ -120,6 +120,8 @@ COMMANDS = ANY | {
     "fire": ("transition", in_session(lambda s, wanted: s.fire(wanted))),
     "set_variable": ("variable", in_session(lambda s, wanted: s.set_variable(wanted, 5))),
     "variables": ("variable", in_session(lambda s, wanted: s.variables.__setitem__(wanted, 6))),
+    "the value of a variable": ("variable", in_session(lambda s, wanted: s.variables[wanted])),
+    "a variable of a frame": ("variable", in_session(lambda s, wanted: s.at(0.2).variables[wanted])),
     "plots": (
         "variable",
         in_session(lambda s, wanted: s.plots([wanted if isinstance(wanted, str) else "/".join(wanted)])),

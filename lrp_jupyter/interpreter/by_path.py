@@ -6,8 +6,9 @@ from collections.abc import Collection, ItemsView, Iterator, Mapping
 from typing import Any, TypeVar
 
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.language.lookup import as_defined
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Path, path_text
+from lrp_jupyter.language.program import Path, Program, path_text
 
 V = TypeVar("V", covariant=True)
 
@@ -21,6 +22,9 @@ class ByPath(Mapping[Path, V]):
     Parameters
     ----------
     items : mapping of path to value
+        The paths are as spawned.
+    program : Program, optional
+        The program of the variables; with it, a key may be a path of definition, too.
 
     Raises
     ------
@@ -34,24 +38,29 @@ class ByPath(Mapping[Path, V]):
     (5, 2, 2, 2)
     """
 
-    __slots__ = ("_items",)
+    __slots__ = ("_items", "_program")
 
-    def __init__(self, items: Mapping[Path, V] | None = None) -> None:
+    def __init__(self, items: Mapping[Path, V] | None = None, program: Program | None = None) -> None:
         self._items: Mapping[Path, V] = {} if items is None else items
+        self._program = program
 
     def __getitem__(self, key: Path | str) -> V:
         if isinstance(key, tuple) and key in self._items:
             return self._items[key]
-        return self._items[full_path(key, self._items)]
+        return self._items[self.path(key)]
+
+    def path(self, key: Path | str) -> Path:
+        """Return the path of a key."""
+        return full_path(key, self._items, self._program)
 
     def __contains__(self, key: object) -> bool:
         return key in self._items or bool(
-            isinstance(key, (str, tuple)) and _matching(as_path(key), self._items)
+            isinstance(key, (str, tuple)) and _matching(as_path(key), self._items, self._program)
         )
 
     def get(self, key: Path | str, default: Any = None) -> Any:
         """Return the value of a key, or the default if there is none; an ambiguous name raises."""
-        known = _matching(as_path(key), self._items)
+        known = _matching(as_path(key), self._items, self._program)
         return self[key] if known else default
 
     def items(self) -> ItemsView[Path, V]:
@@ -72,13 +81,13 @@ class ByPath(Mapping[Path, V]):
         return repr({path_text(path): value for path, value in self._items.items()})
 
 
-def full_path(wanted: Path | str, known: Collection[Path]) -> Path:
-    """Return the path of a variable, for its whole path or its unambiguous name.
+def full_path(wanted: Path | str, known: Collection[Path], program: Program | None = None) -> Path:
+    """Return the path of a variable as spawned, for its path or its unambiguous name.
 
     Raises UnknownElementError: there is no such variable now, or several have that name.
     """
     path = as_path(wanted)
-    found = _matching(path, known)
+    found = _matching(path, known, program)
     if len(found) == 1:
         return found[0]
     if found:
@@ -92,7 +101,9 @@ def full_path(wanted: Path | str, known: Collection[Path]) -> Path:
     )
 
 
-def _matching(path: Path, known: Collection[Path]) -> list[Path]:
+def _matching(path: Path, known: Collection[Path], program: Program | None) -> list[Path]:
     if path in known:
         return [path]
-    return [other for other in known if other[-1:] == path] if len(path) == 1 else []
+    if len(path) == 1:
+        return [other for other in known if other[-1:] == path]
+    return [other for other in known if program and as_defined(program, "variable", other) == path]

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Literal, NamedTuple
 
-from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.expressions import UnknownValueError, evaluate, expression_of, names_in
-from lrp_jupyter.language.lookup import as_defined, called, missing
+from lrp_jupyter.language.lookup import called, missing
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.resolution import Scope, resolve
@@ -150,12 +149,8 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
 
 def _whole(loop: Loop, name: str) -> str:
     """Return the path, as spawned, of the variable that is meant; any other name unchanged."""
-    program = loop.interpreter.program
-    present = {as_defined(program, "variable", path): path for path in loop.frame.values}
-    found = [present[each.path] for each in called(program, "variable", name) if each.path in present]
-    if len(found) > 1:
-        raise UnknownElementError.ambiguous("variables", name, map(path_text, found))
-    return path_text(found[0]) if found else name
+    values = loop.frame.values
+    return path_text(values.path(name)) if as_path(name) in values else name
 
 
 def _is_present(loop: Loop, name: str) -> bool:

@@ -21,6 +21,7 @@ from lrp_jupyter.bridges.nodes import RobotMethod
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.format import formatting
+from lrp_jupyter.language.lookup import called
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.provided import builtin, degrees
@@ -378,10 +379,8 @@ def _name_of(kind: ElementKind, path: str, program: Program) -> str:
     if kind == "robot":
         return path
     wanted = path_of(kind, path)
-    names = (
-        each.shown[-1] for each in resolve(program).elements() if each.kind == kind and each.path == wanted
-    )
-    return next(names, wanted[-1])
+    found = called(program, kind, wanted)
+    return found[0].shown[-1] if found else wanted[-1]
 
 
 def _moving(bridge: Bridge) -> str:
