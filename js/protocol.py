@@ -45,7 +45,14 @@ type Changed<V> = V extends unknown[] ? V : V extends object ? { [E in keyof V]?
 /** What changed: of an object the changed entries, null for one that is gone; anything else in full. */
 export type Changes<T> = { [K in keyof T]?: Changed<T[K]> };
 """
-SIMPLE = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "None": "null"}
+SIMPLE = {
+    "str": "string",
+    "int": "number",
+    "float": "number",
+    "bool": "boolean",
+    "None": "null",
+    "Path": "string",
+}
 ZERO = {"str": '""', "int": "0", "float": "0", "bool": "false"}
 
 DECORATORS = {"act": "do", "world_act": "do", "question": "type"}
@@ -157,9 +164,9 @@ class Writer:
                 found[tag.arg] = f'"{tag.value.value}"', ""
         partial = any(tag.arg == "total" for tag in node.keywords)
         for line in node.body:
-            if isinstance(line, ast.AnnAssign) and "ClassVar" not in ast.unparse(line.annotation):
+            if isinstance(line, ast.AnnAssign) and not re.search("ClassVar|repr=False", ast.unparse(line)):
                 name, annotation = ast.unparse(line.target), line.annotation
-                optional = partial or line.value is not None
+                optional = partial or (line.value is not None and module in MESSAGES)
                 if isinstance(annotation, ast.Subscript) and ast.unparse(annotation.value) in (
                     "NotRequired",
                     "Required",
@@ -207,10 +214,13 @@ class Writer:
             case ast.Subscript(value=ast.Name(id="Literal"), slice=words):
                 elements = words.elts if isinstance(words, ast.Tuple) else [words]
                 return " | ".join(self.type(module, word) for word in elements)
-            case ast.Subscript(value=ast.Name(id="list"), slice=item):
+            case (
+                ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=[item, ast.Constant()]))
+                | ast.Subscript(value=ast.Name(id="list"), slice=item)
+            ):
                 inner = self.type(module, item)
                 return f"({inner})[]" if " | " in inner else f"{inner}[]"
-            case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[_, item])):
+            case ast.Subscript(value=ast.Name(id="dict" | "Mapping"), slice=ast.Tuple(elts=[_, item])):
                 return f"Record<string, {self.type(module, item)}>"
             case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=items)):
                 return f"[{', '.join(self.type(module, item) for item in items)}]"
@@ -227,7 +237,7 @@ class Writer:
                 return self.type(module, words.elts[0] if isinstance(words, ast.Tuple) else words)
             case ast.Subscript(value=ast.Name(id="list")):
                 return "[]"
-            case ast.Subscript(value=ast.Name(id="dict")):
+            case ast.Subscript(value=ast.Name(id="dict" | "Mapping")):
                 return "{}"
         return ""
 

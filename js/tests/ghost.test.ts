@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { Point, ReplyMessage, WhatIfView, WorldView } from "../src/protocol";
+import type { Point, ReplyMessage, Waypoint, WhatIf, WorldView } from "../src/protocol";
 import { type Lab, Store } from "../src/session/store";
 import { complete } from "../src/world/complete";
 import { ahead, ghostAt, paintGhost, partingOf } from "../src/world/ghost";
@@ -10,12 +10,12 @@ import { firstPoses } from "../src/world/poses";
 import { Preview } from "../src/world/preview";
 
 /** A robot that drives along x by 0.1 m a second, from `begin` on. */
-function course(begin: number, y = 1): WhatIfView["changed"] {
-  const way = Array.from({ length: 4 }, (_, i) => [begin + i, 0.1 * (begin + i), y, 0]);
-  return { happenings: [], way, others: [], solids: [] };
+function course(begin: number, y = 1): WhatIf["changed"] {
+  const way = Array.from({ length: 4 }, (_, i): Waypoint => [begin + i, 0.1 * (begin + i), y, 0]);
+  return { happenings: [], tick: 10 * begin, way, touch: null, others: {}, solids: [] };
 }
 
-function whatIf(begin = 0, fields: Partial<WhatIfView> = {}): WhatIfView {
+function whatIf(begin = 0, fields: Partial<WhatIf> = {}): WhatIf {
   return {
     tick: 10 * begin,
     begin,
@@ -23,8 +23,6 @@ function whatIf(begin = 0, fields: Partial<WhatIfView> = {}): WhatIfView {
     recorded: course(begin),
     changed: course(begin),
     divergence: null,
-    collision: "",
-    collision_at: null,
     open_loop: false,
     ...fields,
   };
@@ -179,13 +177,13 @@ describe("what is foretold of a world", () => {
     const now = { ...firstPoses(world), time: 0 };
     const way = (y: number) => [0, 1, 2].map((time) => [time, 0.1 * time, y, 0]);
     const changed = {
-      ...{ happenings: [], way: way(0), others: [way(1)] },
+      ...{ happenings: [], way: way(0), others: { other: way(1) } },
       solids: [
-        [0, 1.5, 1, 0],
-        [1, 2, 2, 0],
+        [0, [1.5, 1, 0]],
+        [1, [2, 2, 0]],
       ],
     };
-    const whatIf = { changed, recorded: changed, divergence: null } as unknown as WhatIfView;
+    const whatIf = { changed, recorded: changed, divergence: null } as unknown as WhatIf;
     const palette = { others: [{ robot: "orange" }], robot: "blue" } as unknown as Palette;
     const moves: number[][] = [];
     const fills = new Set<unknown>();

@@ -1,21 +1,21 @@
 // @vitest-environment happy-dom
 import { describe, expect, it, vi } from "vitest";
-import type { PanelField, PanelTable, PanelView } from "../src/protocol";
+import type { Field, Panel, Table } from "../src/protocol";
 import { type Lab, Store } from "../src/session/store";
 import { h } from "../src/ui/dom";
 import { inputs, values } from "../src/world/fields";
 import { bridgePanel } from "../src/world/panel";
 import { tableOf } from "../src/world/table";
 
-function field(key: string, more: Partial<PanelField> = {}): PanelField {
+function field(key: string, more: Partial<Field> = {}): Field {
   return { key, label: key, kind: "text", value: "", choices: [], unit: "", press: "", ...more };
 }
 
-function panel(...fields: PanelField[]): PanelView {
+function panel(...fields: Field[]): Panel {
   return { title: "", fields, tables: [], buttons: [], questions: [] };
 }
 
-function drawn(view: PanelView, press: (key: string, row: string) => void = () => {}) {
+function drawn(view: Panel, press: (key: string, row: string) => void = () => {}) {
   const filled = inputs(view, press);
   filled.refresh(view);
   const input = (key: string) => filled.element.querySelector<HTMLInputElement>(`[data-field="${key}"]`)!;
@@ -99,7 +99,7 @@ describe("what a panel only shows", () => {
 });
 
 describe("a table of a panel", () => {
-  const table: PanelTable = {
+  const table: Table = {
     key: "motors",
     title: "Motors",
     columns: ["motor", "type", "count (deg)"],

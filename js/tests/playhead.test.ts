@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import type { HappeningView, LookingView, ReplyMessage, TimelineView, WhatIfView } from "../src/protocol";
+import type { Happening, LookingView, ReplyMessage, Timeline, WhatIf } from "../src/protocol";
 import type { Act, Question } from "../src/session/connection";
 import { type Lab, Store } from "../src/session/store";
 import { Looking } from "../src/timeline/looking";
@@ -13,7 +13,7 @@ const SECONDS = 30;
 const END = 20; // s, the present
 const xOf = (time: number) => LEFT + (time / SECONDS) * (WIDTH - LEFT - 14);
 
-const entered = (time: number, state: string, by: string): HappeningView => ({
+const entered = (time: number, state: string, by: string): Happening => ({
   tick: time * 10 + 1,
   time,
   kind: "entered",
@@ -22,8 +22,8 @@ const entered = (time: number, state: string, by: string): HappeningView => ({
   by,
   text: "",
 });
-const RUN = [entered(0, "m/a", ""), entered(8, "m/b", "m:go"), entered(12, "m/a", "m:back")];
-const timeline = (fields: Partial<TimelineView> = {}): TimelineView => ({
+const RUN = [entered(0, "m/a", ""), entered(8, "m/b", "m/go"), entered(12, "m/a", "m/back")];
+const timeline = (fields: Partial<Timeline> = {}): Timeline => ({
   epoch: 1,
   first: 1,
   last: 10 * END + 1,
@@ -283,10 +283,20 @@ describe("the window", () => {
   it("shows the end of what would happen after an edit of the past", async () => {
     page.show(18);
     await page.drawn();
-    const course = { happenings: [entered(18, "m/a", "")], way: [], others: [], solids: [] };
-    const whatIf: WhatIfView = {
-      ...{ tick: 181, begin: 18, end: 40, recorded: course, changed: course, divergence: null },
-      ...{ collision: "", collision_at: null, open_loop: true },
+    const course = {
+      ...{ happenings: [entered(18, "m/a", "")], tick: 181 },
+      ...{ way: [], touch: null, others: {}, solids: [] },
+    };
+    const whatIf: WhatIf = {
+      ...{
+        tick: 181,
+        begin: 18,
+        end: 40,
+        recorded: course,
+        changed: course,
+        divergence: null,
+        open_loop: true,
+      },
     };
     page.store.set("whatIf", whatIf);
     await page.drawn();
@@ -298,7 +308,7 @@ describe("the window", () => {
 describe("a drawing under a pointer that is aiming", () => {
   it("stays for a moment, and is up to date after it", async () => {
     page.area.dispatchEvent(new PointerEvent("pointermove"));
-    const more = [...RUN, entered(15, "m/b", "m:go")];
+    const more = [...RUN, entered(15, "m/b", "m/go")];
     page.answer = async () => ({ timeline: timeline({ happenings: more }) });
     page.store.touch(["revision"]);
     const visits = () => page.root.querySelectorAll(".lrp-timeline-visit").length;

@@ -3,7 +3,7 @@
 import { readFileSync } from "node:fs";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { openField } from "../src/graph/field";
-import type { PanelView } from "../src/protocol";
+import type { Panel } from "../src/protocol";
 import { h } from "../src/ui/dom";
 import { openMenu } from "../src/ui/menu";
 import { inputs } from "../src/world/fields";
@@ -95,7 +95,7 @@ describe("a field on the graph", () => {
     const style = h("style", {}, readFileSync("src/style/drawing.css", "utf8"));
     document.head.append(style);
     const setting = { key: "port", label: "Port", value: "", choices: [], unit: "", press: "" };
-    const panel: PanelView = {
+    const panel: Panel = {
       title: "",
       fields: [{ ...setting, kind: "text" }],
       tables: [],

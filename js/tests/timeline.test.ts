@@ -1,12 +1,12 @@
 // @vitest-environment happy-dom
 
 import { describe, expect, it } from "vitest";
-import type { HappeningView, PlotView, TimelineView } from "../src/protocol";
+import type { Happening, Plot, Timeline } from "../src/protocol";
 import { type Drawing, draw, heightOf, roomFor, ticksOf, xOf } from "../src/timeline/draw";
 import { Happened, lanesOf, segmentAt, valueAt } from "../src/timeline/happened";
 import { s } from "../src/ui/dom";
 
-const happening = (fields: Partial<HappeningView>): HappeningView => ({
+const happening = (fields: Partial<Happening>): Happening => ({
   tick: 1,
   time: 0,
   kind: "entered",
@@ -17,7 +17,7 @@ const happening = (fields: Partial<HappeningView>): HappeningView => ({
   ...fields,
 });
 
-const answer = (fields: Partial<TimelineView>): TimelineView => ({
+const answer = (fields: Partial<Timeline>): Timeline => ({
   epoch: 1,
   first: 1,
   last: 10,
@@ -32,10 +32,10 @@ const answer = (fields: Partial<TimelineView>): TimelineView => ({
 
 const RUN = [
   happening({}),
-  happening({ tick: 3, time: 0.2, state: "m/b", by: "m:go", text: "`go` fired." }),
+  happening({ tick: 3, time: 0.2, state: "m/b", by: "m/go", text: "`go` fired." }),
   happening({ tick: 3, time: 0.2, lane: "m/b/inner", state: "m/b/inner/x" }),
   happening({ tick: 5, time: 0.4, kind: "ended", lane: "m/b/inner", state: "" }),
-  happening({ tick: 5, time: 0.4, state: "m/a", by: "m:back" }),
+  happening({ tick: 5, time: 0.4, state: "m/a", by: "m/back" }),
 ];
 
 describe("what happened", () => {
@@ -107,7 +107,7 @@ describe("what happened", () => {
 });
 
 describe("plots", () => {
-  const plot = (fields: Partial<PlotView>): PlotView => ({
+  const plot = (fields: Partial<Plot>): Plot => ({
     name: "x",
     kind: "number",
     times: [],

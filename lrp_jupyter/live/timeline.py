@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
 from lrp_jupyter.bridges.outside import RobotCommanded, WorldLoaded
@@ -51,7 +51,7 @@ class Happening:
     state: Path = ()
     by: Path = ()
     text: str = ""
-    call: str = ""
+    call: str = field(default="", repr=False)
 
 
 class TimelineCursor(NamedTuple):

@@ -24,18 +24,14 @@ _VERBS = {
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """The robot touched a solid at a time, in seconds."""
+    """The robot touched a solid at a time, in seconds; `text` is the sentence about it."""
 
     time: float
     solid: str
-
-    @property
-    def name(self) -> str:
-        """The solid, as a sentence names it."""
-        return _NAMES.get(self.solid, f"`{self.solid}`")
+    text: str
 
     def __str__(self) -> str:
-        return f"The robot touches {self.name} at {self.time:.1f} s."
+        return self.text
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +119,9 @@ class Observation:
             self._others.setdefault(name, []).append((now, *place))
         touched = world.touched
         if self._touch is None and (new := touched - self._touching):
-            self._touch = Touch(now, min(new))
+            solid = min(new)
+            name = _NAMES.get(solid, f"`{solid}`")
+            self._touch = Touch(now, solid, f"The robot touches {name} at {now:.1f} s.")
         self._touching &= touched  # what it has left can be touched again
         return False
 

@@ -3,12 +3,44 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from dataclasses import fields
+from functools import cache
 from typing import Any
+
+from lrp_jupyter.language.program import path_text
 
 
 def packed(message: Any) -> str:
     """Return a message as a text that any notebook passes on as it is."""
-    return json.dumps(message, separators=(",", ":"))
+    return json.dumps(message, separators=(",", ":"), default=as_fields)
+
+
+def as_fields(value: Any) -> dict[str, Any]:
+    """Return a dataclass as its fields, without those that its `repr` hides; dataclasses in it stay."""
+    kind: Any = type(value)
+    return {name: write(getattr(value, name)) for name, write in _writers(kind)}
+
+
+@cache
+def _writers(kind: Any) -> list[tuple[str, Callable[[Any], Any]]]:
+    return [(field.name, _WRITERS.get(field.type, _plain)) for field in fields(kind) if field.repr]
+
+
+def _plain(value: Any) -> Any:
+    """Return a value with numbers of four decimals, small ones of eight: no page shows more."""
+    kind = type(value)
+    if kind is float:
+        return round(value, 4 if abs(value) >= 0.01 else 8)
+    if kind is tuple or kind is list:
+        return [_plain(each) for each in value]
+    if kind is dict:
+        return {key: _plain(each) for key, each in value.items()}
+    return value
+
+
+_WRITERS: dict[Any, Callable[[Any], Any]] = {"Path": path_text}
+"""How fields of some types are written."""
 
 
 def unpacked(content: Any) -> Any:

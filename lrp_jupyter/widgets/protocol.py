@@ -4,7 +4,7 @@ This module and the page's messages (`messages`, `commands`, `requests`, `inspec
 every build of the page generates ``js/src/protocol.ts`` from them. All messages are JSON objects,
 distinguished by ``type``. They are sent as texts, in custom messages ``{"json": "…"}`` of the widget, because
 notebooks differ in what they make of ``None``, null and subclasses of `str`. Fields that may be missing are
-`NotRequired`.
+`NotRequired`. What the package has as a dataclass is sent as it is, field by field (`as_fields` of `plain`).
 
 **Views.** Every view of a lab in a page has a random name of its own, the ``view`` of every message. A
 comm's messages reach all views of its widget, so each keeps those with its own name. The
@@ -56,11 +56,14 @@ from __future__ import annotations
 
 from typing import Literal, NotRequired, Required, TypedDict
 
+from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.errors import Severity
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.language.triggers import TransitionKind
 from lrp_jupyter.live.breakpoint import BreakpointKind
-from lrp_jupyter.live.frame import Status
+from lrp_jupyter.live.frame import Hung, Status
+from lrp_jupyter.live.timeline import Timeline
+from lrp_jupyter.live.what_if import WhatIf
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.changes import Sections
 
@@ -261,17 +264,6 @@ class RestartView(TypedDict):
     reason: str
 
 
-class HungView(TypedDict):
-    """A block that does not return: ``moving.running``, for how long, and whether it was interrupted in vain.
-
-    The sentence about it is the view state's `reason`.
-    """
-
-    where: str
-    seconds: float
-    held: bool
-
-
 class MemberView(TypedDict):
     """A member of `robot`: ``light.data``; `insert` is the text that a click puts into the program."""
 
@@ -296,55 +288,6 @@ class BridgeView(TypedDict):
     armed: bool
     failsafe: str
     members: list[MemberView]
-
-
-class PanelField(TypedDict):
-    """One field of a bridge's panel; kind ``value`` is shown only. A choice may `press` a button."""
-
-    key: str
-    label: str
-    kind: Literal["text", "number", "choice", "switch", "value"]
-    value: str
-    choices: list[str]
-    unit: str
-    press: str
-
-
-class PanelButton(TypedDict):
-    """A button of a panel, or of each row of a table."""
-
-    key: str
-    label: str
-
-
-class PanelTable(TypedDict):
-    """A table of a panel; `keys` name the rows."""
-
-    key: str
-    title: str
-    columns: list[str]
-    keys: list[str]
-    rows: list[list[str]]
-    buttons: list[PanelButton]
-
-
-class PanelQuestion(TypedDict):
-    """A question that the bridge needs answered before it connects, for example an address."""
-
-    key: str
-    text: str
-    default: str
-    button: str
-
-
-class PanelView(TypedDict):
-    """A bridge's panel: plain data, drawn by the lab."""
-
-    title: str
-    fields: list[PanelField]
-    tables: list[PanelTable]
-    buttons: list[PanelButton]
-    questions: list[PanelQuestion]
 
 
 class StrokeView(TypedDict):
@@ -615,11 +558,11 @@ class ViewState(TypedDict):
     issues: dict[str, IssueView]
     printed: dict[str, str]
     restarts: dict[str, RestartView]
-    hung: HungView | None
+    hung: Hung | None
     breakpoints: dict[str, BreakpointView]
     paused_by: HitView | None
     bridge: BridgeView
-    panel: PanelView | None
+    panel: Panel | None
     settings: SettingsView
     conflict: ConflictView | None
     looking: LookingView | None
@@ -798,73 +741,6 @@ class ExplanationView(TypedDict):
     address: str
 
 
-HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause", "command", "hand"]
-
-
-class HappeningView(TypedDict):
-    """Something that happened in a run, for the timeline.
-
-    ============ =====================================================================================
-    ``entered``  the state with path `state` was entered in the machine `lane` (its path as spawned);
-                 `by` is the transition, empty if it was spawned or forced
-    ``ended``    the machine `lane` ended
-    ``edit``     another program ran from here on; ``restart``: from the beginning
-    ``issue``    an element failed for the first time, or again after it was well
-    ``pause``    the program paused, by a breakpoint or an issue
-    ``command``  the robot got another command; `by` is its name, such as ``move``
-    ``hand``     the world was changed by hand, a variable was set or a state forced
-    ============ =====================================================================================
-
-    `time` is that of the tick, in seconds, and `text` says it in words.
-    """
-
-    tick: int
-    time: float
-    kind: HappeningKind
-    lane: str
-    state: str
-    by: str
-    text: str
-
-
-class ThresholdView(TypedDict):
-    """What a condition compares a plotted name with: a value for each sample; None where it had none."""
-
-    text: str
-    values: list[float | None]
-
-
-class PlotView(TypedDict):
-    """The samples of a variable or reading, one for each tick: numbers, or 0 and 1 of truth values.
-
-    None where it had no value, or none that can be plotted.
-    """
-
-    name: str
-    kind: Literal["number", "truth"]
-    times: list[float]
-    values: list[float | None]
-    thresholds: list[ThresholdView]
-
-
-class TimelineView(TypedDict):
-    """What happened since a moment that the page knows.
-
-    Ticks `first` to `last`, from `begin` to `end` s, are recorded. What the page holds of ticks after `kept`
-    was undone, or is told again: it is replaced by `happenings` and `plots`. `names` can be plotted.
-    """
-
-    epoch: int
-    first: int
-    last: int
-    begin: float
-    end: float
-    kept: int
-    happenings: list[HappeningView]
-    plots: list[PlotView]
-    names: list[str]
-
-
 class LookingView(TypedDict):
     """An earlier moment that the lab shows, `ago` seconds ago; `edited`: the program was edited meanwhile."""
 
@@ -872,46 +748,6 @@ class LookingView(TypedDict):
     time: float
     ago: float
     edited: bool
-
-
-class CourseView(TypedDict):
-    """How a run went: what happened, and the way of the robot as (time, x, y, theta), one for each tick.
-
-    `others` are the ways of further robots, in the order of the world; `solids` are (number, x, y, theta) of
-    those that can move, at the end.
-    """
-
-    happenings: list[HappeningView]
-    way: list[list[float]]
-    others: list[list[list[float]]]
-    solids: list[list[float]]
-
-
-class DivergenceView(TypedDict):
-    """The first difference between two runs."""
-
-    tick: int
-    time: float
-    text: str
-
-
-class WhatIfView(TypedDict):
-    """What happens from a moment on if another program runs, or the present one runs on.
-
-    `recorded` is how it went, or would go on, and `changed` how it goes with the other program. `collision`
-    is a sentence about the first time that the robot touches a solid then, at `collision_at` s. With
-    `open_loop` a real robot's recorded readings were fed, whatever the program commanded.
-    """
-
-    tick: int
-    begin: float
-    end: float
-    recorded: CourseView
-    changed: CourseView
-    divergence: DivergenceView | None
-    collision: str
-    collision_at: float | None
-    open_loop: bool
 
 
 class ReplyMessage(TypedDict):
@@ -927,8 +763,8 @@ class ReplyMessage(TypedDict):
     inspect: NotRequired[InspectView]
     why: NotRequired[WhyView]
     explanation: NotRequired[ExplanationView]
-    timeline: NotRequired[TimelineView]
-    what_if: NotRequired[WhatIfView]
+    timeline: NotRequired[Timeline]
+    what_if: NotRequired[WhatIf]
     versions: NotRequired[list[VersionView]]
     svg: NotRequired[str]
     exists: NotRequired[bool]

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, cast, get_args
+from dataclasses import is_dataclass
+from typing import Any, get_args
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
@@ -31,18 +32,17 @@ from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import MomentShown
 from lrp_jupyter.widgets.places import id_of, offset_of, range_of
+from lrp_jupyter.widgets.plain import as_fields
 from lrp_jupyter.widgets.protocol import (
     BreakpointView,
     BridgeView,
     ElementKind,
     HitView,
-    HungView,
     IssueView,
     MachineItem,
     MemberView,
     MovedElement,
     OutdatedView,
-    PanelView,
     ProgramView,
     RestartView,
     TextRange,
@@ -149,11 +149,11 @@ class ViewStates:
             "issues": self._issues(frame, revision),
             "printed": self._lines(),
             "restarts": self._last_restarts(frame),
-            "hung": _hung_view(frame),
+            "hung": frame.hung,
             "breakpoints": self._breakpoints(now.breakpoints, now.program),
             "paused_by": _hit_view(now.paused_by),
             "bridge": _bridge_view(session.bridge, members),
-            "panel": _panel_view(session.bridge),
+            "panel": session.bridge.panel(),
             "settings": {
                 "edits": conditions.edits,
                 "graph": conditions.graph,
@@ -231,6 +231,8 @@ def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
         old = before.get(field)
         if field in before and old == value:
             continue
+        if is_dataclass(old) and is_dataclass(value):
+            old, value = as_fields(old), as_fields(value)
         if isinstance(old, dict) and isinstance(value, dict):
             gone = dict.fromkeys(old.keys() - value.keys())
             value = {name: new for name, new in value.items() if name not in old or old[name] != new} | gone
@@ -273,11 +275,6 @@ _WATCHED = " After {:g} s in which no page reaches it, the robot stops and the p
 _SUBSHELLS = (
     'In JupyterLab, the setting "Kernel Comms over subshells" changes that, with ipykernel 7 or newer.'
 )
-
-
-def _hung_view(frame: Frame) -> HungView | None:
-    hung = frame.hung
-    return None if hung is None else {"where": hung.where, "seconds": hung.seconds, "held": hung.held}
 
 
 def _hit_view(hit: object) -> HitView | None:
@@ -496,9 +493,3 @@ def _short(value: object) -> str:
     if isinstance(value, NoDataYet):
         return "stale" if isinstance(value, StaleData) else "waiting"
     return format(value, ".4g") if isinstance(value, float) else render(value)
-
-
-def _panel_view(bridge: Bridge) -> PanelView | None:
-    """Return the bridge's panel as it is now."""
-    panel = bridge.panel()
-    return None if panel is None else cast(PanelView, panel.as_dict())

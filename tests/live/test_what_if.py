@@ -93,7 +93,7 @@ def test_a_touch_is_told_with_its_moment_and_its_solid():
         assert not session.bridge.touched
         session.run(0.5)
         assert session.bridge.touched == {touch.solid}
-        assert str(touch) == f"The robot touches {touch.name} at {touch.time:.1f} s."
+        assert str(touch) == f"The robot touches `far wall` at {touch.time:.1f} s."
         assert session.what_if(seconds=1).changed.touch is None  # it touches it already
 
 

@@ -8,6 +8,7 @@ from lrp_jupyter.widgets.changes import TextChanges, difference, from_units, to_
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.kept import Kept
 from lrp_jupyter.widgets.places import path_of
+from lrp_jupyter.widgets.plain import packed, unpacked
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
 
@@ -29,22 +30,6 @@ class Unpublished(PageConnection):
         pass
 
 
-PLAIN = (str, int, float, bool, type(None))
-
-
-def strange(value, place="message"):
-    """Yield where a message has what an encoder may not know, a subclass of `str` for one."""
-    if type(value) is dict:
-        for key, each in value.items():
-            yield from strange(key, f"a key of {place}")
-            yield from strange(each, f"{place}[{key!r}]")
-    elif type(value) in (list, tuple):
-        for index, each in enumerate(value):
-            yield from strange(each, f"{place}[{index}]")
-    elif type(value) not in PLAIN:
-        yield f"{place} is {type(value).__name__}"
-
-
 class Page:
     """A view in a page: sends hello, returns credit, keeps the messages that it receives."""
 
@@ -57,7 +42,7 @@ class Page:
     def __call__(self, message, buffers):
         if message["view"] != self.name:
             return
-        assert list(strange(message)) == []
+        message = unpacked({"json": packed(message)})
         self.messages.append(message)
         self.buffers.append(buffers)
         if message["type"] == "snapshot":

@@ -466,7 +466,7 @@ def test_trails_come_as_ink_that_is_added_to(bench):
     ink = page.last("frame")["ink"]
     (trail,) = ink["strokes"]
     assert ink["first"] == 0
-    assert trail["path"][0] == (1.5, 1.0)
+    assert trail["path"][0] == [1.5, 1.0]
     assert {**trail, "path": []} == {"path": [], "width": 0.01, "grey": 120, "ink": True}
     drive()
     assert page.last("frame")["ink"]["first"] == 1

@@ -30,7 +30,7 @@ def page(lab):
 FIELDS = ("status", "tick", "lit", "variables", "members", "looking", "reason", "issues")
 
 
-def timeline(page, epoch=0, tick=0, plots=None):
+def timeline(page, epoch=None, tick=0, plots=None):
     plots = plots or {}
     return page.ask("timeline", epoch=epoch, tick=tick, plots=plots)["timeline"]
 
@@ -54,7 +54,7 @@ def test_a_page_gets_what_happened_once(lab, page):
     told = timeline(page)
     entered = [each for each in told["happenings"] if each["kind"] == "entered"]
     assert [each["state"] for each in entered[:3]] == ["m/go", "m/turn", "m/go"]
-    assert (entered[1]["by"], entered[1]["lane"], entered[1]["text"]) == ("m:far", "m", "`far` fired.")
+    assert (entered[1]["by"], entered[1]["lane"], entered[1]["text"]) == ("m/far", "m", "`far` fired.")
     assert told["names"][:2] == ["speed", "m/steps"]
     lab.session.run(1)
     more = timeline(page, told["epoch"], told["last"])
@@ -195,9 +195,9 @@ def test_the_edited_program_is_shown_beside_what_was_recorded(lab, page):
 
 def test_a_collision_is_told_before_it_happens(lab, page):
     lab.session.edit(PROGRAM.replace("steps > 9", "steps > 900"))
-    what_if = page.ask("what_if", seconds=60)["what_if"]
-    assert what_if["collision"].startswith("The robot touches ")
-    assert what_if["collision_at"] > lab.session.frame.time
+    touch = page.ask("what_if", seconds=60)["what_if"]["changed"]["touch"]
+    assert touch["text"].startswith("The robot touches ")
+    assert touch["time"] > lab.session.frame.time
     assert lab.session.frame.tick == 40
 
 

@@ -73,7 +73,11 @@ def test_a_block_that_hangs_is_sent_as_data_whatever_the_sentence(bench, monkeyp
     frame = replace(lab.session.frame, status="hung", reason="Wait.", hung=Hung("moving.running", 2.5))
     monkeypatch.setattr(type(lab.session), "frame", frame)
     lab.publish()
-    assert page.latest("hung") == {"where": "moving.running", "seconds": 2.5, "held": False}
+    assert page.latest("hung") == {"where": "moving.running", "seconds": 2.5, "line": 0, "held": False}
+    later = replace(frame, hung=Hung("moving.running", 3.5))
+    monkeypatch.setattr(type(lab.session), "frame", later)
+    lab.publish()
+    assert page.latest("hung") == {"seconds": 3.5}
     monkeypatch.undo()
     lab.publish()
     assert page.latest("hung") is None

@@ -44,7 +44,7 @@ def test_what_moves_by_itself_is_in_every_frame_and_keeps_its_patrol_when_it_is_
     page.do("world", name="crossing")
     page.do("step", value=10)
     cart, _ = world(page)["solids"]
-    assert cart["patrol"] == [(1.2, 0.2), (1.2, pytest.approx(1.3))]
+    assert cart["patrol"] == [[1.2, 0.2], [1.2, pytest.approx(1.3)]]
     lab.publish()
     assert lab.session.frame.robot.solids[0] == pytest.approx((1.2, 0.4, 0.0))
     assert page.do("put_solid", index=0, box=[1.5, 0.5, 0.3, 0.3], name="lorry") is None

@@ -3,4 +3,7 @@
 /** The path of what is around. */
 export const parentOf = (path: string) => path.slice(0, Math.max(0, path.lastIndexOf("/")));
 
+/** The transition at a path: its machine, a colon, its name. */
+export const transitionAt = (path: string) => path && `${parentOf(path)}:${nameOf(path)}`;
+
 export const nameOf = (path: string) => path.slice(path.lastIndexOf("/") + 1);

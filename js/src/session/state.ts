@@ -11,7 +11,7 @@ import {
   type FindingView,
   type FromKernel,
   type ViewState,
-  type WhatIfView,
+  type WhatIf,
   type WorldView,
 } from "../protocol";
 
@@ -39,7 +39,7 @@ export interface LabState extends ViewState {
   cameras: Record<string, Camera>;
   /** Which machine is shown automatically: the one with the innermost active state, the one around the cursor, or none. */
   follow: "active" | "cursor" | "nothing";
-  whatIf: WhatIfView | null;
+  whatIf: WhatIf | null;
 }
 
 /** The parts of the run that are shown unasked. */

@@ -1,6 +1,7 @@
 /** The page's copy of what happened in a run: merged from the kernel's answers, arranged in lanes. No DOM. */
 
-import type { HappeningKind, HappeningView, PlotView, TimelineView } from "../protocol";
+import { transitionAt } from "../language/paths";
+import type { Happening, HappeningKind, Plot, Timeline } from "../protocol";
 
 /** A visit of a state. */
 export interface Segment {
@@ -32,7 +33,7 @@ export interface Mark {
 
 /** The samples of one name; every threshold has as many values. */
 export interface Plotted {
-  kind: PlotView["kind"];
+  kind: Plot["kind"];
   /** The last tick that is known. */
   tick: number;
   times: number[];
@@ -43,7 +44,8 @@ export interface Plotted {
 const SPARE = 500; // happenings older than the recording before they are dropped
 
 export class Happened {
-  epoch = 0;
+  /** Another one when ticks were undone, or elements got other names; null until the kernel has answered. */
+  epoch: number | null = null;
   first = 0;
   last = 0;
   /** Seconds of the first and of the last tick. */
@@ -51,11 +53,11 @@ export class Happened {
   end = 0;
   names: readonly string[] = [];
   readonly plots = new Map<string, Plotted>();
-  happenings: HappeningView[] = [];
+  happenings: Happening[] = [];
   private arranged: Lane[] | null = null;
 
   /** Add an answer of the kernel. */
-  merge(view: TimelineView): void {
+  merge(view: Timeline): void {
     const { epoch, first, last, begin, end, names, kept } = view;
     if (kept < 0) this.plots.clear();
     const stays = this.happenings.filter(({ tick }) => tick <= kept);
@@ -96,7 +98,7 @@ export class Happened {
   private trim(): void {
     const old = this.happenings.filter(({ tick }) => tick < this.first);
     if (old.length < SPARE) return;
-    const active = new Map<string, HappeningView>();
+    const active = new Map<string, Happening>();
     for (const each of old) {
       if (each.kind === "entered") active.set(each.lane, each);
       else if (each.kind === "ended") active.delete(each.lane);
@@ -105,7 +107,7 @@ export class Happened {
     this.happenings = [...active.values(), ...this.happenings.filter(({ tick }) => tick >= this.first)];
   }
 
-  private plot({ name, kind, times, values, thresholds }: PlotView): void {
+  private plot({ name, kind, times, values, thresholds }: Plot): void {
     let known = this.plots.get(name);
     if (!known) {
       known = { kind, tick: 0, times: [], values: [], thresholds: new Map() };
@@ -135,7 +137,7 @@ export class Happened {
 }
 
 /** The visits of states, by machine; a machine stands below the one that it is nested in. */
-export function lanesOf(happenings: readonly HappeningView[]): Lane[] {
+export function lanesOf(happenings: readonly Happening[]): Lane[] {
   const lanes = new Map<string, Segment[]>();
   const close = (segments: Segment[], time: number) => {
     const last = segments.at(-1);
@@ -146,7 +148,15 @@ export function lanesOf(happenings: readonly HappeningView[]): Lane[] {
       const segments = lanes.get(lane) ?? [];
       lanes.set(lane, segments);
       close(segments, time);
-      segments.push({ lane, state, by, text, tick, begin: time, end: Number.POSITIVE_INFINITY });
+      segments.push({
+        lane,
+        state,
+        by: transitionAt(by),
+        text,
+        tick,
+        begin: time,
+        end: Number.POSITIVE_INFINITY,
+      });
     } else if (kind === "ended") close(lanes.get(lane) ?? [], time);
     else if (kind === "restart") for (const segments of lanes.values()) close(segments, time);
   }

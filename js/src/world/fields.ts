@@ -1,13 +1,13 @@
 /** The input fields of a panel. Typed values stay until the bridge reports another value. */
 
-import type { PanelField, PanelView } from "../protocol";
+import type { Field, Panel } from "../protocol";
 import { freshId, h } from "../ui/dom";
 
 type Input = HTMLInputElement | HTMLSelectElement;
 
 export interface Inputs {
   element: HTMLElement;
-  refresh(panel: PanelView): void;
+  refresh(panel: Panel): void;
   /** Clear the texts that the bridge does not keep: they were for a button that has been pressed. */
   clear(): void;
 }
@@ -19,7 +19,7 @@ export function values(body: HTMLElement): Record<string, string> {
   return all;
 }
 
-export function inputs(panel: PanelView, press: (key: string, row: string) => void): Inputs {
+export function inputs(panel: Panel, press: (key: string, row: string) => void): Inputs {
   const element = h("div", { class: "lrp-fields" });
   const controls = new Map<string, Input>();
   const offers = new Map<string, HTMLDataListElement>();
@@ -78,7 +78,7 @@ function write(input: Input, value: string): void {
   else input.value = value;
 }
 
-function control({ key, kind }: PanelField): Input {
+function control({ key, kind }: Field): Input {
   if (kind === "switch") return h("input", { type: "checkbox", "data-field": key });
   if (kind === "choice") return h("select", { class: "lrp-select", "data-field": key });
   const type = kind === "number" ? "number" : "text";

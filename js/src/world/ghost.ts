@@ -1,6 +1,6 @@
 /** How another run goes: the path of the robot in it, and a ghost of the robot at its end. */
 
-import type { CourseView, Point, Pose, SolidView, WhatIfView } from "../protocol";
+import type { Course, Point, Pose, SolidView, WhatIf } from "../protocol";
 import type { FullWorld } from "./complete";
 import { ofRobot, type Palette, shade, traceSolid } from "./paint";
 import type { Snapshot } from "./poses";
@@ -33,7 +33,7 @@ export function ahead(way: Way, time: number): Pose[] {
 }
 
 /** Where the two courses part. */
-export function partingOf({ divergence, changed, recorded }: WhatIfView): Point | null {
+export function partingOf({ divergence, changed, recorded }: WhatIf): Point | null {
   if (!divergence) return null;
   const time = Math.max(divergence.time, changed.way[0]?.[0] ?? 0); // it may be in what begins the courses
   const [x, y] = ghostAt(changed.way, time) ?? ghostAt(recorded.way, time) ?? [];
@@ -52,7 +52,7 @@ export function courseColors(palette: Palette): { changed: string; recorded: str
 export function paintGhost(
   c: Canvas,
   world: FullWorld,
-  whatIf: WhatIfView,
+  whatIf: WhatIf,
   now: Snapshot,
   palette: Palette,
   pixels: number,
@@ -61,14 +61,13 @@ export function paintGhost(
   const colors = courseColors(palette);
   c.save();
   c.lineJoin = "round";
-  for (const [index, ...pose] of changed.solids) {
-    const [solid, before] = [world.solids[index!], now.solids[index!]];
-    if (solid && before && isElsewhere(before, pose as unknown as Pose))
-      paintSolid(c, solid, pose as unknown as Pose, palette, pixels);
+  for (const [index, pose] of changed.solids) {
+    const [solid, before] = [world.solids[index], now.solids[index]];
+    if (solid && before && isElsewhere(before, pose)) paintSolid(c, solid, pose, palette, pixels);
   }
   c.lineCap = "butt";
   world.robots.forEach(({ radius }, i) => {
-    const wayOf = (course: CourseView) => (i ? (course.others[i - 1] ?? []) : course.way);
+    const wayOf = (course: Course) => (i ? (Object.values(course.others)[i - 1] ?? []) : course.way);
     const next = ahead(wayOf(changed), now.time);
     const other = divergence ? ahead(wayOf(recorded), now.time) : [];
     for (const way of [other, next]) paintWay(c, way, palette.halo, 7 / pixels);
@@ -83,7 +82,7 @@ export function paintGhost(
 }
 
 /** Paint where the two courses part. */
-export function paintParting(c: Canvas, whatIf: WhatIfView, palette: Palette, pixels: number): void {
+export function paintParting(c: Canvas, whatIf: WhatIf, palette: Palette, pixels: number): void {
   const parting = partingOf(whatIf);
   if (!parting) return;
   c.beginPath();

@@ -2,14 +2,14 @@
 
 import { askToArm, failsafeText } from "../parts/arming";
 import { showReach } from "../parts/reach";
-import type { PanelButton, PanelQuestion, PanelView } from "../protocol";
+import type { Button, Panel, Question } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { below } from "../ui/card";
 import { focusLab, h, prose, setAttribute, setProse, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 import { type Inputs, inputs, values } from "./fields";
-import { type Table, tableOf } from "./table";
+import { type DrawnTable, tableOf } from "./table";
 
 /** The status sentence is always at the top. */
 const AT_THE_HEAD = "status";
@@ -36,7 +36,7 @@ export function bridgePanel(lab: Lab): HTMLElement {
 }
 
 /** The structure of a panel without its values: while it is unchanged, elements and typed texts are kept. */
-function shapeOf({ title, fields, tables, buttons, questions }: PanelView): string {
+function shapeOf({ title, fields, tables, buttons, questions }: Panel): string {
   return JSON.stringify([
     title,
     fields.map(({ key, kind, label, unit, press }) => [key, kind, label, unit, press]),
@@ -48,11 +48,11 @@ function shapeOf({ title, fields, tables, buttons, questions }: PanelView): stri
 
 interface Parts {
   elements: HTMLElement[];
-  refresh(panel: PanelView): void;
+  refresh(panel: Panel): void;
 }
 
 /** From top to bottom: status, questions, the first table with its fields, the other tables. */
-function build(panel: PanelView, lab: Lab, body: HTMLElement): Parts {
+function build(panel: Panel, lab: Lab, body: HTMLElement): Parts {
   const press = async (key: string, row?: string) => {
     const known = row === undefined ? {} : { row };
     return lab.act({ do: "panel", key, values: values(body), ...known });
@@ -71,7 +71,7 @@ function build(panel: PanelView, lab: Lab, body: HTMLElement): Parts {
     filled.element,
     h("div", { class: "lrp-row" }, ...others.map((one) => pressable(one, () => void pressed(one.key)))),
   );
-  const tables: Table[] = panel.tables.map((table) =>
+  const tables: DrawnTable[] = panel.tables.map((table) =>
     tableOf(table, (one, row) => pressable(one, () => void press(one.key, row))),
   );
   const [first, ...more] = tables;
@@ -96,12 +96,12 @@ function build(panel: PanelView, lab: Lab, body: HTMLElement): Parts {
   };
 }
 
-function pressable({ key, label }: PanelButton, onclick: () => void): HTMLButtonElement {
+function pressable({ key, label }: Button, onclick: () => void): HTMLButtonElement {
   return button({ label, title: label, action: `panel-${key}`, onclick });
 }
 
 /** The connection's status and the arming switch; lists the commands that were not sent. */
-function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
+function head(panel: Panel, lab: Lab, press: (key: string) => unknown) {
   const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
   const sentence = h("p", { class: "lrp-sentence", "data-show": AT_THE_HEAD });
   const stop = panel.buttons.find(({ key }) => key === "stop");
@@ -142,7 +142,7 @@ function factList() {
   const element = h("div", { class: "lrp-facts" });
   return {
     element,
-    refresh({ fields }: PanelView) {
+    refresh({ fields }: Panel) {
       const shown = fields.filter(({ key, kind, value }) => kind === "value" && key !== AT_THE_HEAD && value);
       while (element.children.length < shown.length)
         element.append(h("span", { class: "lrp-fact" }, h("span", { class: "lrp-faint" }), h("output")));
@@ -158,7 +158,7 @@ function factList() {
 }
 
 /** The dialog with a bridge's questions: open until the first is answered and the robot is connected. */
-function questions(all: PanelQuestion[], lab: Lab) {
+function questions(all: Question[], lab: Lab) {
   const forms = all.map((question) => questionForm(question, lab));
   const element = h(
     "details",
@@ -169,7 +169,7 @@ function questions(all: PanelQuestion[], lab: Lab) {
   let asked: boolean | null = null;
   return {
     element,
-    refresh(now: PanelQuestion[]) {
+    refresh(now: Question[]) {
       const { status } = lab.store.state.bridge;
       const asks = status === "disconnected" || status === "connecting" || !now[0]?.default;
       if (asks !== asked) element.open = asks;
@@ -181,7 +181,7 @@ function questions(all: PanelQuestion[], lab: Lab) {
   };
 }
 
-function questionForm({ key, text, button: label }: PanelQuestion, lab: Lab) {
+function questionForm({ key, text, button: label }: Question, lab: Lab) {
   const input = h("input", {
     class: "lrp-input",
     "data-question": key,
@@ -207,7 +207,7 @@ function questionForm({ key, text, button: label }: PanelQuestion, lab: Lab) {
   );
   return {
     element,
-    refresh({ default: value }: PanelQuestion) {
+    refresh({ default: value }: Question) {
       if (value !== received) input.value = value;
       received = value;
     },

@@ -1,6 +1,6 @@
 /** What an edit is going to do: after each one the next seconds are asked for, and shown as a ghost's way. */
 
-import type { WhatIfView } from "../protocol";
+import type { WhatIf } from "../protocol";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 import { ghostAt } from "./ghost";
@@ -12,7 +12,7 @@ const ASTRAY = 0.1; // metres: something else has happened than was foretold
 
 export class Preview {
   /** The newest preview, whether or not it is still shown. */
-  private latest: WhatIfView | null = null;
+  private latest: WhatIf | null = null;
   private revision: number | null = null;
   private time = 0;
   private edited = 0; // when, in ms
@@ -78,7 +78,7 @@ export class Preview {
     this.show(isNews ? whatIf : null);
   }
 
-  private show(whatIf: WhatIfView | null): void {
+  private show(whatIf: WhatIf | null): void {
     const { store } = this.lab;
     if (!whatIf && store.state.whatIf !== this.latest) return; // there is none, or it is not a preview
     this.latest = whatIf;

@@ -1,6 +1,6 @@
 /** The canvas of a world: a cached layer for what stands still, and frames interpolated between poses. */
 
-import type { Point, StrokeView, WhatIfView, WorldView } from "../protocol";
+import type { Point, StrokeView, WhatIf, WorldView } from "../protocol";
 import { pngOf } from "../ui/picture";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
 import { paintGhost, paintParting } from "./ghost";
@@ -47,7 +47,7 @@ export class Stage {
   /** Whether an earlier moment is shown. */
   isPast = false;
   /** Another course than that of the robot. */
-  whatIf: WhatIfView | null = null;
+  whatIf: WhatIf | null = null;
   /** The colour and dash of a state's trail. */
   styleOf: (state: string) => { color: string; dash: number[] } = () => ({ color: "gray", dash: [] });
   /** Called when another part of the world may be shown, or the robot no longer followed. */

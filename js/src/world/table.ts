@@ -1,11 +1,11 @@
 /** A table of a panel. Where there is little room each row is a card: the stylesheet turns cells into lines. */
 
-import type { PanelButton, PanelTable } from "../protocol";
+import type { Button, Table } from "../protocol";
 import { h, reconcile, setAttribute, setProse, unmarked } from "../ui/dom";
 
-export interface Table {
+export interface DrawnTable {
   element: HTMLElement;
-  refresh(table: PanelTable): void;
+  refresh(table: Table): void;
 }
 
 interface Row {
@@ -15,10 +15,7 @@ interface Row {
 
 const NUMBER = /^-?[\d.]+(e[+-]?\d+)?$/;
 
-export function tableOf(
-  table: PanelTable,
-  makeButton: (one: PanelButton, row: string) => HTMLElement,
-): Table {
+export function tableOf(table: Table, makeButton: (one: Button, row: string) => HTMLElement): DrawnTable {
   const { key, title, columns, buttons } = table;
   const head = columns.map((name) => h("th", { scope: "col", role: "columnheader" }, name));
   if (buttons.length) head.push(h("th", { scope: "col", role: "columnheader", "aria-label": "do" }));

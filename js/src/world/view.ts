@@ -296,8 +296,8 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   });
   store.watch(["whatIf", "time"], () => {
     const { whatIf, time } = store.state;
-    const isAhead = whatIf && (whatIf.collision_at ?? time) >= time;
-    setProse(collision, isAhead ? whatIf.collision : "");
+    const touch = whatIf?.changed.touch;
+    setProse(collision, touch && touch.time >= time ? touch.text : "");
   });
   store.watch(["looking"], () => {
     const { looking } = store.state;
