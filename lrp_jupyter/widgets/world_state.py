@@ -10,25 +10,13 @@ import math
 import struct
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge, SimPicture
 from lrp_jupyter.sim.floor import Mark, Paint
-from lrp_jupyter.sim.world import (
-    ArcStroke,
-    BoxSolid,
-    BoxZone,
-    CircleStroke,
-    Point,
-    Pose,
-    Solid,
-    Stroke,
-    Zone,
-    can_move,
-    middle_of,
-)
-from lrp_jupyter.widgets.protocol import InkView, SolidView, StrokeView, WorldView, ZoneView
+from lrp_jupyter.sim.world import BoxSolid, Point, Pose, can_move, middle_of
+from lrp_jupyter.widgets.protocol import InkView, StrokeView, WorldView
 
 _DISTANCE = 0.1  # s between two descriptions, at least
 
@@ -86,68 +74,22 @@ def world_view(bridge: Bridge, picture: object) -> WorldView | None:
     """Return a world with its solids where they are now; None for a bridge without a world."""
     if not isinstance(bridge, SimBridge):
         return None
-    world = picture.world if isinstance(picture, SimPicture) else bridge.world
-    places, patrols = (picture.solids, picture.patrols) if isinstance(picture, SimPicture) else ((), ())
-    return {
-        "version": 1,
-        "name": world.name,
-        "open": world.open,
-        "size": world.size,
-        "seed": world.seed,
-        "floor": {
-            "grey": round(world.floor.grey),
-            "strokes": [_stroke(stroke) for stroke in world.floor.strokes],
-        },
-        "solids": [
-            _solid(solid, places[i] if places else None, patrols[i] if patrols else ())
-            for i, solid in enumerate(world.solids)
-        ],
-        "robots": [
-            {
-                "pose": robot.pose,
-                "name": name,
-                "radius": robot.radius,
-                "light": list(robot.light),
-                "bumper": robot.bumper,
-                "distance": list(robot.distance),
-            }
-            for name, robot in zip(world.robot_names, world.robots, strict=True)
-        ],
-        "zones": {name: _zone(zone) for name, zone in world.zones.items()},
-        "edited": bridge.is_edited,
-        "undo": bridge.can_undo,
-        "redo": bridge.can_redo,
-    }
-
-
-def _stroke(stroke: Stroke) -> StrokeView:
-    view: StrokeView = {"width": stroke.width, "grey": round(stroke.grey)}
-    if isinstance(stroke, CircleStroke):
-        view["circle"] = stroke.circle
-    elif isinstance(stroke, ArcStroke):
-        view["arc"] = list(stroke.arc)
-    else:
-        view["path"] = list(stroke.path)
-    return view
-
-
-def _solid(solid: Solid, place: Pose | None, patrol: tuple[Point, ...]) -> SolidView:
-    start = middle_of(solid)
-    x, y, angle = place or (*start, solid.angle)
-    view: SolidView = {"angle": angle, "push": solid.push}
-    if solid.patrol is not None:
-        view["patrol"] = list(patrol or solid.patrol.points(start))
-    if solid.name:
-        view["name"] = solid.name
-    if isinstance(solid, BoxSolid):
-        view["box"] = [x, y, *solid.box[2:]]
-    else:
-        view["circle"] = (x, y, solid.circle[2])
-    return view
-
-
-def _zone(zone: Zone) -> ZoneView:
-    return {"box": list(zone.box)} if isinstance(zone, BoxZone) else {"circle": zone.circle}
+    world = bridge.world
+    places: tuple[Pose, ...] = ()
+    patrols: tuple[tuple[Point, ...], ...] = ()
+    if isinstance(picture, SimPicture):
+        world, places, patrols = picture.world, picture.solids, picture.patrols
+    view = world.to_dict()
+    for robot, name in zip(view["robots"], world.robot_names, strict=True):
+        robot["name"] = name
+    for i, (solid, shown) in enumerate(zip(world.solids, view["solids"], strict=True)):
+        start = middle_of(solid)
+        x, y, shown["angle"] = places[i] if places else (*start, solid.angle)
+        shown["box" if isinstance(solid, BoxSolid) else "circle"][:2] = x, y
+        if solid.patrol is not None:
+            shown["patrol"] = patrols[i] if patrols else solid.patrol.points(start)
+    view |= {"edited": bridge.is_edited, "undo": bridge.can_undo, "redo": bridge.can_redo}
+    return cast(WorldView, view)
 
 
 def _poses(picture: SimPicture) -> bytes:

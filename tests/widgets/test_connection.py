@@ -5,6 +5,7 @@ import struct
 from collections import deque
 from contextvars import ContextVar
 from itertools import chain, cycle, repeat
+from pathlib import Path
 from threading import Event, current_thread, main_thread
 
 import pytest
@@ -12,6 +13,7 @@ from support.robots import Bare
 
 from lrp_jupyter.live.commands import Call
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.world import FloorSpec, PathStroke, RobotSpec
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.saver import Saver
 from lrp_jupyter.widgets.texts import Texts
@@ -431,12 +433,23 @@ def test_only_parts_that_show_the_world_get_poses(bench):
     assert not any(graph.buffers)
 
 
-def test_a_world_is_described_with_all_that_a_page_draws(bench):
+def test_a_world_is_described_with_all_that_a_page_draws_and_does_not_know(bench):
     lab = bench(MOVER, bridge="sim", world="boxes")
     world = lab.page().messages[0]["world"]
-    assert world["robots"][0].keys() == {"pose", "name", "radius", "light", "bumper", "distance"}
-    assert {solid["push"] for solid in world["solids"]} == {0.3, 0.2, None}
+    assert world["robots"][0].keys() == {"pose", "name"}
+    assert {solid.get("push") for solid in world["solids"]} == {0.3, 0.2, None}
     assert lab.page("other").messages[0]["choices"]["worlds"][0] == "empty"
+
+
+def test_a_page_knows_what_a_world_leaves_out():
+    robot, stroke = RobotSpec((0, 0, 0)), PathStroke(())
+    assert (robot.radius, robot.light, robot.bumper, robot.distance) == (0.08, ((0.06, 0),), True, ((0, 2),))
+    assert (stroke.width, stroke.grey, FloorSpec().grey) == (0.03, 0, 255)
+    page = (Path(__file__).parents[2] / "js/src/world/complete.ts").read_text("utf-8")
+    for filled in ("radius: 0.08", "light: [[0.06, 0]]", "bumper: true", "distance: [[0, 2]]"):
+        assert filled in page
+    assert "width: 0.03, grey: 0" in page
+    assert "grey = 255" in page
 
 
 def test_what_is_dragged_while_paused_is_seen(bench):

@@ -27,9 +27,7 @@ def world(page):
 
 def test_a_wall_is_put_changed_and_removed(lab, page):
     assert page.do("put_solid", box=[1.0, 0.5, 0.4, 0.05], angle=0.5, name="wall") is None
-    assert world(page)["solids"] == [
-        {"box": [1.0, 0.5, 0.4, 0.05], "angle": 0.5, "push": None, "name": "wall"}
-    ]
+    assert world(page)["solids"] == [{"box": [1.0, 0.5, 0.4, 0.05], "angle": 0.5, "name": "wall"}]
     assert page.do("put_solid", index=0, circle=[1.0, 0.5, 0.2], push=0.3) is None
     lab.publish()
     assert lab.session.bridge.world.solids[0].circle == (1.0, 0.5, 0.2)
