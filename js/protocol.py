@@ -111,6 +111,8 @@ class Writer:
     def __init__(self) -> None:
         self.written: dict[str, str] = {}
         self.zeros: dict[str, str] = {}
+        self.answers: dict[str, tuple[str, str]] = {}
+        """The fields of a reply: what questions return."""
 
     def reference(self, module: str, name: str) -> str:
         """Return a type's name in TypeScript, after it was written."""
@@ -175,7 +177,16 @@ class Writer:
                     annotation = annotation.slice
                 key = f"{name}?" if optional else name
                 found[key] = self.type(module, annotation), self.zero(module, annotation)
-        return found
+        return found | (self.answers if node.name == "ReplyMessage" else {})
+
+    def answer(self, module: str, node: ast.stmt) -> None:
+        """Note the field of the reply that has what a function returns."""
+        match node:
+            case ast.FunctionDef(
+                decorator_list=[ast.Call(args=[ast.Constant(value=str(field)), *_])],
+                returns=ast.expr() as type_,
+            ):
+                self.answers[f"{field}?"] = self.type(module, type_), ""
 
     def parameters(self, module: str, node: ast.FunctionDef) -> dict[str, tuple[str, str]]:
         """Return type and empty value of what a page passes to a function, and of what names it."""
@@ -250,6 +261,7 @@ def generate() -> str:
         for name, node in definitions(module).items():
             if tag := tag_of(node):
                 unions["Command" if tag == "do" else "FromPage"].append(writer.reference(module, name))
+                writer.answer(module, node)
     unions["FromPage"].append("Command")
     writer.reference(f"{WIDGETS}.protocol", "FromKernel")
     parts = [HEAD, *(text for text in writer.written.values() if text)]

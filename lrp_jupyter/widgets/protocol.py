@@ -62,8 +62,6 @@ from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.language.triggers import TransitionKind
 from lrp_jupyter.live.breakpoint import BreakpointKind
 from lrp_jupyter.live.frame import Hung, Status
-from lrp_jupyter.live.timeline import Timeline
-from lrp_jupyter.live.what_if import WhatIf
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.changes import Sections
 
@@ -751,24 +749,12 @@ class LookingView(TypedDict):
 
 
 class ReplyMessage(TypedDict):
-    """The one answer to a command or request with this id."""
+    """The one reply to a command or request with this id; of a request, with what its function returns."""
 
     type: Literal["reply"]
     view: str
     id: int
     error: str | None
-    options: NotRequired[list[Option]]
-    hover: NotRequired[HoverView | None]
-    references: NotRequired[ReferencesView | None]
-    inspect: NotRequired[InspectView]
-    why: NotRequired[WhyView]
-    explanation: NotRequired[ExplanationView]
-    timeline: NotRequired[Timeline]
-    what_if: NotRequired[WhatIf]
-    versions: NotRequired[list[VersionView]]
-    svg: NotRequired[str]
-    exists: NotRequired[bool]
-    edits: NotRequired[list[TextEdit]]
 
 
 FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage
