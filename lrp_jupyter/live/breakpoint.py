@@ -28,7 +28,7 @@ class Breakpoint:
     `machine`: the machine in whose scope the condition is evaluated, by path of definition; empty for the top
         level.
     `enabled`: whether it pauses; hits are counted in any case.
-    `after`: the hit from which on it pauses.
+    `after`: the first hit at which it pauses.
     `once`: whether it is switched off when it has paused.
     `dormant`: whether its element, or the machine of its condition, is missing from the program that runs.
     `problem`: a sentence: why its condition could not be evaluated the last time; else empty.

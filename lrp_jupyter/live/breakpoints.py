@@ -89,7 +89,7 @@ class Breakpoints:
         return new
 
     def change(self, number: int, enabled: bool | None = None, after: int | None = None) -> None:
-        """Switch a breakpoint on or off, or set the hit from which on it pauses.
+        """Switch a breakpoint on or off, or set the first hit at which it pauses.
 
         Raises ValueError: there is no such breakpoint.
         """

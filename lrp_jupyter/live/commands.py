@@ -211,7 +211,7 @@ class AddBreakpoint(Command, misuse=_ARGUMENTS):
 
 @dataclass(frozen=True, slots=True)
 class ChangeBreakpoint(Command, misuse=_ARGUMENTS):
-    """Switch a breakpoint on or off, or set the hit from which on it pauses; None changes nothing."""
+    """Switch a breakpoint on or off, or set the first hit at which it pauses; None changes nothing."""
 
     number: int
     enabled: bool | None = None

@@ -37,7 +37,7 @@ class Resume(Command, moves=True):
 
 @dataclass(frozen=True, slots=True)
 class EndRun(Command):
-    """Be paused, though the program is not told: a run in virtual time is over; the loop records it."""
+    """Pause without `onpause` because a run in virtual time is over; the loop records it."""
 
     def apply(self, loop: Any) -> None:
         loop.rest()

@@ -23,11 +23,11 @@ are lines about what a person looked at and did. A replay ignores both::
 
     {"tick":12,"time":1.13,"wall":71.4,"look":"why","about":"transition follower:tlooking","on":true}
 
-With a simulated robot, or none, the inputs reproduce the run bit for bit (in another process the order of a
-set of texts is another one, unless ``PYTHONHASHSEED`` is the same number); what followed is compared, and the
-first difference is told. The readings of a real robot are fed to the program again. What follows from a tick
-or an input stands before it, so of a file that was cut off, what comes after its last whole tick or input is
-left out.
+With a simulated robot, or none, the inputs reproduce the run bit for bit (the order of a set of texts differs
+in another process, unless ``PYTHONHASHSEED`` is the same number); what followed is compared, and the first
+difference is reported. The readings of a real robot are fed to the program again. What follows from a tick or
+an input stands before it: of a file that was cut off, what comes after its last whole tick or input is left
+out.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Repeat recorded ticks and inputs: the one way in which a run is reproduced.
 
 A loop is taken to the time of each entry and does there what was done before. With a simulated robot, or
-none, the run is the same, bit for bit; with the readings of a real one it is as far as the program depends on
+none, the run is the same, bit for bit; with the readings of a real one, where the program depends only on
 them.
 """
 

@@ -902,7 +902,7 @@ class Session:
         machine : str or path
             The machine in whose scope the condition is evaluated, while it runs; by default the top level.
         after : int
-            The hit from which on it pauses: 1 or more.
+            The first hit at which it pauses: 1 or more.
         once : bool
             Whether it is switched off when it has paused.
 
@@ -941,7 +941,7 @@ class Session:
         return added
 
     def set_breakpoint(self, number: int, enabled: bool | None = None, after: int | None = None) -> None:
-        """Switch a breakpoint on or off, or set the hit from which on it pauses; hits are always counted.
+        """Switch a breakpoint on or off, or set the first hit at which it pauses; hits are always counted.
 
         Parameters
         ----------
@@ -950,7 +950,7 @@ class Session:
         enabled : bool, optional
             Whether it pauses; by default as before.
         after : int, optional
-            The hit from which on it pauses: 1 or more; by default as before.
+            The first hit at which it pauses: 1 or more; by default as before.
 
         Raises
         ------

@@ -35,7 +35,7 @@ def change_breakpoint(
     on: bool | None = None,
     after: Annotated[int, Between(0, 1_000_000)] = 0,
 ) -> Applied:
-    """Switch a breakpoint on or off, or set the hit from which on it pauses; 0 keeps that."""
+    """Switch a breakpoint on or off, or set the first hit at which it pauses; 0 keeps that."""
     return opened.session.ask(do.ChangeBreakpoint(number, on, after or None))
 
 

@@ -204,7 +204,7 @@ def world_picture(opened: OpenProgram) -> str:
 
 @question("svg")
 def world_animation(opened: OpenProgram) -> str:
-    """Draw how the world moved, as far as it is remembered."""
+    """Draw how the world moved in what is remembered of the run."""
     _world(opened)
     return opened.session.animation()
 
