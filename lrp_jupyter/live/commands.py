@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from lrp_jupyter.bridges.safety import OF_COMMANDS
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.patching import Patch
 from lrp_jupyter.language.parser import parse
@@ -195,6 +196,15 @@ class SetPolicy(Command, recorded=True, misuse=_ARGUMENTS):
 
     def apply(self, loop: Loop) -> None:
         setattr(loop.interpreter, self.name, self.value)
+
+
+@dataclass(frozen=True, slots=True)
+class ClearIssues(Command, recorded=True):
+    """Forget the issues so far, and what was noted about commands of the program."""
+
+    def apply(self, loop: Loop) -> None:
+        loop.interpreter.issues.clear()
+        loop.bridge.safety.forget_notices(*OF_COMMANDS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,6 +40,7 @@ INPUTS: dict[str, type] = {
     "renew": do.Renew,
     "rate": do.SetRate,
     "policy": do.SetPolicy,
+    "clear issues": do.ClearIssues,
     "stop": RobotStopped,
     "arm": RobotArmed,
     "hold": CommandsHeld,

@@ -12,7 +12,6 @@ from functools import partial
 from typing import Annotated, Any
 
 from lrp_jupyter import programs
-from lrp_jupyter.bridges.safety import OF_COMMANDS
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.widgets.codec import Between
@@ -239,13 +238,7 @@ def pause_on_issue(opened: OpenProgram, on: bool) -> Applied:
 @act()
 def clear_issues(opened: OpenProgram) -> Applied:
     """Clear the issues of the run."""
-    session = opened.session
-
-    def clear() -> None:
-        session.interpreter.issues.clear()
-        session.bridge.safety.forget_notices(*OF_COMMANDS)
-
-    return session.ask(do.Call(clear))
+    return opened.session.ask(do.ClearIssues())
 
 
 # -- the graph ---------------------------------------------------------------------------------------

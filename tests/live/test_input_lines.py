@@ -37,6 +37,7 @@ EXAMPLES = [
     do.Renew(PROGRAM),
     do.SetRate(12.5),
     do.SetPolicy("on_issue", "pause"),
+    do.ClearIssues(),
     RobotStopped(),
     RobotArmed(True),
     CommandsHeld(2, lost="The robot does not answer."),

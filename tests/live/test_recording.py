@@ -180,6 +180,25 @@ def test_a_compressed_and_a_cut_off_file_are_read_up_to_the_last_whole_line(tmp_
     assert read_recording(tmp_path / "plain.lrplog").cut
 
 
+def test_issues_that_were_cleared_are_issues_again_in_a_replay(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER.replace("n += 1", "1/0"), clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        (first,) = session.issues
+        session.clear_issues()
+        assert session.issues == ()
+        session.run(1)
+        (again,) = session.issues
+        with session.fork(at=3, inputs=True) as fork:
+            fork.run(1.8)
+            assert fork.issues == session.issues
+    assert (first.first_tick, again.first_tick) == (1, 11)
+    assert b'"input":"clear issues"' in path.read_bytes()
+    replay = reproduce(read_recording(path))
+    assert replay.difference is None
+    assert replay.session.issues == (again,)
+
+
 def test_a_transition_that_was_fired_by_hand_is_recorded_and_fired_again(tmp_path):
     path = tmp_path / "run.lrplog"
     text = "(machine m (state a) (state b) (on [False] a -> b go) (ontime 300 b -> a back)) (spawn m a)"
