@@ -47,15 +47,12 @@ class Cause:
     """Why a transition fired in a tick, or did not, in terms of the tick.
 
     `machine`: the machine of the transition when the tick began, if it ran.
-    `fired`: the transition that fired: this one, or the one in the way.
-    `entered`: how its source was entered in this tick, in which nothing can leave that.
+    `fact`: the firing of it, or of the one in the way; or the fault; or the entry of its source in this tick.
     """
 
     code: ReasonCode
     machine: PastMachine | None = None
-    fired: Fired | None = None
-    fault: Faulted | None = None
-    entered: Fired | Entered | None = None
+    fact: Fired | Entered | Faulted | None = None
 
 
 def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause:
@@ -73,7 +70,7 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
     if machine is None or not noun.leaves(machine.state[-1]):
         for fact in facts:
             if isinstance(fact, (Fired, Entered)) and _is_source(noun, element, fact.state):
-                return Cause("just-entered", machine, entered=fact)
+                return Cause("just-entered", machine, fact)
         return Cause("machine-not-running" if machine is None else "source-inactive", machine)
     before = [each.path for each in order[: order.index(machine)]]
     for fired in facts:
@@ -89,7 +86,7 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
             return Cause("outer-fired" if outer else "exit-took-parent", machine, fired)
     for fault in facts:
         if isinstance(fault, Faulted) and (fault.transition, fault.machine) == (element, machine.path):
-            return Cause(_OF_FAULTS.get(fault.kind, "raised"), machine, None, fault)
+            return Cause(_OF_FAULTS.get(fault.kind, "raised"), machine, fault)
     return Cause("delay-not-over" if isinstance(noun.trigger, Delay) else "condition-false", machine)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
-from lrp_jupyter.interpreter.facts import Enabled
+from lrp_jupyter.interpreter.facts import Enabled, Entered, Faulted, Fired
 from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Program
@@ -84,8 +84,8 @@ def _keep(draft: AnswerDraft, evaluation: Evaluation) -> None:
 
 
 def _fired(draft: AnswerDraft, case: Case) -> None:
-    fired = case.cause.fired
-    assert fired is not None
+    fired = case.cause.fact
+    assert isinstance(fired, Fired)
     way = f"from `{fired.source}` to `{fired.destination}`"
     draft.say(f"{case.did_fire}, {way}{because(draft, case)}.")
 
@@ -204,8 +204,8 @@ def _source_inactive(draft: AnswerDraft, case: Case) -> None:
 
 
 def _just_entered(draft: AnswerDraft, case: Case) -> None:
-    entered = case.cause.entered
-    assert entered is not None
+    entered = case.cause.fact
+    assert isinstance(entered, (Fired, Entered))
     how, line = how_entered(case.run, entered, case.tick)
     name = entered.state[-1]
     draft.say(f"{case.did_not_fire}: `{name}` was entered in this very tick{how}.", line)
@@ -216,8 +216,8 @@ def _just_entered(draft: AnswerDraft, case: Case) -> None:
 
 
 def _other_fired(draft: AnswerDraft, case: Case) -> None:
-    fired = case.cause.fired
-    assert fired is not None
+    fired = case.cause.fact
+    assert isinstance(fired, Fired)
     line = line_of_transition(case.program, fired.transition)
     what, way = f"`{fired.label}` (line {line})", f"from `{fired.source}` to `{fired.destination}`"
     match case.cause.code:
@@ -235,8 +235,8 @@ def _other_fired(draft: AnswerDraft, case: Case) -> None:
 
 def _failed(draft: AnswerDraft, case: Case) -> None:
     """Say what the fault says."""
-    fault = case.cause.fault
-    assert fault is not None
+    fault = case.cause.fact
+    assert isinstance(fault, Faulted)
     what, line = case.did_not_fire, case.line
     if case.tested is not None:
         line, where = _line_and_place(case)
