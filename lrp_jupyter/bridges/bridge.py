@@ -122,8 +122,7 @@ class Bridge(Interface, ABC):
     Parameters
     ----------
     **options
-        A subclass that takes options (an address, a world) has a constructor of its own, which
-        must not connect and must call this one.
+        A subclass that takes options (an address, a world) has a constructor, which must not connect.
 
     Attributes
     ----------
@@ -504,29 +503,15 @@ class SimulatedWorld(ABC):
 
     @abstractmethod
     def picture_after(self, moment: object, next_moment: object) -> object:
-        """Return the picture right after an earlier tick; None if it cannot be reproduced.
-
-        Parameters
-        ----------
-        moment, next_moment : object
-            The moments before that tick, and before the one after it.
-        """
+        """Return the picture right after the tick between two moments; None if it cannot be reproduced."""
 
     @abstractmethod
     def animation(self, moments: Sequence[object], end: object) -> Callable[[], str]:
         """Return a function that draws how the robot moved as an animated SVG.
 
-        Parameters
-        ----------
-        moments : sequence of object
-            Where it may begin: the first one that is of the same world as the end.
-        end : object
-            The last moment.
+        It begins at the first of some moments that is of the same world as the end.
 
-        Raises
-        ------
-        BridgeError
-            Another world was loaded between the moments, or the first one is too long ago.
+        Raises BridgeError: there is no such moment, or it is too long ago.
         """
 
     @abstractmethod
@@ -541,10 +526,7 @@ class SimulatedWorld(ABC):
     def fork(self, moment: object) -> Bridge:
         """Return an open, independent copy of the robot, with its world at a moment.
 
-        Raises
-        ------
-        BridgeError
-            The moment is too long ago.
+        Raises BridgeError: the moment is too long ago.
         """
 
     @abstractmethod

@@ -76,16 +76,10 @@ _DOWN = (ConnectionState.LOST, ConnectionState.CONNECTING, ConnectionState.DISCO
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The result of one check.
+    """The result of one check, which is named by its rule.
 
-    Attributes
-    ----------
-    check : str
-        The rule.
-    problem : str
-        How the bridge violates it; empty if it does not.
-    missing : str
-        Why it could not be checked; empty if it was.
+    `problem`: how the bridge violates it; empty if it does not.
+    `missing`: why it could not be checked; empty if it was.
     """
 
     check: str
@@ -617,10 +611,8 @@ class BridgeConformance:
     def _drive(self, bridge: Bridge) -> tuple[list[RobotVariable], Sent, list[str]]:
         """Drive, with caught commands, until data arrive.
 
-        Returns
-        -------
-        The variables that have a value, the velocity commands with what was sent, and the calls of `stop`
-        from now on.
+        Return the variables that have a value, the velocity commands with what was sent, and later calls of
+        `stop`.
         """
         bridge.arm()
         sent = [(method, catch(method)) for method in commands(bridge) if method.velocity]

@@ -37,11 +37,7 @@ GROUP = "lrp.bridges"
 class Offer:
     """A bridge that can be chosen.
 
-    Attributes
-    ----------
-    name : str
-    origin : str
-        Where it comes from: the name of a package, or ``"defined here"``.
+    `origin`: where it comes from: the name of a package, or ``"defined here"``.
     """
 
     name: str
@@ -51,10 +47,7 @@ class Offer:
     def load(self) -> type[Bridge]:
         """Return the class.
 
-        Raises
-        ------
-        BridgeError
-            It cannot be imported, or is not a usable bridge; other bridges are not affected.
+        Raises BridgeError: it cannot be imported, or is not a usable bridge; other bridges are not affected.
         """
         if isinstance(self.source, type):
             return self.source
@@ -104,18 +97,10 @@ def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:
 
     The default is the simulator for lab, magic and command line, and ``"none"`` for a session.
 
-    Parameters
-    ----------
-    explicit : str, optional
-        A name, or a Python file that defines a bridge: it is run, and the name is that of its last one.
-    default : str
-
-    Raises
-    ------
-    BridgeError
-        There is no bridge of that name, and the message lists the known ones; or the file defines none.
-    LRPError
-        The file cannot be read, or raises something.
+    `explicit`: a name, or a Python file: it is run, and the last bridge that it defines is used.
+    Raises BridgeError: there is no bridge of that name, and the message lists the known ones; or the file
+        defines none.
+    Raises LRPError: the file cannot be read, or raises something.
     """
     name = explicit or default
     if name.endswith(".py"):
@@ -164,10 +149,8 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
 
     None stands for the `NullBridge`. An option that is a text is read as its annotation says.
 
-    Raises
-    ------
-    BridgeError
-        The name is unknown, the class cannot be loaded, or it does not take these options or these values.
+    Raises BridgeError: the name is unknown, the class cannot be loaded, or it does not take these options or
+        these values.
     """
     if isinstance(which, Bridge):
         check_options(which, options)
@@ -193,15 +176,9 @@ def _class_of(which: str | type[Bridge] | None) -> type[Bridge]:
 def check_options(
     which: str | type[Bridge] | Bridge | None, options: Mapping[str, Any], others: Iterable[str] = ()
 ) -> None:
-    """Raise a BridgeError for an option that a bridge does not take, or lacks.
+    """Raise a BridgeError for an option that a bridge, as for :func:`make_bridge`, does not take, or lacks.
 
-    Parameters
-    ----------
-    which : str, subclass of Bridge, Bridge or None
-        As for :func:`make_bridge`.
-    options : mapping
-    others : iterable of str
-        Other keywords of the caller, of which one may be meant.
+    `others`: further keywords of the caller, one of which may be meant.
     """
     if isinstance(which, Bridge):
         for option in options:
@@ -214,13 +191,7 @@ def check_options(
 
 
 def open_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
-    """Create a bridge and open it.
-
-    Raises
-    ------
-    BridgeError
-        As `make_bridge` and `Bridge.open`.
-    """
+    """Create a bridge and open it; raise as `make_bridge` and `Bridge.open`."""
     bridge = make_bridge(which, **options)
     bridge.open()
     return bridge

@@ -20,15 +20,10 @@ class _Fed(NamedTuple):
 class FedValues:
     """The newest value of every variable that is fed, by its path.
 
-    Attributes
-    ----------
-    clock : callable
-        Returns the seconds that ages are measured in. Default: `time.monotonic`; for a bridge with a world of
-        its own, the world's time. Tests set it.
-    count : int
-        How many values have arrived.
-    wall_clock : callable
-        Returns the time that stamps are compared with. Default: `time.time`.
+    `clock`: returns the seconds that ages are measured in: by default `time.monotonic`; for a bridge with a
+        clock, the time of its world. Tests set it.
+    `count`: how many values have arrived.
+    `wall_clock`: returns the time that stamps are compared with; tests set it.
     """
 
     def __init__(self, clock: Callable[[], float] | None = None) -> None:

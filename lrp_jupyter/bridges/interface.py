@@ -372,10 +372,7 @@ class Interface:
     def lapse(self, what: Callable[[], str]) -> None:
         """Stop the robot, and send nothing until a person goes on: this process was suspended.
 
-        Parameters
-        ----------
-        what : callable
-            Returns a sentence about it, after the stop.
+        `what`: called after the stop; returns a sentence about the suspension.
         """
         self.safety.suspend()
         self.stop_all()
@@ -383,12 +380,9 @@ class Interface:
         self.safety.notice("guard", self.safety.suspended)
 
     def unguarded(self, why: str) -> None:
-        """Disarm the robot: a guard was promised, and is not there. While the robot is lost nothing is sent.
+        """Disarm the robot, since the promised guard is missing; `why` is a sentence.
 
-        Parameters
-        ----------
-        why : str
-            A sentence.
+        A robot that is lost stays armed: nothing is sent to it.
         """
         if not self.safety.lost:
             self.disarm()

@@ -22,19 +22,7 @@ Limits = Mapping[str, float | tuple[float, float]]
 
 
 class MemberOwner(Protocol):
-    """What members need to know of their bridge.
-
-    Attributes
-    ----------
-    latch : int
-        Number of the tick that readings are latched for; 0 between ticks.
-    safety : Safety
-        Its `now` is the time of the readings.
-    readings : dict of str to object
-        What was read in this tick, by path; the error where a reading failed.
-    nodes : Nodes
-        All members.
-    """
+    """What members need to know of their bridge; see `Interface`."""
 
     latch: int
     safety: Safety
@@ -56,12 +44,8 @@ class RobotVariable:
 
     Owner: the interpreter's thread; other threads may read `value` and `arrived`.
 
-    Attributes
-    ----------
-    stale_after : float or None
-        Seconds after which a reading is too old to act on; None: never.
-    lateness : str
-        Why the robot must not drive on this reading in the present tick; empty if it may.
+    `stale_after`: the seconds after which a reading is too old to act on; None: never.
+    `lateness`: why the robot must not drive on this reading in the present tick; empty if it may.
     """
 
     __slots__ = (
@@ -108,14 +92,9 @@ class RobotVariable:
     def read(self) -> object:
         """Return the reading of this tick; the getter is called at most once in a tick.
 
-        Raises
-        ------
-        NoDataYet
-            Nothing has arrived yet (the getter raised it, or returned None).
-        StaleData
-            What arrived last is older than `stale_after`.
-        BridgeError
-            The robot could not be read.
+        Raises NoDataYet: nothing has arrived yet (the getter raised it, or returned None).
+        Raises StaleData: what arrived last is older than `stale_after`.
+        Raises BridgeError: the robot could not be read.
         """
         tick = self._bridge.latch
         if tick != self._seen or tick == 0:
@@ -382,17 +361,9 @@ class RobotMethod(NotAValue):
 class Nodes:
     """The members of a bridge by their dotted names; parts (``light``) come and go with them.
 
-    Parameters
-    ----------
-    make_part : callable
-        Returns the object that a program gets for a name with members of its own.
-
-    Attributes
-    ----------
-    table : mapping of str to object
-        Members and parts, by their paths.
-    timed : tuple of RobotVariable
-        The readings that can become stale.
+    `make_part`: returns the object that a program gets for a name with members of its own.
+    `table`: members and parts, by their paths.
+    `timed`: the readings that can become stale.
     """
 
     def __init__(self, make_part: Callable[[str], object]) -> None:
@@ -404,10 +375,7 @@ class Nodes:
     def add(self, node: RobotVariable | RobotMethod) -> None:
         """Add a member; one of the same name is replaced.
 
-        Raises
-        ------
-        ValueError
-            The name cannot be written after ``robot.``, or would be a member and a part at once.
+        Raises ValueError: the name cannot be written after ``robot.``, or would be both a member and a part.
         """
         with self._changing:
             self._replace(self._with(node))
@@ -437,10 +405,7 @@ class Nodes:
     def remove(self, name: str) -> None:
         """Remove a member, or a part with all its members.
 
-        Raises
-        ------
-        MemberError
-            There is no member of that name.
+        Raises MemberError: there is no member of that name.
         """
         with self._changing:
             self._replace(self._without(name))
@@ -467,10 +432,7 @@ class Nodes:
     def describe(self, path: str) -> Member:
         """Describe a member, a part, or a field of a reading.
 
-        Raises
-        ------
-        MemberError
-            There is no member of that name.
+        Raises MemberError: there is no member of that name.
         """
         node = self.table.get(path)
         if isinstance(node, (RobotVariable, RobotMethod)):

@@ -34,15 +34,9 @@ _PLAIN: Mapping[object, str] = {
 class BridgeOption:
     """One option.
 
-    Attributes
-    ----------
-    name : str
-    kind : object
-        Its type: what it is annotated with or, without an annotation, the type of its default value.
-    default : object
-        `inspect.Parameter.empty` where it must be given.
-    doc : str
-        The first sentence about it in the docstring of the class.
+    `kind`: its annotation or, without one, the type of its default value.
+    `default`: `inspect.Parameter.empty` where it must be given.
+    `doc`: the first sentence about it in the docstring of the class.
     """
 
     name: str
@@ -63,10 +57,7 @@ class BridgeOption:
     def convert(self, text: str) -> object:
         """Return the value of a text.
 
-        Raises
-        ------
-        ValueError
-            It is not of this type.
+        Raises ValueError: it is not of this type.
         """
         return _value(self.kind, text)
 
@@ -95,10 +86,7 @@ def options_of(bridge: type[Interface]) -> dict[str, BridgeOption] | None:
 def convert_options(bridge: type[Interface], options: Mapping[str, Any]) -> dict[str, Any]:
     """Return options with the values of those that are texts.
 
-    Raises
-    ------
-    BridgeError
-        A text is not of the type of its option; the message names option, type and text.
+    Raises BridgeError: a text is not of the type of its option; the message names option, type and text.
     """
     known, read = options_of(bridge) or {}, dict(options)
     for name, text in options.items():
@@ -127,13 +115,7 @@ def no_option(
 def refuse_options(bridge: type[Interface], options: Iterable[str], others: Iterable[str] = ()) -> None:
     """Raise a BridgeError for an option that a bridge does not take, or lacks.
 
-    Parameters
-    ----------
-    bridge : subclass of Bridge
-    options : iterable of str
-        The names.
-    others : iterable of str
-        Other keywords of the caller, of which one may be meant.
+    `others`: further keywords of the caller, one of which may be meant.
     """
     known, given = options_of(bridge), set(options)
     if known is None:

@@ -95,19 +95,9 @@ class Panel:
 
 
 def number_in(text: str, label: str) -> float:
-    """Return the number that a person wrote into a field.
+    """Return the number that a person wrote, with a point or a comma, into the field of a label.
 
-    Parameters
-    ----------
-    text : str
-        With a point or a comma.
-    label : str
-        Of the field.
-
-    Raises
-    ------
-    BridgeError
-        It is not a number.
+    Raises BridgeError: it is not a number.
     """
     try:
         return float(text.replace(",", "."))

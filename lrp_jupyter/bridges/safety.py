@@ -138,12 +138,8 @@ class CommandRecord:
 class Safety:
     """The state of a bridge's safety, and its log.
 
-    Parameters
-    ----------
-    armed : bool
-        Whether commands go out; a disarmed bridge records and shows them only.
-    kept : int
-        How many notices the log holds.
+    `armed`: whether commands go out; a disarmed bridge records and shows them only.
+    `kept`: how many notices the log holds.
     """
 
     def __init__(self, armed: bool, kept: int = 100) -> None:
@@ -204,13 +200,8 @@ class Safety:
     def notice(self, kind: NoticeKind, text: str, about: str = "", origin: Origin = BY_HAND) -> Notice:
         """Log a notice; a repeated one increments its count.
 
-        Parameters
-        ----------
-        kind, text : str
-        about : str
-            What it is about, if it is to be logged once however often it happens and whatever its text then.
-        origin : Origin
-            Of the command that it is about.
+        `about`: what it is about, if it is logged only once, however often it happens and whatever its text.
+        `origin`: that of the command which it is about.
         """
         with self._log_lock:
             self.notice_count += 1
@@ -273,10 +264,7 @@ class Safety:
     def hindrance(self, moves: bool) -> Hindrance | None:
         """Return why a command may not be sent now; if it may, count it and return None.
 
-        Parameters
-        ----------
-        moves : bool
-            Whether it may set the robot in motion.
+        `moves`: whether it may set the robot in motion.
         """
         if not self.armed:
             return "disarmed"
@@ -366,20 +354,12 @@ class Safety:
     def run_stop(
         self, stop: Callable[[], None], timeout: float | None, instead: Callable[[], bool] = bool
     ) -> bool:
-        """Call a bridge's `stop`: on a thread of its own if it may block. Never raises.
+        """Call a bridge's `stop`, on a separate thread if it may block; return whether it succeeded in time.
 
-        Parameters
-        ----------
-        stop : callable
-        timeout : float or None
-            Seconds; None: it does not block.
-        instead : callable
-            Called if `stop` has failed and the robot may move; returns whether it has stopped it.
+        It never raises; a failure is logged as a notice.
 
-        Returns
-        -------
-        bool
-            Whether it ended in time and without a fault; if not, a notice is logged.
+        `timeout`: in seconds; None: it does not block.
+        `instead`: called if `stop` has failed and the robot may move; returns whether it has stopped it.
         """
         if self.is_stopping:
             self._stopping[threading.get_ident()] = True

@@ -38,22 +38,12 @@ __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
 class RobotPicture:
     """The visible state of a robot, with its last sensor readings.
 
-    Attributes
-    ----------
-    pose : tuple
-        x, y (metres), heading (radians).
-    command : tuple
-        The speeds asked of it: m/s, rad/s.
-    lights : tuple of int
-        0 black ... 255 white.
-    bumper : int
-        1 pressed, 0 free.
-    distances : tuple of float
-        Metres; ``inf`` where nothing is in reach.
-    pen : bool
-        Whether it leaves a trail.
-    lamp : bool
-        Whether its lamp is lit.
+    `pose`: x, y (metres), heading (radians).
+    `command`: the speeds commanded, in m/s and rad/s.
+    `lights`: 0 black ... 255 white.
+    `bumper`: 1 pressed, 0 free.
+    `distances`: in metres; ``inf`` where nothing is in reach.
+    `pen`: whether it leaves a trail.
     """
 
     pose: tuple[float, float, float]
@@ -69,21 +59,11 @@ class RobotPicture:
 class SimPicture:
     """The world at one moment.
 
-    Attributes
-    ----------
-    world : World
-        Its description.
-    time : float
-        Seconds of the world.
-    robots : tuple of RobotPicture
-    solids : tuple of tuple
-        x, y, angle of every solid.
-    patrols : tuple of tuple of (x, y)
-        The points of the patrol of every solid; empty for those that do not move by themselves.
-    revision : int
-        Increases when the world changes other than by motion and trails.
-    marks : int
-        Number of pieces of trails on the floor.
+    `time`: in seconds of the world.
+    `solids`: x, y and angle of each.
+    `patrols`: the points of the patrol of every solid; empty for those that do not move by themselves.
+    `revision`: increases when the world changes other than by motion and trails.
+    `marks`: number of pieces of trails on the floor.
     """
 
     world: World
@@ -334,13 +314,7 @@ class SimBridge(Bridge, SimulatedWorld):
             self.simulation.forget(moment.world)
 
     def fork(self, moment: object) -> SimBridge:
-        """See :class:`SimulatedWorld`.
-
-        Raises
-        ------
-        BridgeError
-            It is not a moment of a simulated world, or it is too long ago.
-        """
+        """See :class:`SimulatedWorld`."""
         if not isinstance(moment, _SimMoment):
             raise BridgeError(f"{moment!r} is not a moment of the simulated world.")
         try:
