@@ -7,7 +7,7 @@ while the text and every position in it stay the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path as FilePath
@@ -18,8 +18,8 @@ import typer
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import shown
 from lrp_jupyter.language.blocks import facts_of, faults_of
-from lrp_jupyter.language.lookup import find
-from lrp_jupyter.language.program import Machine, Path, Program, State, Variable
+from lrp_jupyter.language.lookup import definition_of, find
+from lrp_jupyter.language.program import Program, Variable
 from lrp_jupyter.live.timing import FASTEST, SLOWEST
 
 
@@ -164,39 +164,19 @@ def with_initials(program: Program, assignments: Sequence[Assignment]) -> Progra
     """
     for variable, expression in assignments:
         try:
-            path = find(program, "variable", variable).path
+            found = definition_of(program, find(program, "variable", variable))
         except UnknownElementError as error:
             raise UnknownElementError(f"--set {variable}: {error}", error.candidates) from None
-
-        def changed(old: Variable, text: str = expression) -> Variable:
-            return replace(old, initial=replace(old.initial, text=text))
-
-        if len(path) == 1:
-            program = replace(program, variables=_changed(program.variables, path[0], changed))
-        else:
-            program = replace(program, machines=_inside(program.machines, path, changed))
+        assert isinstance(found, Variable)
+        new = replace(found, initial=replace(found.initial, text=expression))
+        program = _replaced(program, found, new)
     return program
 
 
-Change = Callable[[Variable], Variable]
-
-
-def _changed(variables: tuple[Variable, ...], name: str, change: Change) -> tuple[Variable, ...]:
-    return tuple(change(each) if each.name == name else each for each in variables)
-
-
-def _inside(machines: tuple[Machine, ...], path: Path, change: Change) -> tuple[Machine, ...]:
-    name, *rest = path
-    return tuple(_in_machine(each, tuple(rest), change) if each.name == name else each for each in machines)
-
-
-def _in_machine(machine: Machine, path: Path, change: Change) -> Machine:
-    if len(path) == 1:
-        return replace(machine, variables=_changed(machine.variables, path[0], change))
-
-    def in_state(state: State) -> State:
-        if state.name != path[0]:
-            return state
-        return replace(state, machines=_inside(state.machines, path[1:], change))
-
-    return replace(machine, states=tuple(map(in_state, machine.states)))
+def _replaced(part: Any, old: Variable, new: Variable) -> Any:
+    """Return a program, or a part of it, with one variable replaced."""
+    if part is old:
+        return new
+    names = [name for name in ("variables", "machines", "states") if hasattr(part, name)]
+    changed = {name: tuple(_replaced(each, old, new) for each in getattr(part, name)) for name in names}
+    return replace(part, **changed) if changed else part
