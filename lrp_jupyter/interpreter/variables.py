@@ -74,12 +74,8 @@ def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
 
     Raises UnknownElementError: if there is no such variable now, or several have that name.
     """
-    *where, name = as_path(path)
-    for key, environment in run.live.items():
-        if tuple(where) in (environment.path, key) and name in environment.own:  # as spawned, or as defined
-            return environment, name
     known = {(*home.path, own): home for home in run.live.values() for own in home.own}
-    found = full_path(path, known)
+    found = full_path(path, known, run.program)
     return known[found], found[-1]
 
 
