@@ -1,9 +1,9 @@
 """What rosapi says of the robot: its topics, their types, and who publishes.
 
-It is asked on a websocket and a thread of its own, rarely, and nothing depends on its answers coming soon:
-rosbridge processes the messages of one connection in their order, so that a service that hangs would hold up
-every command after it, and a list would wait behind large messages. On the same connection, commands are
-listened to that others send: subscribing waits, too, while the master of ROS 1 hangs.
+It is asked on a websocket of its own, rarely, and nothing depends on its answers coming soon: rosbridge
+processes the messages of one connection in their order, so that a service that hangs would hold up every
+command after it, and a list would wait behind large messages. On the same connection, commands are listened
+to that others send: subscribing waits, too, while the master of ROS 1 hangs.
 
 An unknown type is asked for in the way that the robot survives. On ROS 1 that is `message_details`. On ROS 2
 Jazzy and later, rosapi of rosbridge before 2.3.0 raises ``KeyError: 'check_fields'`` at this question, which
@@ -13,6 +13,7 @@ can end it; its version cannot be asked for. So on ROS 2 it is `topics_and_raw_t
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import json
 import threading
@@ -24,7 +25,7 @@ from lrp_jupyter.bridges.ros.clock import RobotClock, stamp_of
 from lrp_jupyter.bridges.ros.definition_text import definitions_from_text
 from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, canonical, from_rosapi
 from lrp_jupyter.bridges.ros.link import RefusedError
-from lrp_jupyter.bridges.ros.websocket import Socket
+from lrp_jupyter.bridges.ros.websocket import Bell, Socket
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
 _FIRST = 2.0  # seconds that connecting waits for the first list
@@ -36,18 +37,18 @@ _CLOCK = 60.0  # seconds between two readings of the robot's clock …
 _PROMPT = 0.5  # … which may take that long
 _VALID = 2.0  # seconds for which the users of a topic are known
 _LONGEST = 30.0  # … and at most, while there is no rosapi: each question leaves an error in the robot's log
-_JOIN = 2.0  # seconds that ending the thread may take
 _SURE = ("foxy", "galactic", "humble", "iron")  # releases of ROS 2 whose rosapi describes any type
 _OWN = "/client_count"  # rosbridge itself publishes it
+_RAW_TYPES = "/rosapi/topics_and_raw_types"
 
 
 class Rosapi:
     """The questions to rosapi, and the last answers.
 
-    Owner: its thread asks; each answer is replaced by one assignment, and any thread may read it.
+    Owner: `run` asks; each answer is replaced by one assignment, and any thread may read it.
 
     `url`: of the rosbridge server.
-    `clock`: told the time of the robot.
+    `clock`: set by the time of the robot.
     `warn`: called with a sentence when rosapi is missing, and when it is there again.
     `changed`: called when there is something new.
     `trouble`: that ROS itself does not answer, as a sentence; else empty.
@@ -77,33 +78,21 @@ class Rosapi:
         self._doubted: frozenset[str] = frozenset()
         self._taken: dict[str, tuple[float, bool]] = {}
         self._ids = itertools.count(1)
+        self._asked = ""  # the number of the last question
+        self._answer: asyncio.Future[Any] | None = None
         self._socket: Socket | None = None
-        self._wake = threading.Event()
-        self._closing = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._serving: asyncio.Future[Any] | None = None
+        self._wake = Bell()
 
     # -- from any thread --------------------------------------------------------------------------
 
-    def start(self) -> None:
-        """Begin to ask."""
-        self._closing, self._failures, self._own = threading.Event(), 0, ()
+    def reset(self) -> None:
+        """Forget what may be another robot's."""
+        self._wake, self._failures, self._own = Bell(), 0, ()
         self._types = {}
         if self.trouble:
             self._answered.clear()
         self.trouble = ""
-        self._thread = threading.Thread(
-            target=self._run, args=(self._closing,), name="rosbridge: rosapi", daemon=True
-        )
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Ask no more; the answers stay. Bounded."""
-        thread, self._thread = self._thread, None
-        self._closing.set()
-        self._wake.set()
-        self._hang_up()
-        if thread is not None and thread is not threading.current_thread():
-            thread.join(_JOIN)
 
     def topics(self) -> Mapping[str, str]:
         """Return the topics with their types as they were a moment ago; the first time, wait a moment."""
@@ -123,7 +112,7 @@ class Rosapi:
             return {}
         if found is None and type_ not in self._wanted:
             self._wanted |= {type_}
-            self._wake.set()
+            self._wake.ring()
         return found
 
     def taken(self, topic: str) -> bool | None:
@@ -135,19 +124,19 @@ class Rosapi:
             return True
         if topic not in self._doubted:
             self._doubted |= {topic}
-            self._wake.set()
+            self._wake.ring()
         return None
 
     def listen(self, topic: str, type_: str, receive: Callable[[Any], None]) -> None:
         """Listen to a topic; on the thread of the connection."""
         if topic not in self._listeners:
             self._listeners = {**self._listeners, topic: (type_, receive)}
-            self._wake.set()
+            self._wake.ring()
 
     def ignore(self, topic: str) -> None:
         """Listen no more."""
         self._listeners = {name: each for name, each in self._listeners.items() if name != topic}
-        self._wake.set()
+        self._wake.ring()
 
     def watch(self, topics: Iterable[str], in_need: bool) -> None:
         """Choose the topics whose publishers are asked for, and how soon.
@@ -156,48 +145,50 @@ class Rosapi:
         """
         watched = frozenset(topics)
         if watched - self._watched or (in_need and not self._in_need):
-            self._wake.set()
+            self._wake.ring()
         self._watched, self._in_need = watched, in_need
 
-    # -- on its own thread ------------------------------------------------------------------------
+    # -- in the event loop of the connection ------------------------------------------------------
 
-    def _run(self, closing: threading.Event) -> None:
-        while not closing.is_set():
-            self._wake.clear()
-            before = (self._topics, self.publishers, self.trouble, self._exists)
-            try:
-                news = self._ask_all()
-            except Exception as error:  # an answer of another form: go on without it
-                self._miss(f"has a rosapi whose answer cannot be understood: {error!r}.")
-                news = False
-            self._answered.set()
-            news |= before != (self._topics, self.publishers, self.trouble, self._exists)
-            if news and not closing.is_set():
-                self._changed()
-            pause = _SOON if self._in_need or self.trouble else _RARELY
-            self._wake.wait(min(pause * 2**self._failures, _LONGEST))
+    async def run(self) -> None:
+        """Ask until it is cancelled."""
+        try:
+            while True:
+                before = (self._topics, self.publishers, self.trouble, self._exists)
+                try:
+                    news = await self._ask_all()
+                except Exception as error:  # an answer of another form: go on without it
+                    self._miss(f"has a rosapi whose answer cannot be understood: {error!r}.")
+                    news = False
+                self._answered.set()
+                if news or before != (self._topics, self.publishers, self.trouble, self._exists):
+                    self._changed()
+                pause = _SOON if self._in_need or self.trouble else _RARELY
+                await self._wake.wait(min(pause * 2**self._failures, _LONGEST))
+        finally:
+            await self._hang_up()
 
-    def _ask_all(self) -> bool:
+    async def _ask_all(self) -> bool:
         """Ask what there is to ask; return whether one of the answers is awaited."""
-        appeared = self._list_topics()
+        appeared = await self._list_topics()
         self._tell_listeners()
         if not self._exists or self.trouble:
             return False
         wanted, doubted = self._wanted, self._doubted
         for type_ in wanted:
-            self._types[type_] = self._describe(type_)
+            self._types[type_] = await self._describe(type_)
         for topic in doubted:
-            users = (self._nodes(who, topic) for who in ("publishers", "subscribers"))
-            self._taken[topic] = (time.monotonic(), any(users))
+            is_taken = await self._nodes("publishers", topic) or await self._nodes("subscribers", topic)
+            self._taken[topic] = (time.monotonic(), bool(is_taken))
         self._wanted -= wanted
         self._doubted -= doubted
-        self.publishers = {topic: self._others(topic) for topic in self._watched}
+        self.publishers = {topic: await self._others(topic) for topic in self._watched}
         return appeared or bool(wanted or doubted)
 
-    def _list_topics(self) -> bool:
+    async def _list_topics(self) -> bool:
         """Ask for the topics; return whether rosapi has just appeared."""
         try:
-            values = self._ask("/rosapi/topics")
+            values = await self._ask("/rosapi/topics")
         except RefusedError as error:
             if "master" in str(error).lower():  # whether or not rosapi is there, ROS is not
                 self.trouble = f"`{self._url}` answers, but its ROS master does not: {error}"
@@ -209,35 +200,35 @@ class Rosapi:
             return False
         except BridgeError:
             if self._socket is not None and self._socket.is_open:
-                self._give_up()
+                await self._give_up()
                 self._miss("has a rosapi that does not answer: topics are not listed for now.")
             self._failures = min(self._failures + 1, 5)
             return False
         names, types = values.get("topics", []), values.get("types")
         if types is None:  # an old rosapi: one type at a time
-            types = [self._try("/rosapi/topic_type", topic=name).get("type", "") for name in names]
+            types = [(await self._try("/rosapi/topic_type", topic=name)).get("type", "") for name in names]
         topics = {str(name): canonical(str(type_)) for name, type_ in zip(names, types, strict=False)}
         self.is_ros2 = any("/msg/" in str(type_) for type_ in types)
         if topics != self._topics:  # what was not known may be now
             self._types = {type_: found for type_, found in self._types.items() if found}
         appeared = not self._exists
         self._topics, self._exists, self.trouble, self._failures = topics, True, "", 0
-        self._read_clock()
+        await self._read_clock()
         if self._is_missed:
             self._is_missed = False
             self._warn(f"rosapi of `{self._url}` answers now: topics are listed.")
         return appeared
 
-    def _read_clock(self) -> None:
+    async def _read_clock(self) -> None:
         """Ask for the robot's time, now and then; an answer that took long says little."""
         asked = time.monotonic()
         if asked < self._next_time:
             return
         self._next_time = asked + _CLOCK
-        there = stamp_of({"header": {"stamp": self._try("/rosapi/get_time").get("time")}})
+        answer = await self._try("/rosapi/get_time")
         now = time.monotonic()
         if now - asked < _PROMPT:
-            self._clock.read(there, now)
+            self._clock.read(stamp_of({"header": {"stamp": answer.get("time")}}), now)
 
     def _tell_listeners(self) -> None:
         """Subscribe to what is listened to, once on each connection."""
@@ -252,10 +243,14 @@ class Rosapi:
         self._heard = set(wanted)
 
     def _receive(self, message: Mapping[str, Any]) -> None:
-        """Pass on what was listened to; on the socket's thread."""
-        listener = self._listeners.get(str(message.get("topic")))
-        if listener is not None and message.get("op") == "publish":
+        """Take the answer to the last question, or pass on what was listened to."""
+        operation, listener = message.get("op"), self._listeners.get(str(message.get("topic")))
+        if operation == "publish" and listener is not None:
             listener[1](message.get("msg"))
+        elif operation == "service_response" and message.get("id") == self._asked:
+            assert self._answer is not None
+            if not self._answer.done():
+                self._answer.set_result(message)
 
     def _miss(self, why: str) -> None:
         self._exists = False
@@ -264,30 +259,32 @@ class Rosapi:
             self._is_missed = True
             self._warn(f"`{self._url}` {why}")
 
-    def _others(self, topic: str) -> tuple[str, ...]:
+    async def _others(self, topic: str) -> tuple[str, ...]:
         """Return who publishes on a topic, without rosbridge."""
         if not self._own:
-            self._own = self._nodes("publishers", _OWN)
+            self._own = await self._nodes("publishers", _OWN)
         return tuple(
             node
-            for node in self._nodes("publishers", topic)
+            for node in await self._nodes("publishers", topic)
             if (node not in self._own if self._own else "rosbridge" not in node)
         )
 
-    def _nodes(self, who: str, topic: str) -> tuple[str, ...]:
-        return tuple(map(str, self._try(f"/rosapi/{who}", topic=topic).get(who, [])))
+    async def _nodes(self, who: str, topic: str) -> tuple[str, ...]:
+        answer = await self._try(f"/rosapi/{who}", topic=topic)
+        return tuple(map(str, answer.get(who, [])))
 
-    def _describe(self, type_: str) -> Mapping[str, Definition] | BridgeError:
+    async def _describe(self, type_: str) -> Mapping[str, Definition] | BridgeError:
         try:
             if not self.is_ros2:
-                return self._details(type_)
-            found = self._from_raw_types(type_)
+                return await self._details(type_)
+            found = await self._from_raw_types(type_)
             if found:
                 return found
             if self._distribution is None:
-                self._distribution = str(self._try("/rosapi/get_ros_version").get("distro", ""))
+                version = await self._try("/rosapi/get_ros_version")
+                self._distribution = str(version.get("distro", ""))
             if self._distribution in _SURE:
-                return self._details(type_.replace("/", "/msg/", 1))
+                return await self._details(type_.replace("/", "/msg/", 1))
         except BridgeError as error:
             return error
         return BridgeError(
@@ -297,55 +294,56 @@ class Rosapi:
             " end it on ROS 2 Jazzy and later."
         )
 
-    def _details(self, type_: str) -> Mapping[str, Definition]:
-        return from_rosapi(self._try("/rosapi/message_details", type=type_).get("typedefs", []))
+    async def _details(self, type_: str) -> Mapping[str, Definition]:
+        answer = await self._try("/rosapi/message_details", type=type_)
+        return from_rosapi(answer.get("typedefs", []))
 
-    def _from_raw_types(self, type_: str) -> Mapping[str, Definition]:
+    async def _from_raw_types(self, type_: str) -> Mapping[str, Definition]:
         """Return the definitions of a type that a topic has, from the texts of all topics."""
-        values = self._try("/rosapi/topics_and_raw_types", _LONG_ANSWER)
+        values = await self._try(_RAW_TYPES)
         for each, text in zip(values.get("types", []), values.get("typedefs_full_text", []), strict=False):
             if canonical(str(each)) == type_ and not str(text).startswith("# failed to get full definition"):
                 return {**HEADERS[2], **definitions_from_text(type_, str(text))}
         return {}
 
-    def _try(self, service: str, patience: float | None = None, **arguments: object) -> Mapping[str, Any]:
+    async def _try(self, service: str, **arguments: object) -> Mapping[str, Any]:
         """Return the values of an answer; nothing if there is none."""
         try:
-            return self._ask(service, patience, **arguments)
+            return await self._ask(service, **arguments)
         except RefusedError:
             return {}
         except BridgeError:
-            self._give_up()
+            await self._give_up()
             return {}
 
-    def _ask(self, service: str, patience: float | None = None, **arguments: object) -> Mapping[str, Any]:
+    async def _ask(self, service: str, **arguments: object) -> Mapping[str, Any]:
         """Call a service.
 
         Raises RefusedError: the call failed, or there is no such service.
         Raises BridgeError: there is no connection, or nothing came back.
         """
-        socket = self._socket
-        if socket is None or not socket.is_open:
+        socket, serving = self._socket, self._serving
+        if socket is None or serving is None or serving.done():
             socket = Socket(self._url, self._receive, _ignore)
-            socket.open()
-            self._socket, self._heard = socket, set()
-            if threading.current_thread() is not self._thread:  # stopped meanwhile
-                self._hang_up()
-        key = f"q{next(self._ids)}"
-        answer = socket.expect(key)
-        socket.put(json.dumps({"op": "call_service", "id": key, "service": service, "args": arguments}))
-        try:
-            response = answer.result(_ANSWER if patience is None else patience)
-        except TimeoutError:
-            raise BridgeError(f"`{self._url}` did not answer the call of {service}.") from None
-        finally:
-            socket.forget(key)
+            serving = asyncio.ensure_future(socket.serve(await socket.connect()))
+            self._socket, self._serving, self._heard = socket, serving, set()
+        self._asked, self._answer = f"q{next(self._ids)}", asyncio.get_running_loop().create_future()
+        question = {"op": "call_service", "id": self._asked, "service": service, "args": arguments}
+        socket.put(json.dumps(question))
+        await asyncio.wait(
+            [self._answer, serving],
+            timeout=_LONG_ANSWER if service == _RAW_TYPES else _ANSWER,
+            return_when=asyncio.FIRST_COMPLETED,
+        )
+        if not self._answer.done():
+            raise BridgeError(f"`{self._url}` did not answer the call of {service}.")
+        response = self._answer.result()
         values = response.get("values")
         if response.get("result", True) is False or not isinstance(values, dict):
             raise RefusedError(f"{service}: {values or response.get('msg') or 'no answer'}")
         return values
 
-    def _give_up(self) -> None:
+    async def _give_up(self) -> None:
         """Wait no more for an answer.
 
         On ROS 2, rosbridge goes on waiting for it, and this connection with it. On ROS 1 it does not; and
@@ -353,12 +351,13 @@ class Rosapi:
         which asks the master.
         """
         if self.is_ros2 or not self._topics:
-            self._hang_up()
+            await self._hang_up()
 
-    def _hang_up(self) -> None:
-        socket, self._socket = self._socket, None
-        if socket is not None:
-            socket.close()
+    async def _hang_up(self) -> None:
+        serving, self._socket, self._serving = self._serving, None, None
+        if serving is not None:
+            serving.cancel()
+            await asyncio.gather(serving, return_exceptions=True)
 
 
 def _ignore() -> None:

@@ -71,17 +71,16 @@ class RosbridgeTransport(Transport):
         require_websockets()
         self.disconnect()
         self._inputs, self._packs = {}, None
+        self._rosapi.reset()
         socket = Socket(self.place, self._receive, self.changed)
-        socket.open()
+        socket.open(beside=self._rosapi.run)
         self._socket = socket
-        self._rosapi.start()
 
     def disconnect(self) -> None:
         """Close the websockets."""
         socket, self._socket = self._socket, None
         if socket is not None:
             socket.close()
-        self._rosapi.stop()
 
     def trouble(self) -> str:
         """Return a sentence if the server hangs."""
@@ -91,7 +90,7 @@ class RosbridgeTransport(Transport):
 
     @property
     def round_trip(self) -> float | None:  # type: ignore[override]
-        """Seconds until the server answers a ping, as usual of late."""
+        """Recent median of the seconds until the server answers a ping."""
         socket = self._socket
         return socket.round_trip if socket is not None else None
 

@@ -1,4 +1,4 @@
-"""The websocket to a rosbridge server, on a thread of its own.
+"""The websockets to a rosbridge server, on one thread.
 
 Two things matter to a robot. A command is sent now or never: what could not leave within half a
 second, or was waiting when the connection broke, is dropped; only a stop waits for the network. And a server
@@ -18,14 +18,14 @@ import struct
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from concurrent.futures import Future
 from socket import SO_LINGER, SOL_SOCKET
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.bridges.ros.frames import Fragments, decode
-from lrp_jupyter.errors import BridgeError, ended
+from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
 if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
@@ -41,14 +41,40 @@ _FLUSH = 0.3  # seconds to send what is queued
 _LARGEST = 64 * 2**20  # bytes of a message; images are large
 
 
+class Bell:
+    """Something that a coroutine waits for, and that any thread may ring."""
+
+    def __init__(self) -> None:
+        self._was_rung = False
+        self._event = asyncio.Event()
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def ring(self) -> None:
+        """Wake the coroutine, now or when it next waits."""
+        self._was_rung = True
+        if self._loop is not None:
+            with contextlib.suppress(RuntimeError):  # the loop has ended
+                self._loop.call_soon_threadsafe(self._event.set)
+
+    async def wait(self, seconds: float | None = None) -> None:
+        """Wait until it is rung, at most so many seconds."""
+        self._loop = asyncio.get_running_loop()
+        if not self._was_rung:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(seconds):  # `wait_for` may miss that it is cancelled
+                    await self._event.wait()
+        self._was_rung = False
+        self._event.clear()
+
+
 class Socket:
-    """One websocket and its thread, from its opening to its end.
+    """One websocket, from its opening to its end.
 
-    Owner: the thread of its event loop; `put`, `expect` and the attributes are for others.
+    Owner: the event loop that it was connected in; any thread may call `put` and read the attributes.
 
-    `receive`: given each message of the server but answers to service calls; on this socket's thread.
-    `changed`: called when the server begins or ceases to hang, and at the end.
-    `round_trip`: seconds until a pong, as usual of late; None before the first one.
+    `receive`: given each message of the server; in that loop.
+    `changed`: called when the server begins or ceases to hang, and at the end of `open`'s thread.
+    `round_trip`: recent median of the seconds until a pong; None before the first one.
     `ended`: why it ended; empty for no special reason.
     """
 
@@ -60,19 +86,18 @@ class Socket:
         self.is_stale = False
         self.round_trip: float | None = None
         self._url, self._receive, self._changed = url, receive, changed
-        self._waiting: dict[str, Future[Mapping[str, Any]]] = {}
         self._outbox: deque[tuple[float, str, str]] = deque()  # since when, topic (or ""), text
-        self._loop: asyncio.AbstractEventLoop | None = None
+        self._posted = Bell()
+        self._is_closing = False
         self._opened: Future[None] = Future()
-        self._posted = asyncio.Event()
-        self._closing = False
-        self._thread = threading.Thread(target=self._run, name="rosbridge", daemon=True)
+        self._thread: threading.Thread | None = None
 
-    def open(self) -> None:
-        """Connect; bounded.
+    def open(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Connect, on a thread with an event loop in which something else runs beside; bounded.
 
         Raises BridgeError: no server answers, or it does not speak websocket.
         """
+        self._thread = threading.Thread(target=self._run, args=(beside,), name="rosbridge", daemon=True)
         self._thread.start()
         try:
             self._opened.result(_CONNECT + 1)
@@ -81,10 +106,10 @@ class Socket:
             raise BridgeError(f"`{self._url}` does not answer.") from None
 
     def close(self) -> None:
-        """Send what is queued and end; bounded."""
-        self._closing = True
-        self._post()
-        if self._thread is not threading.current_thread():
+        """Send what is queued and end; wait for the thread, in bounded time."""
+        self._is_closing = True
+        self._posted.ring()
+        if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(2 * _FLUSH + 0.5)
 
     def put(self, text: str, topic: str = "", urgent: bool = False) -> None:
@@ -99,63 +124,52 @@ class Socket:
                 except ValueError:  # it has just left
                     continue
         self._outbox.append((math.inf if urgent else time.monotonic(), topic, text))
-        self._post()
+        self._posted.ring()
 
-    def expect(self, key: str) -> Future[Mapping[str, Any]]:
-        """Wait for the answer to a call of a service."""
-        answer: Future[Mapping[str, Any]] = Future()
-        self._waiting[key] = answer
-        if not self.is_open:
-            answer.set_exception(BridgeError(f"The connection to `{self._url}` is lost."))
-        return answer
+    # -- in its loop ------------------------------------------------------------------------------
 
-    def forget(self, key: str) -> None:
-        """Discard the future of an answer."""
-        self._waiting.pop(key, None)
-
-    def _post(self) -> None:
-        loop = self._loop
-        if loop is not None:
-            try:
-                loop.call_soon_threadsafe(self._posted.set)
-            except RuntimeError:  # the loop has ended
-                return
-
-    # -- on its thread ----------------------------------------------------------------------------
-
-    def _run(self) -> None:
+    def _run(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
         try:
-            asyncio.run(self._live())
-        except BridgeError as error:
-            self.ended = str(error)
+            asyncio.run(self._live(beside))
         except Exception as error:
-            self.ended = f"{type(error).__name__}: {error}"
-        self.is_open, self._loop = False, None
+            self.ended = sentence_of(error)
         if not self._opened.done():
             self._opened.set_exception(BridgeError(self.ended or f"`{self._url}` closed the connection."))
-        for answer in tuple(self._waiting.values()):
-            if not answer.done():
-                answer.set_exception(BridgeError(f"The connection to `{self._url}` is lost."))
         self._changed()
 
-    async def _live(self) -> None:
-        from websockets.exceptions import ConnectionClosed
+    async def _live(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        connection = await self.connect()
+        self._opened.set_result(None)
+        await self.serve(connection, beside())
 
-        self._loop, began = asyncio.get_running_loop(), time.monotonic()
+    async def connect(self) -> ClientConnection:
+        """Return the connection for `serve`.
+
+        Raises BridgeError: no server answers, or it does not speak websocket.
+        """
+        began = time.monotonic()
         connection = await _reach(self._url)
         self._trips = deque([(time.monotonic() - began) / 2], maxlen=5)  # connecting takes two, or more
         self.is_open = True
-        self._opened.set_result(None)
-        tasks = [asyncio.ensure_future(work(connection)) for work in (self._listen, self._speak, self._watch)]
-        done, others = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        self.is_open = False
-        for task in others:
-            task.cancel()
-        await asyncio.gather(*others, return_exceptions=True)
-        if self._closing:
-            await connection.close()
-        else:
-            _cut(connection)
+        return connection
+
+    async def serve(self, connection: ClientConnection, *others: Coroutine[Any, Any, None]) -> None:
+        """Send, receive and ping until the end, which is that of the other coroutines, too."""
+        from websockets.exceptions import ConnectionClosed
+
+        own = (work(connection) for work in (self._listen, self._speak, self._watch))
+        tasks = [asyncio.ensure_future(each) for each in (*own, *others)]
+        try:
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self.is_open = False
+            for task in tasks:
+                task.cancel()
+            if self._is_closing:
+                await connection.close()
+            else:
+                _cut(connection)  # first: waiting may be cancelled
+            await asyncio.gather(*tasks, return_exceptions=True)
         for task in done:
             try:
                 task.result()
@@ -166,25 +180,18 @@ class Socket:
         fragments = Fragments()
         async for frame in connection:
             message = fragments.join(decode(frame))
-            if message is None:
-                continue  # not a message; the next one may be
-            if message.get("op") == "service_response":
-                answer = self._waiting.get(str(message.get("id")))
-                if answer is not None and not answer.done():
-                    answer.set_result(message)
-            else:
+            if message is not None:  # else the next one may be one
                 self._receive(message)
 
     async def _speak(self, connection: ClientConnection) -> None:
         while True:
             await self._posted.wait()
-            self._posted.clear()
             while self._outbox:
                 written, topic, text = self._outbox.popleft()
                 if not topic or time.monotonic() - written < _FRESH:
-                    async with asyncio.timeout(_FLUSH if self._closing else _LOST):
+                    async with asyncio.timeout(_FLUSH if self._is_closing else _LOST):
                         await connection.send(text)
-            if self._closing:
+            if self._is_closing:
                 return
 
     async def _watch(self, connection: ClientConnection) -> None:

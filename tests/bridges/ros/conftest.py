@@ -244,10 +244,10 @@ class Clock:
         return self.now
 
     def was_seen(self) -> None:
-        """Wait until each connection has looked at the time again, after whatever had arrived."""
+        """Wait until each pair of connections has looked at the time again, after whatever had arrived."""
         before = Counter(self._reads)
         sockets = [thread for thread in before if thread.name == "rosbridge"]
-        until(lambda: all(self._reads[each] > before[each] + 4 or not each.is_alive() for each in sockets))
+        until(lambda: all(self._reads[each] > before[each] + 8 or not each.is_alive() for each in sockets))
 
 
 @pytest.fixture(autouse=True)
