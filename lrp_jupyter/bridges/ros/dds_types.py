@@ -21,7 +21,7 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.base import normalize_fieldname
 
-from lrp_jupyter.bridges.ros.definitions import INTEGERS, Definition, FieldType, canonical
+from lrp_jupyter.bridges.ros.definitions import INTEGERS, Definition, FieldType, canonical, definitions_of
 from lrp_jupyter.bridges.ros.link import RefusedError
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
@@ -65,18 +65,10 @@ class MessageTypes:
         Raises RefusedError: the file that defines it, or one that it needs, has a mistake; the message names
             the line.
         """
-        if not self._load(type_):
-            return {}
-        found: dict[str, Definition] = {}
-        self._define(type_, found)
-        return found
+        return definitions_of(type_, self._shapes) if self._load(type_) else {}
 
-    def _define(self, type_: str, found: dict[str, Definition]) -> None:
-        shapes = {name: _shape(kind) for name, kind in self._fields(type_) if name != _PADDING}
-        found[type_] = Definition(type_, shapes)
-        for shape in shapes.values():
-            if "/" in shape.base and shape.base not in found:
-                self._define(shape.base, found)
+    def _shapes(self, type_: str) -> dict[str, FieldType]:
+        return {name: _shape(kind) for name, kind in self._fields(type_) if name != _PADDING}
 
     def hash(self, type_: str) -> str:
         """Return the hash by which ROS 2 tells versions of a type apart: ``RIHS01_…``."""

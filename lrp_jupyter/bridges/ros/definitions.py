@@ -7,7 +7,7 @@ throughout.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,14 +33,7 @@ _SHAPE = re.compile(r"(?:sequence<)?\s*([\w/]+)\s*(?:<=?\d+>?)?(?:,[^>]*>|>)?\s*
 
 @dataclass(frozen=True, slots=True)
 class FieldType:
-    """The type of a field: a primitive or a message, one or many.
-
-    Attributes
-    ----------
-    base : str
-    length : int
-        -1: one; 0: any number of them; else that many.
-    """
+    """The type of a field: a primitive or a message, one (`length` -1), any number (0), or that many."""
 
     base: str
     length: int = -1
@@ -82,6 +75,18 @@ def parse_field(text: str, length: int = -1) -> FieldType:
         digits = array[1:-1]
         length = int(digits) if digits.isdigit() else 0  # `[<=10]` is a bounded sequence
     return FieldType(canonical(base), length)
+
+
+def definitions_of(type_: str, fields_of: Callable[[str], Mapping[str, FieldType]]) -> dict[str, Definition]:
+    """Return the definitions of a type and of those in it; `fields_of` returns the fields of one."""
+    found: dict[str, Definition] = {}
+    wanted = [type_]
+    while wanted:
+        name = wanted.pop()
+        if name not in found:
+            found[name] = Definition(name, fields_of(name))
+            wanted += [field.base for field in found[name].fields.values() if "/" in field.base]
+    return found
 
 
 def from_rosapi(typedefs: Iterable[Mapping[str, Any]]) -> dict[str, Definition]:

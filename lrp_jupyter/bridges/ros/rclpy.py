@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lrp_jupyter.bridges.ros.definitions import PRIMITIVES, Definition, canonical, parse_field
+from lrp_jupyter.bridges.ros.definitions import Definition, FieldType, canonical, definitions_of, parse_field
 from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError, sentence_of
@@ -112,9 +112,7 @@ class RclpyTransport(Transport):
 
         Raises RefusedError: the package is not installed here.
         """
-        found: dict[str, Definition] = {}
-        _define(type_, found)
-        return found
+        return definitions_of(canonical(type_), _fields)
 
     def taken(self, topic: str) -> bool:
         """Return whether other nodes publish it or subscribe to it."""
@@ -218,13 +216,6 @@ def _class_of(type_: str) -> Any:
         ) from None
 
 
-def _define(type_: str, found: dict[str, Definition]) -> None:
-    name = canonical(type_)
-    if name in PRIMITIVES or name in found:
-        return
-    fields = {
-        field: parse_field(kind) for field, kind in _class_of(name).get_fields_and_field_types().items()
-    }
-    found[name] = Definition(name, fields)
-    for field in fields.values():
-        _define(field.base, found)
+def _fields(type_: str) -> dict[str, FieldType]:
+    kinds = _class_of(type_).get_fields_and_field_types()
+    return {name: parse_field(kind) for name, kind in kinds.items()}

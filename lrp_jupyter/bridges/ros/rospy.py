@@ -21,7 +21,7 @@ from http.client import HTTPConnection, HTTPException
 from typing import Any
 from urllib.parse import urlsplit
 
-from lrp_jupyter.bridges.ros.definitions import Definition, canonical, parse_field
+from lrp_jupyter.bridges.ros.definitions import Definition, FieldType, canonical, definitions_of, parse_field
 from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
@@ -113,9 +113,7 @@ class RospyTransport(Transport):
 
         Raises RefusedError: the package is not installed here.
         """
-        found: dict[str, Definition] = {}
-        _define(type_, found)
-        return found
+        return definitions_of(type_, _fields)
 
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
         """Create a subscriber or a publisher."""
@@ -238,13 +236,9 @@ def _fill_stamps(message: Any, values: object, now: Any) -> None:
             _fill_stamps(getattr(message, name), inner, now)
 
 
-def _define(type_: str, found: dict[str, Definition]) -> None:
+def _fields(type_: str) -> dict[str, FieldType]:
     kind = _class_of(type_)
-    fields = {name: parse_field(text) for name, text in zip(kind.__slots__, kind._slot_types, strict=True)}
-    found[type_] = Definition(type_, fields)
-    for field in fields.values():
-        if "/" in field.base and field.base not in found:
-            _define(field.base, found)
+    return {name: parse_field(text) for name, text in zip(kind.__slots__, kind._slot_types, strict=True)}
 
 
 class _Timed(xmlrpc.client.Transport):
