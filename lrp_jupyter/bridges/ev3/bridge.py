@@ -136,10 +136,7 @@ class EV3Bridge(Bridge):
     def open_interface(self) -> Panel:
         """Connect where an address is known, else search for a brick in the background and ask.
 
-        Raises
-        ------
-        BridgeError
-            There is no brick at the address.
+        Raises BridgeError: there is no brick at the address.
         """
         self.link = self._new_link()
         if self.host is None:
@@ -164,12 +161,8 @@ class EV3Bridge(Bridge):
     def seen(self) -> BrickReading:
         """Return the latched reading within a tick, else the latest.
 
-        Raises
-        ------
-        NoDataYet
-            Nothing has arrived yet.
-        BridgeError
-            The brick was lost, or refuses to be read.
+        Raises NoDataYet: nothing has arrived yet.
+        Raises BridgeError: the brick was lost, or refuses to be read.
         """
         return self.link.latest(self._latched if self.latch else None)
 
@@ -336,10 +329,7 @@ class EV3Bridge(Bridge):
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
         """Press a button; commands pass the bridge's safety, as those of a program do.
 
-        Raises
-        ------
-        BridgeError
-            There is no such button or row, the speed is not a number, or no brick is connected.
+        Raises BridgeError: there is no such button, row or number, or no brick is connected.
         """
         if key == "stop":
             self.stop_all()
@@ -380,10 +370,7 @@ class EV3Bridge(Bridge):
     def answer(self, key: str, value: str) -> None:
         """Apply the address of the brick; where the bridge is open, connect in the background.
 
-        Raises
-        ------
-        BridgeError
-            It is not an address.
+        Raises BridgeError: it is not an address.
         """
         if key != "host":
             super().answer(key, value)

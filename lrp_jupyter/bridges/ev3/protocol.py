@@ -13,27 +13,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = [
-    "ALL_MOTORS",
-    "SAME_MODE",
-    "BrickReading",
-    "BrickReply",
-    "MotorReading",
-    "SensorReading",
-    "beep",
-    "brick_name",
-    "clear_count",
-    "constant",
-    "frame",
-    "parse_reading",
-    "read_everything",
-    "run_degrees",
-    "run_milliseconds",
-    "split_replies",
-    "stop",
-    "variable",
-]
-
 ALL_MOTORS = 0b1111
 NAME_SIZE = 32
 MAXIMUM_FRAME = 1024  # the brick's buffer: a sender that announces more is not a brick

@@ -188,10 +188,7 @@ class RosBridge(Bridge):
     def connect(self, wire: Wire, wait: bool = True) -> None:
         """Connect a variable and, if `wait`, wait a moment for the robot's answer.
 
-        Raises
-        ------
-        BridgeError
-            It cannot be connected; the previous connection stays.
+        Raises BridgeError: it cannot be connected; the previous connection stays.
         """
         may_wait = wait and threading.get_ident() != self._in_tick
         self.wiring.connect(wire, _ANSWER if may_wait else 0.0)
@@ -318,14 +315,10 @@ class RosBridge(Bridge):
     def open_interface(self) -> Panel:
         """Connect to the robot, and connect all channels of the set-up.
 
-        Raises
-        ------
-        BridgeError
-            There is no robot, or a library is not installed.
+        Raises BridgeError: there is no robot, or a library is not installed.
         """
         self._start(searching=False)
         self.wiring.wait_for_answers(_ANSWER_ALL)
-        self.set_status(*self._last_status)
         return self.panel()
 
     def close_interface(self) -> None:
@@ -336,7 +329,6 @@ class RosBridge(Bridge):
         """Create a link, with a new channel for each connection of the set-up."""
         place = f"The robot at `{self._host}`" if self._host else "The robot"
         link = TopicLink(self._find, place, self._report, self.wiring.learned, self._warn)
-        self._last_status = (ConnectionState.CONNECTING, f"{place} is being connected.")
         try:
             self.wiring.attach(link)
             if searching:
@@ -357,8 +349,6 @@ class RosBridge(Bridge):
         transport.node = self._node
         return transport
 
-    _last_status: tuple[ConnectionState, str] = (ConnectionState.DISCONNECTED, "not open")
-
     def _warn(self, sentence: str) -> None:
         self.safety.notice("fault", sentence)
 
@@ -366,7 +356,6 @@ class RosBridge(Bridge):
         """Apply a change of the connection; stop a robot that may not answer. On the link's thread."""
         if state is not ConnectionState.LOST:
             sentence = f"{sentence} Back end: {self.connected_by}."
-        self._last_status = (state, sentence)
         self.set_status(state, sentence)
         link = self.wiring.link
         if state is ConnectionState.STALE and link is not None and link.transport.trouble():
@@ -383,7 +372,7 @@ class RosBridge(Bridge):
 
     @property
     def round_trip(self) -> float | None:
-        """Seconds until the robot answers, as usual of late; None where that is not measured."""
+        """Recent median of the seconds until the robot answers; None where it is not measured."""
         link = self.wiring.link
         return link.transport.round_trip if link is not None and link.connected else None
 
@@ -414,10 +403,7 @@ class RosBridge(Bridge):
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
         """Press a button: ``subscribe`` and ``publish`` use the values of the fields, without waiting.
 
-        Raises
-        ------
-        BridgeError
-            A name is illegal, or there is no such button or row.
+        Raises BridgeError: a name is illegal, or there is no such button or row.
         """
         fields = values or {}
         variable = fields.get("variable", "").strip()
@@ -446,10 +432,7 @@ class RosBridge(Bridge):
     def answer(self, key: str, value: str) -> None:
         """Apply the robot's address, or the file with the set-up; an open bridge reconnects.
 
-        Raises
-        ------
-        BridgeError
-            It is not an address, or not a set-up.
+        Raises BridgeError: it is not an address, or not a set-up.
         """
         if key == "setup":
             self.wiring.load(value)

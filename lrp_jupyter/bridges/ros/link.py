@@ -50,7 +50,7 @@ class Transport(ABC):
     `period`: seconds between two comparisons with the robot.
     `changed`: to be called, on any thread, when the link should compare at once.
     `pace`: seconds between two readings that the program can use; a topic that is faster may be thinned out.
-    `round_trip`: seconds until the robot answers a ping, as usual of late; None where that is not measured.
+    `round_trip`: recent median of the seconds until the robot answers a ping; None where it is not measured.
     `clock`: learns from the time stamps of messages, and tells their age.
     """
 
@@ -92,7 +92,7 @@ class Transport(ABC):
 
     @abstractmethod
     def define(self, type_: str) -> Mapping[str, Definition] | None:
-        """Return the definitions of a type and those in it, as far as they are known.
+        """Return the known definitions of a type and of those in it.
 
         None while the robot is being asked; `changed` is called when it has answered.
         """
@@ -140,7 +140,7 @@ class TopicLink(Link):
 
     `find`: returns the transport, which is not connected yet; called once, on the link's thread. It may ask
         who answers, in bounded time, and raises `BridgeError` if no robot does.
-    `place`: address of the robot, for messages, as far as it is known before that.
+    `place`: address of the robot, for messages before that.
     `report`: called with the state and a sentence when they change; on the link's thread.
     `learned`: called with a channel whose type has become known; on the link's thread.
     `warn`: called with a sentence about a robot that can be used, but not as expected; on the link's thread.
@@ -167,7 +167,6 @@ class TopicLink(Link):
         self._channels: tuple[Channel, ...] = ()
         self._dropped: list[Channel] = []
         self._lock = threading.Lock()  # for the two above
-        self._trouble = f"{place} is not connected yet"
         self._described: set[str] = set()
 
     @property
@@ -198,12 +197,11 @@ class TopicLink(Link):
         Raises BridgeError: it is not connected, or there is no message because the type is not known;
         nothing is kept to be sent later.
         """
-        name, handle = f"`robot.{channel.wire.variable}`", channel.handle
-        if not self.connected and not urgent:
-            raise BridgeError(f"{name} was not sent: {ended(self._trouble)}")
-        if handle is None or message is None or (channel.problem and not urgent):
-            why = channel.problem or (channel.waiting if self.connected else self._trouble)
-            raise BridgeError(f"{name} was not sent: {ended(why)}")
+        handle, why = channel.handle, channel.problem or channel.waiting
+        if not self.connected:
+            why = self._failure or f"{self.place} is not connected yet"
+        if handle is None or message is None or not (urgent or (self.connected and not channel.problem)):
+            raise BridgeError(f"`robot.{channel.wire.variable}` was not sent: {ended(why)}")
         self.transport.send(handle, message.as_dict(), urgent)
         channel.sent(message)
 
@@ -336,7 +334,7 @@ class TopicLink(Link):
 
     def lose(self, sentence: str) -> float:
         """Report that the robot is lost, and forget what is known of it."""
-        self._trouble, self.connected, self.topics = sentence, False, {}
+        self.connected, self.topics = False, {}
         for channel in self._channels:
             channel.forget()
             channel.problem, channel.commanders = sentence, ()
