@@ -5,10 +5,14 @@ from __future__ import annotations
 import json
 import sys
 import threading
+from pathlib import Path
 from typing import Any
 
 import paho.mqtt.client as mqtt
-from simulated import SimulatedRobot, ready
+
+sys.path.append(str(Path(__file__).parents[2]))
+
+from support.simulated import SimulatedRobot, ready
 
 
 def main(port: int, speed: float) -> None:

@@ -17,7 +17,9 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from simulated import SimulatedRobot
+sys.path.append(str(Path(__file__).parents[2]))
+
+from support.simulated import SimulatedRobot
 
 PROGRAM = Path(__file__).parents[3] / "notebooks" / "bridges" / "pybricks_hub.py"
 

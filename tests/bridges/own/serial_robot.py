@@ -13,7 +13,9 @@ import tty
 from contextlib import suppress
 from pathlib import Path
 
-from simulated import SimulatedRobot, ready
+sys.path.append(str(Path(__file__).parents[2]))
+
+from support.simulated import SimulatedRobot, ready
 
 
 def main(link: Path, speed: float) -> None:

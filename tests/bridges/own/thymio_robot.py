@@ -10,12 +10,16 @@ import sys
 import threading
 import time
 from contextlib import suppress
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from simulated import SimulatedRobot, ready
 from tdmclient import ThymioFB
 from tdmclient.server import ServerHandler, ServerNode
+
+sys.path.append(str(Path(__file__).parents[2]))
+
+from support.simulated import SimulatedRobot, ready
 
 UNITS = 2500  # of the motors, for 1 m/s
 APART = 0.094  # m between the wheels

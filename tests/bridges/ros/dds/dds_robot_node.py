@@ -1,17 +1,15 @@
 """A ROS 2 robot for the tests: the simulator behind topics, `python dds_robot_node.py SPEED WORLD LEASE`.
 
 Like `robot_node.py`, on Cyclone DDS and in the domain of the environment, with nothing of the bridge: its
-types are written down here as IDL, field by field. It prints when it was told another speed. Others believe
-that it is gone when it was silent for LEASE seconds.
+types are written down here as IDL, field by field. Others believe that it is gone after LEASE silent seconds.
 """
 
-import math
 import os
 import sys
 import threading
-import time
 from dataclasses import dataclass
 from dataclasses import field as default
+from pathlib import Path
 
 from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import IdlStruct
@@ -22,10 +20,10 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from lrp_jupyter.sim.simulation import STEP, Simulation
+sys.path.append(str(Path(__file__).parents[3]))
 
-_EVERY = 4  # physics steps between two messages
-_LATE = 0.05  # s
+from support.simulated import Odom, RosRobot, ready
+
 QOS = Qos(
     Policy.Reliability.Reliable(duration(milliseconds=100)),
     Policy.Durability.Volatile,
@@ -120,55 +118,35 @@ class Odometry(IdlStruct, typename="nav_msgs.msg.dds_.Odometry_"):
 
 
 def main(speed: float, world: str, lease: float) -> None:
-    simulation = Simulation(world)
+    robot = RosRobot(speed, world)
     number = int(os.environ["ROS_DOMAIN_ID"])
     domain = Domain(number, loopback(lease))
     participant = DomainParticipant(number)
     commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), QOS)
-    writers = {
-        name: DataWriter(participant, Topic(participant, f"rt/{name}", kind), QOS)
-        for name, kind in (("odom", Odometry), ("light", UInt8), ("bumper", UInt8))
-    }
     goals = DataReader(participant, Topic(participant, "rt/until", Float64), QOS)
-    wanted, until = (0.0, 0.0), 0.0
-    gone = threading.Event()
-    threading.Thread(target=lambda: (sys.stdin.read(), gone.set()), daemon=True).start()
-    sys.stdout.write("ready\n")
-    sys.stdout.flush()
-    began = time.monotonic()
-    while not gone.is_set():
-        news = False
-        for command in commands.take(10):
-            if isinstance(command, Twist):
-                if command.linear.x != wanted[0]:
-                    sys.stdout.write(f"{time.monotonic()} {command.linear.x}\n")
-                    sys.stdout.flush()
-                wanted, news = (command.linear.x, command.angular.z), True
-        for goal in goals.take(10):
-            if isinstance(goal, Float64):
-                until, news = goal.data, True
-        if not (speed or news):
-            gone.wait(0.001)
-            continue
-        simulation.drive(*wanted)
-        simulation.step(_EVERY if speed else max(0, round(until / STEP) - simulation.steps))
-        readings = simulation.latch()
-        x, y, theta = readings.odom
-        odom = Odometry()
-        odom.header.frame_id = str(simulation.steps)
-        odom.pose.pose.position.x, odom.pose.pose.position.y = x, y
-        odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = math.sin(theta / 2), math.cos(theta / 2)
-        odom.twist.twist.linear.x, odom.twist.twist.angular.z = wanted
-        light = readings.lights[0]
-        writers["odom"].write(odom)
-        writers["light"].write(UInt8(light if speed else light & ~15 | simulation.steps & 15))
-        writers["bumper"].write(UInt8(int(readings.bumper)))
-        if not speed:
-            continue
-        ahead = began + simulation.steps * STEP / speed - time.monotonic()
-        if ahead < -_LATE:  # a robot that was held up is slow: it does not race on with an old command
-            began -= ahead
-        gone.wait(max(0.0, ahead))
+    odom = DataWriter(participant, Topic(participant, "rt/odom", Odometry), QOS)
+    light = DataWriter(participant, Topic(participant, "rt/light", UInt8), QOS)
+    bumper = DataWriter(participant, Topic(participant, "rt/bumper", UInt8), QOS)
+
+    def listen() -> None:
+        while not robot.gone.wait(0.001):
+            for command in commands.take(10):
+                if isinstance(command, Twist):
+                    robot.drive(command.linear.x, command.angular.z)
+            for goal in goals.take(10):
+                if isinstance(goal, Float64):
+                    robot.go_on(goal.data)
+
+    def publish(brightness: int, pressed: bool, pose: Odom) -> None:
+        odom.write(robot.odometry(Odometry(), pose))
+        light.write(UInt8(robot.brightness(brightness)))
+        bumper.write(UInt8(int(pressed)))
+
+    listener = threading.Thread(target=listen)
+    listener.start()
+    ready(robot)
+    robot.run(publish)
+    listener.join()
     del domain
 
 
