@@ -328,15 +328,16 @@ class RosBridge(Bridge):
     def _start(self, searching: bool) -> None:
         """Create a link, with a new channel for each connection of the set-up."""
         place = f"The robot at `{self._host}`" if self._host else "The robot"
-        link = TopicLink(self._find, place, self._report, self.wiring.learned, self._warn)
+        wiring = self.wiring
+        link = TopicLink(self._find, place, lambda: wiring.channels, self._report, wiring.learned, self._warn)
         try:
-            self.wiring.attach(link)
+            wiring.attach(link)
             if searching:
                 link.search()
             elif not link.open(self._patience):
                 raise BridgeError(f"{link.place} did not answer within {self._patience:g} s.")
         except BridgeError:
-            self.wiring.link = None
+            wiring.link = None
             self.nodes.clear()
             raise
 

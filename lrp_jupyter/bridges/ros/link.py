@@ -9,7 +9,6 @@ Paper: §7.1 (subscriptions are the bridge's, not the program's, so a restart ma
 
 from __future__ import annotations
 
-import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -141,6 +140,7 @@ class TopicLink(Link):
     `find`: returns the transport, which is not connected yet; called once, on the link's thread. It may ask
         who answers, in bounded time, and raises `BridgeError` if no robot does.
     `place`: address of the robot, for messages before that.
+    `channels`: returns the wanted ones.
     `report`: called with the state and a sentence when they change; on the link's thread.
     `learned`: called with a channel whose type has become known; on the link's thread.
     `warn`: called with a sentence about a robot that can be used, but not as expected; on the link's thread.
@@ -150,6 +150,7 @@ class TopicLink(Link):
         self,
         find: Callable[[], Transport],
         place: str,
+        channels: Callable[[], tuple[Channel, ...]],
         report: OnStatus,
         learned: Callable[[Channel], None],
         warn: Callable[[str], None],
@@ -161,12 +162,10 @@ class TopicLink(Link):
         self.types = Types()
         self.topics: Mapping[str, str] = {}
         self.connected = False
-        self._report, self._learned, self._warn = report, learned, warn
+        self._wanted, self._report, self._learned, self._warn = channels, report, learned, warn
         self._is_slow = False
         self._last_status: tuple[ConnectionState, str] | None = None
-        self._channels: tuple[Channel, ...] = ()
-        self._dropped: list[Channel] = []
-        self._lock = threading.Lock()  # for the two above
+        self._channels: tuple[Channel, ...] = ()  # that may be connected
         self._described: set[str] = set()
 
     @property
@@ -176,20 +175,6 @@ class TopicLink(Link):
         return self._transport
 
     # -- from any thread --------------------------------------------------------------------------
-
-    def add(self, channel: Channel) -> None:
-        """Connect a channel, soon."""
-        with self._lock:
-            self._channels += (channel,)
-        self.hurry()
-
-    def drop(self, channel: Channel) -> None:
-        """Disconnect a channel, soon; nothing arrives in it from now on."""
-        with self._lock:
-            self._channels = tuple(other for other in self._channels if other is not channel)
-            self._dropped.append(channel)
-        channel.forget()
-        self.hurry()
 
     def send(self, channel: Channel, message: RosMessage | None, urgent: bool = False) -> None:
         """Publish, without waiting; `urgent` for a stop, which is always tried.
@@ -215,7 +200,7 @@ class TopicLink(Link):
             self.place = f"`{self._transport.place}`"
         self._transport.connect()
         self._described.clear()
-        for channel in (*self._channels, *self._dropped):
+        for channel in self._channels:
             self._leave(channel)
         return self.attend()
 
@@ -226,29 +211,28 @@ class TopicLink(Link):
             self._report_change(ConnectionState.STALE, trouble)
             return self.transport.period
         self.topics = self.transport.topics()
-        with self._lock:
-            channels, dropped = self._channels, self._dropped
-            self._dropped = []
-        for channel in dropped:
-            self._leave(channel)
-        for channel in channels:
+        before, self._channels = self._channels, self._wanted()
+        for channel in before:
+            if channel not in self._channels:
+                self._leave(channel)
+        for channel in self._channels:
             try:
                 self._connect_channel(channel)
             except RefusedError as error:
                 self._leave(channel)
                 channel.problem = str(error)
         self.connected = True
-        self._look_around(channels)
-        self._report_change(*self._summary(channels))
-        for channel in channels:  # last: who waited for the answer finds the status that belongs to it
+        self._look_around()
+        self._report_change(*self._summary())
+        for channel in self._channels:  # last: who waited for the answer finds the status that belongs to it
             if not channel.is_asked_for:
                 channel.answered.set()
-        in_need = any(channel.waiting or channel.problem or channel.expects for channel in channels)
+        in_need = any(channel.waiting or channel.problem or channel.expects for channel in self._channels)
         return self.transport.tend(in_need)
 
-    def _look_around(self, channels: tuple[Channel, ...]) -> None:
+    def _look_around(self) -> None:
         """Note who else commands, and how slow the link is."""
-        for channel in channels:
+        for channel in self._channels:
             if channel.handle is not None and channel.is_velocity:
                 before, others = channel.commanders, self.transport.commanders(channel.wire.topic)
                 channel.commanders = tuple(other for other in others if GUARD_NODE not in other)
@@ -335,7 +319,7 @@ class TopicLink(Link):
     def lose(self, sentence: str) -> float:
         """Report that the robot is lost, and forget what is known of it."""
         self.connected, self.topics = False, {}
-        for channel in self._channels:
+        for channel in self._wanted():
             channel.forget()
             channel.problem, channel.commanders = sentence, ()
             channel.owes_stop |= channel.has_moved
@@ -344,7 +328,7 @@ class TopicLink(Link):
 
     def _run(self) -> None:
         super()._run()
-        for channel in (*self._channels, *self._dropped):
+        for channel in self._channels:
             with suppress(Exception):  # of a library: most leave all channels when they disconnect
                 self._leave(channel)
 
@@ -353,12 +337,12 @@ class TopicLink(Link):
         if self._transport is not None:
             self._transport.disconnect()
 
-    def _summary(self, channels: tuple[Channel, ...]) -> tuple[ConnectionState, str]:
-        for channel in channels:
+    def _summary(self) -> tuple[ConnectionState, str]:
+        for channel in self._channels:
             why = channel.problem or channel.waiting
             if why:
                 return ConnectionState.WAITING, f"`robot.{channel.wire.variable}`: {ended(why)}"
-        inputs = [channel for channel in channels if channel.wire.direction == "subscription"]
+        inputs = [channel for channel in self._channels if channel.wire.direction == "subscription"]
         silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.silent()]
         if silent:
             return ConnectionState.STALE, f"{', '.join(silent)}: nothing has arrived for a while."

@@ -54,8 +54,7 @@ class Wiring:
             channel.answered.wait(patience)
             if channel.problem and channel.handle is None and link.connected:
                 with self._changing:
-                    self._disconnect(channel)
-                    self._channels.pop(wire.variable, None)
+                    self._remove(channel)
                     if before is not None:
                         self._put(before)
                 raise BridgeError(channel.problem)
@@ -72,7 +71,7 @@ class Wiring:
                 raise BridgeError(
                     f"`{variable}` is connected to no topic.{did_you_mean(variable, self._channels)}"
                 )
-            self._disconnect(self._channels.pop(variable))
+            self._remove(self._channels[variable])
             self._store()
 
     def load(self, setup: str | os.PathLike[str] | Mapping[str, object]) -> None:
@@ -86,8 +85,7 @@ class Wiring:
             wires, path = load_setup(setup), os.fspath(setup)
         with self._changing:
             for channel in self.channels:
-                self._disconnect(channel)
-            self._channels.clear()
+                self._remove(channel)
             self.path = path
             for wire in wires:
                 self._put(wire)
@@ -107,7 +105,6 @@ class Wiring:
             self._channels = {wire.variable: Channel(wire) for wire in [c.wire for c in self.channels]}
             for channel in self.channels:
                 self._offer(channel)
-                link.add(channel)
 
     def close(self) -> None:
         """End all connections; the channels stay set up."""
@@ -147,22 +144,25 @@ class Wiring:
             if link is not None:
                 self._offer(channel)  # first: it may refuse the name
             if old is not None:
-                self._disconnect(old, channel)
+                self._release(old)
             self._channels[wire.variable] = channel
             if link is not None:
-                link.add(channel)
+                link.hurry()
             return old.wire if old is not None else None, channel
 
-    def _disconnect(self, channel: Channel, successor: Channel | None = None) -> None:
-        link = self.link
-        if link is None:
-            return
+    def _remove(self, channel: Channel) -> None:
+        self._release(channel)
+        self._channels.pop(channel.wire.variable, None)
+        self._withdraw(channel.wire.variable)
+        if self.link is not None:
+            self.link.hurry()
+
+    def _release(self, channel: Channel) -> None:
+        """Stop what a channel has moved, while the link still has it; nothing arrives in it from now on."""
         if channel.has_moved:
             with contextlib.suppress(BridgeError):  # it is lost and cannot be stopped from here
                 self.stand_still(channel)
-        link.drop(channel)
-        if successor is None:
-            self._withdraw(channel.wire.variable)
+        channel.forget()
 
     def _store(self) -> None:
         if self.path:

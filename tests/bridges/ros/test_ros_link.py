@@ -74,8 +74,10 @@ def searching(slow: Slow, reports: list[ConnectionState]) -> Iterator[TopicLink]
     def report(state: ConnectionState, _sentence: str) -> None:
         reports.append(state)
 
-    found = TopicLink(lambda: slow, "slow", report, lambda _channel: None, lambda _sentence: None)
-    found.add(Channel(Wire("odom", "subscription", "/odom", "nav_msgs/Odometry")))
+    channels = (Channel(Wire("odom", "subscription", "/odom", "nav_msgs/Odometry")),)
+    found = TopicLink(
+        lambda: slow, "slow", lambda: channels, report, lambda _channel: None, lambda _sentence: None
+    )
     found.search()
     assert slow.asked.wait(60)
     yield found
