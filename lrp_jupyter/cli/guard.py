@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any
 
 import typer
 
@@ -39,7 +39,7 @@ def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, a
 
     Raises BridgeError: the robot or the broker cannot be reached, or an option is wrong.
     """
-    robot: Side
+    robot: RosSide | MqttSide
     if backend == MQTT:
         if type_:
             raise BridgeError("--type is for ROS: the messages of MQTT have no types.")
@@ -62,28 +62,9 @@ def _say(sentence: str) -> None:
     typer.echo(f"{time.strftime('%H:%M:%S')}  {sentence}")
 
 
-class Side(Protocol):
-    """A robot, as its own side sees it."""
-
-    @property
-    def heard(self) -> tuple[float, bool]:
-        """When the last command came, by `time.monotonic`, and whether it moves the robot."""
-        ...
-
-    def state(self) -> str:
-        """Return a sentence about the connection."""
-        ...
-
-    def stop(self) -> None:
-        """Send a velocity of zero; raise a BridgeError if that is not possible."""
-        ...
-
-    def close(self) -> None:
-        """End the connection."""
-        ...
-
-
-def watch(robot: Side, after: float, say: Callable[[str], object], over: threading.Event) -> None:
+def watch(
+    robot: RosSide | MqttSide, after: float, say: Callable[[str], object], over: threading.Event
+) -> None:
     """Stop the robot whenever its last command moves it and none has come for a while.
 
     `after`: seconds.
@@ -126,7 +107,7 @@ class RosSide:
 
     @property
     def heard(self) -> tuple[float, bool]:
-        """The last command; also one from before the connection was lost."""
+        """When the last command came, by `time.monotonic`, maybe before a loss, and whether it moves."""
         for channel in self._bridge.wiring.channels:
             if channel.wire.direction == "subscription" and channel.latest is not None:
                 self._heard = (channel.latest.time, moves(channel.latest.value._as_dict()))
