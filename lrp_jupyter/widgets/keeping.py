@@ -18,13 +18,12 @@ lose its text. Where two notebooks differ, the lab asks which text to keep.
 
 from __future__ import annotations
 
-import hashlib
 import os
 from pathlib import Path
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import shown
-from lrp_jupyter.own import state_folder
+from lrp_jupyter.own import digest, state_folder
 from lrp_jupyter.widgets.hosts import is_hub, is_voila
 from lrp_jupyter.widgets.kept import FOLDER, Kept
 
@@ -56,7 +55,7 @@ def kept_texts(folder: str | os.PathLike[str], name: str) -> Kept | None:
             "`LRP_KEEP` is `user`, but this user has no home folder in which texts could be kept. "
             "Set it to `notebook` or `nothing`."
         )
-    return Kept(state / "texts" / hashlib.sha256(os.path.realpath(folder).encode()).hexdigest()[:32], name)
+    return Kept(state / "texts" / digest(os.path.realpath(folder))[:32], name)
 
 
 def _default(folder: Path) -> str:

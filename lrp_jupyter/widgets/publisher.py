@@ -434,10 +434,10 @@ class Publisher:
                     "revision": written.revision,
                     "updates": written.updates,
                     "findings": written.findings,
-                    "accepted": written.accepted,
+                    "accepted": written.judgement.program is not None,
                     "applied": written.applied,
                     "reason": written.reason,
-                    "half_typed": written.half_typed,
+                    "half_typed": written.judgement.half_typed,
                     "running": written.running,
                     "pending": written.pending,
                 }

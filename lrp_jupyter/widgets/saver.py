@@ -36,7 +36,8 @@ class Saver:
         self.kept = kept
         self.problem = ""
         """Why the texts cannot be kept at the moment; empty if they are."""
-        self._home = home
+        self.home = home if kept is None else kept.home
+        """What distinguishes this program from one of the same name elsewhere; empty if nothing does."""
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
         self._looked = self._again = float("-inf")
@@ -46,11 +47,6 @@ class Saver:
         texts.cell, texts.versions = self._remembered.cell, self._remembered.versions
         self.hung = self._remembered.hung
         """The text of the program that hung, until it has run well."""
-
-    @property
-    def home(self) -> str:
-        """What distinguishes this program from one of the same name elsewhere; empty if nothing does."""
-        return self._home if self.kept is None else self.kept.home
 
     def save_as(self, path: str, replace: bool) -> bool:
         """Write the text to a file of the user's choice; return False if another file would be replaced.
@@ -101,6 +97,7 @@ class Saver:
             if self.kept is None:
                 return
             self.kept = Kept(self.kept.folder, name)
+            self.home = self.kept.home
             self._remembered, self._stored = self.kept.remembered(), None
             texts.versions, self.hung = self._remembered.versions, self._remembered.hung
             for text in (self.kept.read(".lrp"), self._remembered.typed):

@@ -17,7 +17,7 @@ from time import monotonic, time
 from typing import Any
 
 from lrp_jupyter.errors import LRPError, SessionClosedError
-from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.rename import rename as renamed
 from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
@@ -54,7 +54,7 @@ class Written:
     seq: int
     revision: int
     text: str
-    noun: Program | None
+    judgement: Judgement
     findings: list[FindingView]
     answer: Future[Any]
     deadline: float
@@ -64,15 +64,9 @@ class Written:
     """Those after the revision of the answer before."""
     applied: bool = False
     reason: str = ""
-    half_typed: bool = False
     running: str | None = None
     pending: Difference | None = None
     done: float | None = None
-
-    @property
-    def accepted(self) -> bool:
-        """Whether it is a valid program."""
-        return self.noun is not None
 
 
 @dataclass(eq=False)
@@ -86,12 +80,9 @@ class _Hand:
     def move(self, changes: Iterable[TextChanges], are_own: bool = False) -> None:
         """Keep the selection at its place while the text changes."""
         for each in changes:
-            self.selection = self.selection and _moved(self.selection, each, are_own)
-
-
-def _moved(selection: Selection, changes: TextChanges, after: bool) -> Selection:
-    anchor, head = selection
-    return changes.map_place(anchor, after), changes.map_place(head, after)
+            if self.selection is not None:
+                anchor, head = self.selection
+                self.selection = each.map_place(anchor, are_own), each.map_place(head, are_own)
 
 
 class Texts:
@@ -119,10 +110,8 @@ class Texts:
         """Earlier ones, the newest first."""
         self.waiting: deque[Written] = deque()
         self.document = Document()
-        self.findings: tuple[Finding, ...] = ()
-        self.noun: Program | None = None
-        self.half_typed = False
-        """Whether something waits, or is not marked, until the word at the cursor is meant or left."""
+        self.judgement = Judgement(None, ())
+        """What the text means while the cursors are where they are."""
         self._wake: Callable[[], None] = lambda: None
         self._answered = Program()  # the running program, as known to the views
         self._reason = ""  # of the last answer
@@ -150,8 +139,8 @@ class Texts:
             self._continue_with(session.text)
             self.document.told = self.revision
             self._answered = session.program
-            self._judge()
-            if self.noun is not None and self.text:
+            self.judgement = session.judge(self.text)
+            if self.judgement.program is not None and self.text:
                 self.accepted = self.text
 
     # -- in ----------------------------------------------------------------------------------------
@@ -217,7 +206,7 @@ class Texts:
                 return
             hand.selection, hand.meant = selection, meant
             hand.move(update.changes for update in self.document.since(revision))
-            if self.half_typed:
+            if self.judgement.half_typed:
                 self._offer()
         self._wake()
 
@@ -229,7 +218,7 @@ class Texts:
     def leave(self, view: str) -> None:
         """Remove a view, and apply what waits for its cursor."""
         with self.lock:
-            if self._hands.pop(view, None) is not None and self.half_typed:
+            if self._hands.pop(view, None) is not None and self.judgement.half_typed:
                 self._offer()
 
     @property
@@ -267,16 +256,15 @@ class Texts:
         cursors = [] if at_once else self._cursors()
         try:
             if at_once or not self.hold:
-                judgement, answer = self._renamed(rename) or self.session.offer(self.text, *cursors)
-                self._use(judgement)
+                self.judgement, answer = self._renamed(rename) or self.session.offer(self.text, *cursors)
             else:
-                self._judge(*cursors)
+                self.judgement = self.session.judge(self.text, *cursors)
                 answer.set_result(None)
         except SessionClosedError as error:  # the text is kept anyway
-            self._judge()
+            self.judgement = self.session.judge(self.text)
             answer.set_exception(error)
         self._know()
-        self._written(view, seq, answer, self.clock() + _LATE)
+        self.waiting.append(self._written(view, seq, answer, self.clock() + _LATE))
         answer.add_done_callback(lambda _: self._wake())
 
     def _renamed(self, rename: Rename | None) -> tuple[Judgement, Future[Any]] | None:
@@ -297,13 +285,10 @@ class Texts:
         return [Cursor(self.document.offset(place), meant) for place, meant in places]
 
     def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
-        findings = [finding_view(finding, self.text) for finding in self.findings]
-        written = Written(view, seq, self.revision, self.text, self.noun, findings, answer, deadline)
-        written.half_typed = self.half_typed
-        if self.noun is not None:
+        if self.judgement.program is not None:
             self.accepted = self.text
-        self.waiting.append(written)
-        return written
+        findings = [finding_view(finding, self.text) for finding in self.judgement.findings]
+        return Written(view, seq, self.revision, self.text, self.judgement, findings, answer, deadline)
 
     def _continue_with(self, text: str) -> None:
         """Make a text from elsewhere the document's."""
@@ -332,14 +317,6 @@ class Texts:
         """Add an earlier text to the versions."""
         with self.lock:
             self.versions = newest([Version(text, time()), *self.versions])
-
-    def _judge(self, *cursors: Cursor) -> None:
-        """Check the text without offering it to the session."""
-        self._use(self.session.judge(self.text, *cursors))
-
-    def _use(self, judgement: Judgement) -> None:
-        self.noun, self.findings = judgement.program, judgement.findings
-        self.half_typed = judgement.half_typed
 
     # -- out: the publisher's thread ---------------------------------------------------------------
 
@@ -388,8 +365,7 @@ class Texts:
                 if program is not self._answered and program.text != written.text:
                     written.running = _plain(program.text)
                     self._revisions.setdefault(fingerprint(program.text), written.revision)
-                if self.hold and written.noun is not None and written.text != program.text:
-                    written.pending = difference_view(program, written.noun)
+                written.pending = self._pending(written.text, written.judgement.program, program)
                 self._answered, self._reason = program, written.reason
             return ready
 
@@ -413,7 +389,8 @@ class Texts:
             written.reason = str(error)
             return True
         if patch is None:
-            written.applied = written.noun is not None and written.text == self.session.program.text
+            program = written.judgement.program
+            written.applied = program is not None and written.text == self.session.program.text
             return True
         if isinstance(patch, str):  # a rename
             written.applied = True
@@ -438,15 +415,18 @@ class Texts:
 
     def _news(self, program: Program) -> Written:
         if self._adopt():
-            self._judge()
+            self.judgement = self.session.judge(self.text)
         nothing: Future[Any] = Future()
         nothing.set_result(None)
         written = self._written("", 0, nothing, 0.0)
-        self.waiting.remove(written)
         written.applied = self.text == program.text
-        if self.half_typed:
-            written.reason = self._reason
+        written.reason = self._reason if self.judgement.half_typed else ""
         return written
+
+    def _pending(self, text: str, program: Program | None, running: Program) -> Difference | None:
+        """Return what a held text would change."""
+        waits = self.hold and text != running.text
+        return difference_view(running, program) if waits and program is not None else None
 
     def everything(self, view: str, revision: int | None) -> dict[str, Any]:
         """Return the fields of a `SnapshotMessage` that are about texts.
@@ -457,8 +437,7 @@ class Texts:
             updates = None
             if revision is not None and self.document.knows(revision):
                 updates = [_update_view(update) for update in self.document.since(revision)]
-            running = self.session.program
-            waits = self.hold and self.noun is not None and self.text != running.text
+            running, judgement = self.session.program, self.judgement
             return {
                 "document": self.document.name,
                 "number": self._number,
@@ -467,10 +446,10 @@ class Texts:
                 "revision": self.revision,
                 "updates": updates,
                 "running": _plain(running.text),
-                "findings": [finding_view(finding, self.text) for finding in self.findings],
-                "accepted": self.noun is not None,
-                "half_typed": self.half_typed,
-                "pending": difference_view(running, self.noun) if waits and self.noun is not None else None,
+                "findings": [finding_view(finding, self.text) for finding in judgement.findings],
+                "accepted": judgement.program is not None,
+                "half_typed": judgement.half_typed,
+                "pending": self._pending(self.text, judgement.program, running),
             }
 
     # -- conflicts ---------------------------------------------------------------------------------

@@ -184,7 +184,7 @@ class ViewStates:
     def _issues(self, frame: Frame, revision: int) -> dict[str, IssueView]:
         texts = self._texts
         text = frame.program.text
-        findings = texts.findings if texts.text == text else ()
+        findings = texts.judgement.findings if texts.text == text else ()
         views = {}
         key: tuple[object, ...]
         for index, issue in enumerate(frame.issues):

@@ -92,13 +92,13 @@ def test_blocks_see_the_notebooks_names_and_write_none(shell):
 
 def test_a_cell_that_is_not_a_program_opens_the_lab_anyway(shell):
     lab = cell(shell, "mine", "(machine m")
-    assert lab._connection.texts.findings
+    assert lab._connection.texts.judgement.findings
 
 
 def test_an_empty_cell_opens_an_empty_lab(shell):
     result = shell.run_cell("%%lrp empty")
     assert result.result.text == ""
-    assert not result.result._connection.texts.findings
+    assert not result.result._connection.texts.judgement.findings
 
 
 def test_programs_are_listed_and_shown_again(shell, run):

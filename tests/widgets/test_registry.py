@@ -143,7 +143,7 @@ def test_the_person_is_not_asked_about_a_text_that_has_been_typed_meanwhile(cell
 def test_a_text_that_is_not_a_program_opens_the_lab_with_its_errors(cell):
     connection = cell(BROKEN)
     assert connection.texts.text == BROKEN
-    assert connection.texts.findings
+    assert connection.texts.judgement.findings
     assert connection.session.status == "running"
 
 
