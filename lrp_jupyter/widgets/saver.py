@@ -14,7 +14,7 @@ from threading import Lock
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.widgets.conflicts import Conflict
-from lrp_jupyter.widgets.kept import Kept, Remembered
+from lrp_jupyter.widgets.kept import Kept, Remembered, newest
 from lrp_jupyter.widgets.texts import Texts, are_alike, fingerprint
 
 _LOOK = 1.0  # s between two comparisons of the file with what was written
@@ -92,17 +92,17 @@ class Saver:
         self.save(at_once=True)
         texts = self.texts
         with self._lock, texts.lock:
+            if self.kept is not None:
+                self.kept = Kept(self.kept.folder, name)
+                self.home = self.kept.home
+                self._remembered, self._stored = self.kept.remembered(), None
+                self.hung, unkept = self._remembered.hung, texts.versions if self.problem else ()
+                texts.versions = newest([*unkept, *self._remembered.versions])
+                for text in (self.kept.read(".lrp"), self._remembered.typed):
+                    if text is not None:
+                        texts.add_version(text)
             texts.withdraw()  # they were about the other name
             texts.cell = texts.accepted = None
-            if self.kept is None:
-                return
-            self.kept = Kept(self.kept.folder, name)
-            self.home = self.kept.home
-            self._remembered, self._stored = self.kept.remembered(), None
-            texts.versions, self.hung = self._remembered.versions, self._remembered.hung
-            for text in (self.kept.read(".lrp"), self._remembered.typed):
-                if text is not None:
-                    texts.add_version(text)
 
     def save(self, at_once: bool = False) -> None:
         """Keep the texts in their files; what is kept already costs nothing.
