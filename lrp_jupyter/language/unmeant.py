@@ -102,33 +102,23 @@ def judge(
     `running`: the program that runs now.
     `check`: returns the findings about a program.
     """
-    left, waits, span, hides = findings, None, Span(0, 0), False
-    for cursor in sorted(cursors, reverse=True):  # what is undone at one then moves none that is left
-        there, place = _judge_at(text, program, findings, cursor, running, check)
+    left, waiting, hides = findings, [], False
+    for cursor in sorted(cursors):
+        there, span = _judge_at(text, program, findings, cursor, running, check)
         hides |= there.hides
         left = tuple(each for each in left if each in there.findings)
-        if waits is None:
-            waits, span = there.unmeant, place
-        elif there.unmeant is not None:
-            waits = _together(waits, span, there.unmeant, place, running)
-            span = Span(min(place.start, span.start), max(place.end, span.end))
-    return Judgement(program, left, waits, hides)
-
-
-def _together(later: Unmeant, span: Span, earlier: Unmeant, place: Span, running: Program) -> Unmeant:
-    """Return what is not meant at two places of a text."""
-    if span.start <= place.start and place.end <= span.end:
-        instead = later.instead
-    elif place.start <= span.start and span.end <= place.end:
-        instead = earlier.instead
-    else:
-        instead = without_change(later.instead, running, place)
-    return Unmeant(
-        instead,
-        earlier.reason or later.reason,
-        earlier.always or later.always,
-        earlier.element or later.element,
-    )
+        if there.unmeant is not None:
+            waiting.append((there.unmeant, span))
+    unmeant = waiting[0][0] if waiting else None
+    if program is not None and len(waiting) > 1:
+        every = [each for each, _ in waiting]
+        unmeant = Unmeant(
+            without_change(program, running, *[span for _, span in waiting]),
+            next((each.reason for each in every if each.reason), ""),
+            any(each.always for each in every),
+            next((each.element for each in every if each.element), None),
+        )
+    return Judgement(program, left, unmeant, hides)
 
 
 def _judge_at(
@@ -213,30 +203,26 @@ def _reason(error: Finding) -> str:
     return f"waits: {problem[0].lower()}{problem[1:]}"
 
 
-def without_change(program: Program, before: Program, span: Span) -> Program:
-    """Return a program without what has changed at a range of its text since another program.
+def without_change(program: Program, before: Program, *spans: Span) -> Program:
+    """Return a program without what has changed at some ranges of its text since another program.
 
     The changes elsewhere stay. Where they cannot be separated, the result is the other program.
     """
-    text = _without_change(program.text, before.text, span)
+    parts, at, place = [], 0, 0
+    for length, new in text_difference(before.text, program.text):
+        then = before.text[place : place + length]
+        now = then if new is None else new
+        is_there = any(at <= span.end and span.start <= at + len(now) for span in spans)
+        parts.append(then if is_there else now)
+        at += len(now)
+        place += length
+    text = "".join(parts)
     if text == before.text:
         return before
     if text == program.text:
         return program
     found, _ = scan(text, program.filename)
     return before if found is None else found
-
-
-def _without_change(text: str, old: str, span: Span) -> str:
-    parts, at, place = [], 0, 0
-    for length, new in text_difference(old, text):
-        then = old[place : place + length]
-        now = then if new is None else new
-        is_there = at <= span.end and span.start <= at + len(now)
-        parts.append(then if is_there else now)
-        at += len(now)
-        place += length
-    return "".join(parts)
 
 
 def _word_at(text: str, offset: int) -> Span | None:
