@@ -14,7 +14,7 @@ from contextlib import ExitStack
 from typing import Any
 
 from lrp_jupyter.errors import LRPError, sentence_of
-from lrp_jupyter.grading.worker import LOST, Outcome, Request
+from lrp_jupyter.grading.worker import LOST, Ending, Request
 from lrp_jupyter.process import safe_path
 
 _LOCAL = "127.0.0.1:0"  # any port, for this machine only
@@ -34,7 +34,7 @@ class Cluster:
 
     patience = 5.0
 
-    def __init__(self, address: str, make: Callable[[Request], Outcome], processes: int) -> None:
+    def __init__(self, address: str, make: Callable[[Request], Ending], processes: int) -> None:
         try:
             import distributed
         except ImportError as error:
@@ -75,13 +75,13 @@ class Cluster:
             raise self._gone(error) from error
         return max(1, threads)
 
-    def submit(self, request: Request) -> Future[Outcome]:
+    def submit(self, request: Request) -> Future[Ending]:
         """Have a run made."""
-        future: Future[Outcome] = self._executor.submit(self._make, request)
+        future: Future[Ending] = self._executor.submit(self._make, request)
         return future
 
-    def result(self, future: Future[Outcome]) -> Outcome:
-        """Return the outcome of a run; it is lost if it has ended the Dask workers that tried it.
+    def result(self, future: Future[Ending]) -> Ending:
+        """Return the ending of a run; it is lost if it has ended the Dask workers that tried it.
 
         Raises LRPError: the scheduler is gone, or a worker cannot make runs.
         """

@@ -1,6 +1,6 @@
 """A worker: a process that makes graded runs, each in a process forked from it.
 
-It prints a line when it is ready, and one for each run. A request is pickled; an outcome is JSON, because a
+It prints a line when it is ready, and one for each run. A request is pickled; an ending is JSON, because a
 program that is graded may have written it. What programs print goes nowhere. Where processes cannot be
 forked, it makes one run, prints its answer, and ends.
 """
@@ -40,7 +40,7 @@ class Request(NamedTuple):
     limit: float
 
 
-class Outcome(NamedTuple):
+class Ending(NamedTuple):
     """How the process of a run ended.
 
     `code`: its exit code; None if it was ended because it took too long.
@@ -51,7 +51,7 @@ class Outcome(NamedTuple):
     answer: str
 
 
-LOST = Outcome(-9, "")
+LOST = Ending(-9, "")
 """The process was killed from outside."""
 
 
@@ -66,23 +66,23 @@ def _longest(limit: float) -> float:
 
 def main() -> None:
     """Make runs until the standard input is closed."""
-    requests, outcomes = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    requests, endings = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
     _prctl(_SET_CHILD_SUBREAPER, 1)  # what a run leaves behind becomes a child of this process
     message = READY
     while True:
-        outcomes.write(message)
-        outcomes.flush()
+        endings.write(message)
+        endings.flush()
         try:
             job, limit = pickle.load(requests)
         except EOFError:
             return
         if not FORKS:
-            outcomes.write(_answer(job, limit))
+            endings.write(_answer(job, limit))
             return
-        code, answer = _forked(job, limit, requests.fileno(), outcomes.fileno())
+        code, answer = _forked(job, limit, requests.fileno(), endings.fileno())
         message = b"%b\n" % json.dumps([code, answer.decode(errors="replace")]).encode()
 
 
@@ -121,14 +121,14 @@ def _limit(memory: float, seconds: float) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
-def _forked(job: bytes, limit: float, requests: int, outcomes: int) -> tuple[int | None, bytes]:
+def _forked(job: bytes, limit: float, requests: int, endings: int) -> tuple[int | None, bytes]:
     """Make a run in a process of its own; return its exit code, None if it took too long, and its answer."""
     reading, writing = os.pipe()
     child = os.fork()
     if not child:
         _prctl(_SET_PDEATHSIG, signal.SIGKILL)  # it ends with its worker, also in a call of C
         os.setsid()
-        for pipe in (reading, requests, outcomes):
+        for pipe in (reading, requests, endings):
             os.close(pipe)
         with os.fdopen(writing, "wb") as file:
             file.write(_answer(job, limit))
@@ -147,7 +147,7 @@ def _forked(job: bytes, limit: float, requests: int, outcomes: int) -> tuple[int
 def _read(answers: int, requests: int, end: float) -> tuple[bool, bytes]:
     """Return whether a run took too long, or is not needed any more, and what it wrote.
 
-    No request comes before the outcome of the last one, so if there is anything to read from that pipe, it
+    No request comes before the ending of the last one, so if there is anything to read from that pipe, it
     is its end: the process that wanted the run is gone.
     """
     data = b""

@@ -29,7 +29,7 @@ from pathlib import Path
 from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
 from lrp_jupyter.grading.cluster import Cluster
-from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Outcome, Request, patience
+from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Ending, Request, patience
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.checkpoints import names_of
@@ -98,7 +98,7 @@ class _Batch:
 
     def made_by(self, crew: _Processors | Cluster) -> Iterator[tuple[int, Attempt]]:
         """Have a crew make the runs."""
-        running: dict[Future[Outcome], int] = {}
+        running: dict[Future[Ending], int] = {}
         while True:
             while (index := self._next(running.values(), crew.size)) is not None:
                 running[crew.submit(_packed(self._jobs[index], self._memory))] = index
@@ -125,19 +125,19 @@ class _Batch:
             self._waiting.remove(index)
         return index
 
-    def _made(self, index: int, crew: _Processors | Cluster, future: Future[Outcome]) -> Attempt | None:
+    def _made(self, index: int, crew: _Processors | Cluster, future: Future[Ending]) -> Attempt | None:
         """Return what came of a run; None if it is to be made again."""
         job = self._jobs[index]
         try:
-            outcome = crew.result(future)
+            ending = crew.result(future)
         except LRPError:
             if self._is_alone or not self._has_ended:
                 raise
-            outcome = LOST
-        if outcome == LOST and not self._is_alone:
+            ending = LOST
+        if ending == LOST and not self._is_alone:
             self._lost += [index, *self._withdraw(job)]
             return None
-        return _attempt_of(job, outcome)
+        return _attempt_of(job, ending)
 
     def _end(self, index: int, made: Attempt) -> Attempt:
         self._has_ended = True
@@ -169,10 +169,10 @@ class _Processors:
         self._busy: set[_Worker] = set()
         self._is_closed = False
 
-    def submit(self, request: Request) -> Future[Outcome]:
-        return self._pool.submit(self.outcome, request)
+    def submit(self, request: Request) -> Future[Ending]:
+        return self._pool.submit(self.ending, request)
 
-    def outcome(self, request: Request) -> Outcome:
+    def ending(self, request: Request) -> Ending:
         """Have a worker that is idle, or a new one, make a run.
 
         Raises LRPError: a worker cannot be started.
@@ -191,7 +191,7 @@ class _Processors:
             else:
                 _idle.append(worker)
 
-    def result(self, future: Future[Outcome]) -> Outcome:
+    def result(self, future: Future[Ending]) -> Ending:
         return future.result()
 
     def close(self) -> None:
@@ -201,12 +201,12 @@ class _Processors:
         self._pool.shutdown()
 
 
-def answer(request: Request) -> Outcome:
+def answer(request: Request) -> Ending:
     """Have a worker of this machine make a run; a Dask worker does.
 
     Raises LRPError: a worker cannot be started.
     """
-    return _Processors(1).outcome(request)
+    return _Processors(1).ending(request)
 
 
 _idle: list[_Worker] = []
@@ -254,12 +254,12 @@ class _Worker:
         self._pipes = self.process.stdin, self.process.stdout, self.process.stderr
         self._is_ready = self.is_spent = False
 
-    def ask(self, request: Request) -> Outcome:
+    def ask(self, request: Request) -> Ending:
         """Have a run made.
 
         Raises LRPError: the worker does not start.
         """
-        requests, outcomes, _ = self._pipes
+        requests, endings, _ = self._pipes
         self.is_spent, line = True, b""
         self._begin()
         with (
@@ -268,22 +268,22 @@ class _Worker:
         ):  # it was closed
             pickle.dump(tuple(request), requests)
             requests.flush()
-            line = outcomes.readline(8 * LARGEST)  # of which a character may need six
+            line = endings.readline(8 * LARGEST)  # of which a character may need six
         if not FORKS:
-            return Outcome(None if is_late.is_set() else self._code(), line.decode(errors="replace"))
+            return Ending(None if is_late.is_set() else self._code(), line.decode(errors="replace"))
         with suppress(ValueError, TypeError, RecursionError):
             code, answer = json.loads(line)
             if isinstance(answer, str) and isinstance(code, int | None):
                 self.is_spent = False
-                return Outcome(code, answer)
+                return Ending(code, answer)
         return LOST
 
     def _begin(self) -> None:
-        _, outcomes, complaints = self._pipes
+        _, endings, complaints = self._pipes
         if self._is_ready:
             return
         with self._at_most(_STARTING):
-            if outcomes.readline() != READY:
+            if endings.readline() != READY:
                 words = complaints.read().decode(errors="replace").split("\n")
                 raise _unstarted(next(filter(None, map(str.strip, reversed(words))), "it has ended"))
         self._is_ready = True
@@ -347,27 +347,27 @@ def _unstarted(reason: str) -> LRPError:
     )
 
 
-def _attempt_of(job: Job, outcome: Outcome) -> Attempt:
+def _attempt_of(job: Job, ending: Ending) -> Attempt:
     """Return the attempt that a worker's answer describes.
 
     The program could write it: what is not the answer for this run is none.
     """
     with suppress(ValueError, RecursionError):
-        return Attempt.from_dict(json.loads(outcome.answer)).of(job)
-    if outcome.code is None:
+        return Attempt.from_dict(json.loads(ending.answer)).of(job)
+    if ending.code is None:
         reason = (
             "A call into compiled code did not return. Let the blocks wait for nothing, and stop no process."
         )
         return failed("time", f"is computed within {job.limit:g} s", reason).of(job)
-    return failed("crash", "runs to its end", _reason(outcome)).of(job)
+    return failed("crash", "runs to its end", _reason(ending)).of(job)
 
 
-def _reason(outcome: Outcome) -> str:
+def _reason(ending: Ending) -> str:
     """Return why the process of a run has ended without its answer."""
-    code = outcome.code or 0
-    if outcome.answer:
+    code = ending.code or 0
+    if ending.answer:
         return "The run ended with an answer that is none. Let the program write to its own files only."
-    if outcome == LOST:
+    if ending == LOST:
         return "Its process was killed, and once more when it was run again, alone."
     if not code:
         return "The run ended without an answer. Let the program end or stop no process, and close no files."
