@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,8 +17,8 @@ from lrp_jupyter.grading.record import RunRecord, at_start
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.worlds import load as load_world
 
-Hint = Callable[[RunRecord], str | None]
-"""A function that inspects a failed run and returns a hint if it finds its mistake, else None."""
+Hint = Callable[[RunRecord], str | Iterable[str] | None]
+"""A function that inspects a failed run and returns a hint if it finds its mistake, or several, else None."""
 
 folder: ContextVar[Path] = ContextVar("folder", default=Path())
 """The folder from which the files of worlds are loaded."""

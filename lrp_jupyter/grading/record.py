@@ -57,6 +57,18 @@ class Sample(NamedTuple):
         return before.distance(self) > _STILL or abs(before.heading - self.heading) > 0.02
 
 
+class Turned(NamedTuple):
+    """Angles to the left and to the right, added up: degrees, each 0 or more."""
+
+    left: float
+    right: float
+
+    @property
+    def total(self) -> float:
+        """Both angles together."""
+        return self.left + self.right
+
+
 def angle_between(first: Sample, second: Sample) -> float:
     """Return the angle turned from one sample to the next, in radians; positive to the left."""
     return (second.heading - first.heading + math.pi) % (2 * math.pi) - math.pi
@@ -144,10 +156,14 @@ class RunRecord:
         self._folds[key] = len(samples), result
         return result
 
-    def first(self, condition: Callable[[Sample], object], key: object) -> Sample | None:
-        """Return the first sample of which a condition holds; each is asked once."""
+    def first(self, condition: Callable[[Sample], object], key: object = None) -> Sample | None:
+        """Return the first sample of which a condition holds; with a key, each is asked once."""
         nothing: Sample | None = None
         return self.fold(lambda found, now, _: found or (now if condition(now) else None), nothing, key)
+
+    def last(self, condition: Callable[[Sample], object]) -> Sample | None:
+        """Return the last sample of which a condition holds."""
+        return next(filter(condition, reversed(self.samples)), None)
 
     def entered(self, state: str | Path) -> Sample | None:
         """Return the first sample in which a state, given by name or path, was active."""
@@ -164,17 +180,19 @@ class RunRecord:
         return self.fold(_driven, 0.0)
 
     @property
-    def turned(self) -> tuple[float, float]:
-        """The angles that it was told to turn and did, to the left and to the right: degrees, each 0 or more.
-
-        What noise and collisions turn does not count.
-        """
-        return self.fold(_turned, (0.0, 0.0))
+    def turned(self) -> Turned:
+        """The angles that the robot has turned on command; what noise and collisions turn does not count."""
+        return self.fold(_turned, Turned(0.0, 0.0))
 
     @property
     def still_since(self) -> float:
         """The time since which the robot has stood still without trying to move."""
         return self.fold(_still, 0.0)
+
+    @property
+    def stood(self) -> float:
+        """How long the robot has stood still at the end without trying to move, in seconds."""
+        return self.seconds - self.still_since
 
     def inside(self, zone: str) -> Iterator[Sample]:
         """Yield the samples at which the middle of the robot was in a zone."""
@@ -184,6 +202,14 @@ class RunRecord:
     def touches(self, solid: str) -> Iterator[Sample]:
         """Yield the samples at which a solid was touched."""
         return (sample for sample in self.samples if solid in sample.touched)
+
+    def entry(self, zone: str) -> Sample | None:
+        """Return the first sample at which the middle of the robot was in a zone."""
+        return next(self.inside(zone), None)
+
+    def touch(self, solid: str = "") -> Sample | None:
+        """Return the first sample at which a solid was touched; without a name, anything."""
+        return self.first(lambda now: solid in now.touched if solid else now.touched)
 
 
 def at_start(world: World) -> RunRecord:
@@ -203,9 +229,9 @@ def _driven(so_far: float, now: Sample, before: Sample) -> float:
     return so_far + now.distance(before)
 
 
-def _turned(so_far: tuple[float, float], now: Sample, before: Sample) -> tuple[float, float]:
+def _turned(so_far: Turned, now: Sample, before: Sample) -> Turned:
     degrees = math.degrees(angle_between(before, now)) if before.command[1] else 0.0
-    return so_far[0] + max(0.0, degrees), so_far[1] + max(0.0, -degrees)
+    return Turned(so_far.left + max(0.0, degrees), so_far.right + max(0.0, -degrees))
 
 
 def _still(since: float, now: Sample, before: Sample) -> float:

@@ -2,40 +2,40 @@
 
 from __future__ import annotations
 
-from lrp_jupyter.grading.bundled.hints import restarted, was_not_edited
+from collections.abc import Iterator
+
+from lrp_jupyter.grading.bundled.hints import restarted_or_not_edited
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import edited, gets_away, keeps_driving, never_restarts, slows_to
 from lrp_jupyter.grading.record import RunRecord
 
 
-def _stayed(run: RunRecord) -> str | None:
-    turned = sum(run.turned)
-    if run.driven < 0.01 and not turned:
-        return None
-    if turned > 90:
-        return (
-            f"The robot turned {turned:.0f}° and stayed in its place: `angular` turns, `linear` drives."
-            " Write `robot.move(linear=0.2)`."
+def _stayed(run: RunRecord) -> Iterator[str]:
+    if run.driven < 0.01 and not run.turned.total:
+        return
+    if run.turned.total > 90:
+        yield (
+            f"The robot turned {run.turned.total:.0f}° and stayed in its place: `angular` turns, `linear`"
+            " drives. Write `robot.move(linear=0.2)`."
         )
-    if run.driven > 0.3:
-        return (
-            f"The robot drove {run.driven * 100:.0f} cm, but it came back again and again. Let it drive on."
-        )
-    if run.still_since < run.seconds - 1:
-        return None
-    return f"The robot drove {run.driven * 100:.0f} cm in {run.seconds:.0f} s. Let it drive faster."
+    elif run.driven > 0.3:
+        yield f"The robot drove {run.driven * 100:.0f} cm, but it came back again and again. Let it drive on."
+    elif run.stood <= 1:
+        yield f"The robot drove {run.driven * 100:.0f} cm in {run.seconds:.0f} s. Let it drive faster."
 
 
-def _other_speed(run: RunRecord) -> str | None:
+def _other_speed(run: RunRecord) -> Iterator[str]:
+    yield from restarted_or_not_edited(run)
     if len(run.programs) < 2:
-        return None
-    if run.still_since < run.seconds - 1:
-        return f"After the edit, the robot stopped at {run.still_since:.1f} s. Change only its speed."
-    return (
-        "After the edit, the robot drove on, but not at half the speed. Which number is its speed, and what"
-        " is half of it?"
-    )
+        return
+    if run.stood > 1:
+        yield f"After the edit, the robot stopped at {run.still_since:.1f} s. Change only its speed."
+    else:
+        yield (
+            "After the edit, the robot drove on, but not at half the speed. Which number is its speed, and"
+            " what is half of it?"
+        )
 
 
 FIRST_MOVE = Challenge(
@@ -57,7 +57,7 @@ HALF_THE_SPEED = Challenge(
     ("empty",),
     (edited(), slows_to(0.5), keeps_driving(1), never_restarts()),
     120,
-    (was_not_edited, restarted, _other_speed),
+    (_other_speed,),
     noise={"motor": 0.02},
     seeds=3,
     starter=starter("half the speed"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import pushes
@@ -25,55 +27,37 @@ def _box_after(metres: float, goal: float) -> World:
     )
 
 
-def _never_touched_it(run: RunRecord) -> str | None:
-    if next(run.touches("box"), None) is not None:
-        return None
-    return f"The robot never touched the box; it drove {run.driven:.2f} m. The box is straight ahead."
-
-
-def _place(run: RunRecord) -> tuple[float, float, float]:
-    """Return where the box is, and how far before the goal (negative: in it, or behind it), in metres."""
+def _hints(run: RunRecord) -> Iterator[str]:
     x, y, _ = run.samples[-1].solids[0]
     goal = run.world.zones["goal"]
     assert isinstance(goal, CircleZone)
     middle, _, radius = goal.circle
-    return x, y, middle - radius - x
-
-
-def _pushed_too_far(run: RunRecord) -> str | None:
-    x, y, way = _place(run)
-    if way > 0 or run.world.zones["goal"].contains(x, 1) or abs(y - 1) > 0.25:
-        return None
-    return (
-        f"The box was pushed through the goal, to x = {x:.2f} m. Stop at the black line:"
-        " `[robot.light.data < 128]`."
-    )
-
-
-def _pushed_too_little(run: RunRecord) -> str | None:
-    x, y, way = _place(run)
-    if next(run.touches("box"), None) is None or way <= 0 or abs(y - 1) > 0.25:
-        return None
-    if run.still_since > run.seconds - 1:
-        return (
+    way = middle - radius - x  # m before the goal; negative: in it, or behind it
+    at_box = run.last(lambda sample: "box" in sample.touched)
+    if at_box is None:
+        yield f"The robot never touched the box; it drove {run.driven:.2f} m. The box is straight ahead."
+    elif at_box.time <= run.seconds - 2 and run.still_since >= at_box.time + 1:
+        yield (
+            f"The robot lost the box after {at_box.time:.1f} s and drove on; the box is at x = {x:.2f} m, y ="
+            f" {y:.2f} m. Drive straight on while you push, and slowly."
+        )
+    if abs(y - 1) > 0.25:
+        return
+    if way <= 0 and not goal.contains(x, 1):
+        yield (
+            f"The box was pushed through the goal, to x = {x:.2f} m. Stop at the black line:"
+            " `[robot.light.data < 128]`."
+        )
+    if way > 0 and at_box and run.stood < 1:
+        yield (
             f"When the time was over, the robot still pushed, and the box was at x = {x:.2f} m. Drive faster."
         )
-    return (
-        f"The robot stopped after {run.still_since:.1f} s, and the box is at x = {x:.2f} m, {way:.2f} m"
-        " before the goal, which is elsewhere in each world: only the black line says when the box is in it."
-    )
-
-
-def _lost_it(run: RunRecord) -> str | None:
-    last: float | None = None
-    last = run.fold(lambda so_far, now, _: now.time if "box" in now.touched else so_far, last, "at the box")
-    if last is None or last > run.seconds - 2 or run.still_since < last + 1:
-        return None
-    x, y, _ = _place(run)
-    return (
-        f"The robot lost the box after {last:.1f} s and drove on; the box is at x = {x:.2f} m, y = {y:.2f} m."
-        " Drive straight on while you push, and slowly."
-    )
+    elif way > 0 and at_box:
+        yield (
+            f"The robot stopped after {run.still_since:.1f} s, and the box is at x = {x:.2f} m, {way:.2f} m"
+            " before the goal, which is elsewhere in each world: only the black line says when the box is in"
+            " it."
+        )
 
 
 PUSH_THE_BOX = Challenge(
@@ -83,7 +67,7 @@ PUSH_THE_BOX = Challenge(
     (_box_after(0.3, 1.8), _box_after(0.6, 2.4), _box_after(0.9, 2.1)),
     (pushes("box", "goal", 2),),
     40,
-    (_never_touched_it, _lost_it, _pushed_too_far, _pushed_too_little),
+    (_hints,),
     noise={"motor": 0.02},
     starter=starter("push the box"),
 )

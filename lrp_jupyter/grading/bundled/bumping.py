@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from lrp_jupyter.grading.bundled.hints import kept_pushing, longest_push, never_touched
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
@@ -51,93 +53,77 @@ def _drives_backward(sample: Sample) -> bool:
     return sample.command[0] < 0
 
 
-def _went_on_pushing(run: RunRecord) -> str | None:
-    touched = next(run.touches("wall"), None)
-    if touched is None or run.still_since - touched.time < 1:
-        return None
-    return (
-        f"The robot met the wall after {touched.time:.1f} s and kept pushing. At the event"
-        " `[robot.bumper.data == 1]`, enter a state that does nothing."
-    )
-
-
-def _left_the_wall(run: RunRecord) -> str | None:
-    if run.first(_drives_backward, "drives backward") is None:
-        return None
-    return "The robot drove backward. It has to stay at the wall: enter a state that does nothing."
-
-
-def _to_and_fro(run: RunRecord) -> str | None:
-    walls = {wall for sample in run.samples for wall in sample.touched}
-    if len(walls) != 2 or run.fold(_backs, 0) < 3:
-        return None
-    return (
-        f"The robot only goes to and fro between the {' and the '.join(sorted(walls))}."
-        " Turn by another angle: half a turn leads back to where it came from."
-    )
-
-
 def _backs(count: int, now: Sample, before: Sample) -> int:
     return count + (_drives_backward(now) and not _drives_backward(before))
 
 
-def _did_not_back_off(run: RunRecord) -> str | None:
-    if not run.first(lambda sample: sample.touched, "touches anything") or run.fold(_backs, 0):
-        return None
-    return (
-        "The robot bumped and never drove backward. `robot.move(linear=-0.2)` for a second makes room to"
-        " turn."
-    )
+def _did_not_stay(run: RunRecord) -> Iterator[str]:
+    if run.first(_drives_backward):
+        yield "The robot drove backward. It has to stay at the wall: enter a state that does nothing."
+    touched = run.touch("wall")
+    if touched and run.still_since - touched.time >= 1:
+        yield (
+            f"The robot met the wall after {touched.time:.1f} s and kept pushing. At the event"
+            " `[robot.bumper.data == 1]`, enter a state that does nothing."
+        )
+    yield from never_touched(run)
 
 
-def _backed_off_once(run: RunRecord) -> str | None:
-    if run.fold(_backs, 0) != 1 or run.still_since > run.seconds - 3:
-        return None
-    return (
-        f"The robot backed off once and stands still since {run.still_since:.1f} s. A transition has to lead"
-        " back to the state that drives, such as `(ontime 1500 turning -> driving)`."
-    )
+def _did_not_turn(run: RunRecord) -> Iterator[str]:
+    yield from kept_pushing(run)
+    times = run.fold(_backs, 0)
+    if run.touch() and not times:
+        yield (
+            "The robot bumped and never drove backward. `robot.move(linear=-0.2)` for a second makes room to"
+            " turn."
+        )
+    if times == 1 and run.stood >= 3:
+        yield (
+            f"The robot backed off once and stands still since {run.still_since:.1f} s. A transition has to"
+            " lead back to the state that drives, such as `(ontime 1500 turning -> driving)`."
+        )
+    walls = {wall for sample in run.samples for wall in sample.touched}
+    if len(walls) == 2 and times >= 3:
+        yield (
+            f"The robot only goes to and fro between the {' and the '.join(sorted(walls))}."
+            " Turn by another angle: half a turn leads back to where it came from."
+        )
+    yield from never_touched(run)
 
 
-def _never_lit(run: RunRecord) -> str | None:
-    if run.first(lambda sample: sample.lamp, "lit") or run.first(_drives_backward, "drives backward") is None:
-        return None
-    return "The lamp was never lit. `robot.lamp(True)` in the `onentry` of a state lights it."
-
-
-def _never_dark_again(run: RunRecord) -> str | None:
-    lit = run.first(lambda sample: sample.lamp, "lit")
-    if lit is None or not all(sample.lamp for sample in run.samples if sample.time >= lit.time):
-        return None
-    if not _drives_backward(run.samples[-1]) and run.first(_drives_backward, "drives backward") is not None:
-        return (
+def _lit_wrongly(run: RunRecord) -> Iterator[str]:
+    lit, backs = run.first(lambda sample: sample.lamp), run.first(_drives_backward)
+    if lit is None:
+        if backs:
+            yield "The lamp was never lit. `robot.lamp(True)` in the `onentry` of a state lights it."
+    elif not all(sample.lamp for sample in run.samples if sample.time >= lit.time):
+        return
+    elif backs and not _drives_backward(run.samples[-1]):
+        yield (
             f"The lamp was switched on after {lit.time:.1f} s and stayed on. The `onexit` of the same state"
             " can switch it off: `robot.lamp(False)`."
         )
-    return (
-        "The lamp was lit before the robot drove backward. Light it in the `onentry` of the state that backs"
-        " off."
-    )
+    else:
+        yield (
+            "The lamp was lit before the robot drove backward. Light it in the `onentry` of the state that"
+            " backs off."
+        )
 
 
-def _pushed_in_a_state(run: RunRecord) -> str | None:
-    longest, since, wall, _ = run.fold(longest_push, (0.0, 0.0, "", 0.0))
-    if longest <= 1:
-        return None
-    state = next(
-        (path[-1] for sample in run.samples if sample.time > since + 0.5 for path in sample.active), ""
-    )
-    return (
-        f"The robot pushed against the {wall} in `{state}`: no transition leads out of it at a bump. `*` as"
-        " the source of a transition stands for every state."
-    )
-
-
-def _lost_a_state(run: RunRecord) -> str | None:
-    missing = [state for state in _WANDERING if run.entered(state) is None]
-    if not missing:
-        return None
-    return f"`{missing[0]}` was never active. Keep the states of the program, and add what leads out of them."
+def _stayed_in_a_state(run: RunRecord) -> Iterator[str]:
+    push = longest_push(run)
+    if push.seconds > 1:
+        later = run.first(lambda sample: sample.time > push.since + 0.5 and sample.active)
+        state = later.active[0][-1] if later else ""
+        yield (
+            f"The robot pushed against the {push.solid} in `{state}`: no transition leads out of it at a"
+            " bump. `*` as the source of a transition stands for every state."
+        )
+    missing = next((state for state in _WANDERING if run.entered(state) is None), None)
+    if missing:
+        yield f"`{missing}` was never active. Keep the states of the program, and add what leads out of them."
+    yield from kept_pushing(run)
+    yield from never_touched(run)
 
 
 BUMP_AND_STAY = Challenge(
@@ -146,7 +132,7 @@ BUMP_AND_STAY = Challenge(
     tuple(map(_wall_ahead, (0.5, 0.9, 1.4))),
     (touches("wall"), stops_at("wall", 1), ends_still(2)),
     20,
-    (_left_the_wall, _went_on_pushing, never_touched),
+    (_did_not_stay,),
     noise={"motor": 0.02},
     starter=starter("bump and stay"),
 )
@@ -158,7 +144,7 @@ BUMP_AND_TURN = Challenge(
     _ROOMS,
     (backs_off(2), bumps(3, walls=3), never_pushes(1)),
     60,
-    (kept_pushing, _did_not_back_off, _backed_off_once, _to_and_fro, never_touched),
+    (_did_not_turn,),
     noise={"motor": 0.02},
     starter=starter("bump and turn"),
 )
@@ -170,7 +156,7 @@ LAMP = Challenge(
     _ROOMS,
     (lit_while("drives backward", _drives_backward), backs_off(3)),
     40,
-    (_never_lit, _never_dark_again),
+    (_lit_wrongly,),
     noise={"motor": 0.02},
     starter=starter("lamp"),
 )
@@ -184,7 +170,7 @@ BUMP_OUT = Challenge(
     _ROOMS,
     (bumps_in(*_WANDERING), backs_off(5), never_pushes(1)),
     240,
-    (_pushed_in_a_state, _lost_a_state, kept_pushing, never_touched),
+    (_stayed_in_a_state,),
     noise={"motor": 0.02},
     starter=starter("bump out of everything"),
 )

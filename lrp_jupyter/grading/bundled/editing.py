@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from lrp_jupyter.grading.bundled.hints import restarted, was_not_edited
+from collections.abc import Iterator
+from itertools import pairwise
+
+from lrp_jupyter.grading.bundled.hints import restarted_or_not_edited
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import drives_on, edited, never_restarts, touches_nothing, visits
@@ -25,55 +28,47 @@ def _hall() -> World:
     )
 
 
-def _turned_blind(run: RunRecord) -> str | None:
-    none: float | None = None
-    began = run.fold(_turn_without_sight, none, "began to turn without sight")
-    if began is None:
-        return None
-    return (
-        f"After {began:.1f} s the sensor saw nothing, and the robot began to turn as if a wall were near. It"
-        " has to stand still until the sensor sees again, and then go on with what it did."
-    )
+def _sees_nothing(sample: Sample) -> bool:
+    return sample.distances[0] == float("inf")
 
 
-def _turn_without_sight(so_far: float | None, now: Sample, before: Sample) -> float | None:
-    """Keep when the robot first stopped driving in order to turn while the sensor saw nothing."""
-    turns = now.command[1] != 0 and now.command[0] == 0 and before.command[0] > 0
-    return now.time if so_far is None and turns and now.distances[0] == float("inf") else so_far
+def _begins_to_turn(before: Sample, now: Sample) -> bool:
+    return now.command[1] != 0 and now.command[0] == 0 and before.command[0] > 0
 
 
-def _blind(run: RunRecord) -> str | None:
-    touched = run.first(lambda sample: sample.touched, "touches anything")
-    if touched is None:
-        return None
-    last = [each for each in run.samples if touched.time - 1.5 < each.time <= touched.time]
-    failed = next((each for each in last if each.distances[0] == float("inf") and any(each.command)), None)
-    if failed is None:
-        return (
-            f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s, and its sensor did not"
-            " fail. Turn further away from it."
+def _was_unsafe(run: RunRecord) -> Iterator[str]:
+    yield from restarted_or_not_edited(run)
+    turns = (now for before, now in pairwise(run.samples) if _begins_to_turn(before, now))
+    if blind := next(filter(_sees_nothing, turns), None):
+        yield (
+            f"After {blind.time:.1f} s the sensor saw nothing, and the robot began to turn as if a wall were"
+            " near. It has to stand still until the sensor sees again, and then go on with what it did."
         )
-    return (
-        f"After {failed.time:.1f} s the sensor saw nothing, the robot drove on, and touched the"
-        f" {min(touched.touched)}. In this hall there always is a wall ahead: when `robot.distance.data` is"
-        " `inf`, the sensor has failed, and the robot has to stand still until it sees again."
-    )
+    if touched := run.touch():
+        last = (each for each in run.samples if touched.time - 1.5 < each.time <= touched.time)
+        if blind := next((each for each in last if _sees_nothing(each) and any(each.command)), None):
+            yield (
+                f"After {blind.time:.1f} s the sensor saw nothing, the robot drove on, and touched the"
+                f" {min(touched.touched)}. In this hall there always is a wall ahead: when"
+                " `robot.distance.data` is `inf`, the sensor has failed, and the robot has to stand still"
+                " until it sees again."
+            )
+        else:
+            yield (
+                f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s, and its sensor did"
+                " not fail. Turn further away from it."
+            )
+    if run.stood >= 5:
+        yield (
+            f"The robot stands still since {run.still_since:.1f} s. When the sensor sees again, a transition"
+            " has to lead back to the state that drives."
+        )
 
 
-def _stands(run: RunRecord) -> str | None:
-    if run.still_since > run.seconds - 5:
-        return None
-    return (
-        f"The robot stands still since {run.still_since:.1f} s. When the sensor sees again, a transition has"
-        " to lead back to the state that drives."
-    )
-
-
-def _drove_on_little(run: RunRecord) -> str | None:
-    share, reason = _DRIVES_ON.judge(run)
-    if len(run.programs) < 2 or share >= 1:
-        return None
-    return f"The edit has stopped the robot: {reason}. It has to drive on."
+def _drove_on_little(run: RunRecord) -> Iterator[str]:
+    yield from restarted_or_not_edited(run)
+    if len(run.programs) > 1 and (reason := _DRIVES_ON.missing(run)):
+        yield f"The edit has stopped the robot: {reason}. It has to drive on."
 
 
 _DRIVES_ON = drives_on(0.5)
@@ -86,7 +81,7 @@ SAFE_EDITS = Challenge(
     (_hall(),),
     (edited(), visits(*("east", "west") * 2), touches_nothing(), never_restarts()),
     120,
-    (was_not_edited, restarted, _turned_blind, _blind, _stands),
+    (_was_unsafe,),
     noise={"motor": 0.003, "dropout": 0.06},
     seeds=5,
     starter=starter("safe edits"),
@@ -100,7 +95,7 @@ EDIT_IT_LIVE = Challenge(
     ("oval",),
     (edited(), _DRIVES_ON, never_restarts()),
     120,
-    (was_not_edited, restarted, _drove_on_little),
+    (_drove_on_little,),
     noise={"motor": 0.02},
     seeds=3,
     starter=starter("edit it live"),

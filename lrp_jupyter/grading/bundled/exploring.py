@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
-from lrp_jupyter.grading.bundled.hints import kept_pushing, never_came
+from lrp_jupyter.grading.bundled.hints import kept_pushing
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import covers, looks, sees_line, stays_in, touches_nothing, visits
@@ -72,79 +73,69 @@ def _mirrored(world: World, name: str, *, x: bool = False, y: bool = False) -> W
     )
 
 
-_LOOKS = looks("junction", 60)
+def _went_blindly(run: RunRecord) -> Iterator[str]:
+    touched = run.touch("wall ahead")
+    if touched and run.turned.total <= 30:
+        yield (
+            f"The robot bumped into the wall ahead after {touched.time:.1f} s. Stop before it:"
+            " `[robot.distance.data < 0.2]`."
+        )
+    missing = _LOOKS.missing(run)
+    if not run.entry("junction"):
+        yield (
+            f"The robot stopped before the junction, after {run.driven:.2f} m. The corridor is not always as"
+            " long."
+        )
+    elif missing:
+        yield (
+            f"The robot has to look to both sides before it goes on: {missing}. A machine inside a state can"
+            " look to the left, remember the distance, look to the right, and compare."
+        )
+    if not missing and not run.entry("free way"):
+        free = run.world.zones["free way"]
+        side = "left" if isinstance(free, BoxZone) and free.box[1] > run.samples[0].y else "right"
+        yield (
+            f"The robot looked to both sides, and did not take the way that is free, here to the {side}."
+            " Compare the two values of `robot.distance.data` that were measured: the greater one is the way."
+            " After the look to the right, the robot still looks there; to the left it is half a turn, pi"
+            " radians."
+        )
+    yield from kept_pushing(run)
 
 
-def _looked_to_one_side(run: RunRecord) -> str | None:
-    share, reason = _LOOKS.judge(run)
-    if share >= 1 or next(run.inside("junction"), None) is None:
-        return None
-    return (
-        f"The robot has to look to both sides before it goes on: {reason}. A machine inside a state can look"
-        " to the left, remember the distance, look to the right, and compare."
-    )
-
-
-def _took_the_wrong_way(run: RunRecord) -> str | None:
-    if _LOOKS.judge(run)[0] < 1 or next(run.inside("free way"), None):
-        return None
-    free = run.world.zones["free way"]
-    side = "left" if isinstance(free, BoxZone) and free.box[1] > run.samples[0].y else "right"
-    return (
-        f"The robot looked to both sides, and did not take the way that is free, here to the {side}. Compare"
-        " the two values of `robot.distance.data` that were measured: the greater one is the way. After the"
-        " look to the right, the robot still looks there; to the left it is half a turn, pi radians."
-    )
-
-
-def _bumped_ahead(run: RunRecord) -> str | None:
-    touched = next(run.touches("wall ahead"), None)
-    if touched is None or sum(run.turned) > 30:
-        return None
-    return (
-        f"The robot bumped into the wall ahead after {touched.time:.1f} s. Stop before it:"
-        " `[robot.distance.data < 0.2]`."
-    )
-
-
-def _did_not_come_to_the_junction(run: RunRecord) -> str | None:
-    if next(run.inside("junction"), None) is not None:
-        return None
-    return (
-        f"The robot stopped before the junction, after {run.driven:.2f} m. The corridor is not always as"
-        " long."
-    )
-
-
-def _crossed_the_border(run: RunRecord) -> str | None:
-    left = run.first(lambda sample: not run.world.zones["inside"].contains(sample.x, sample.y), "crosses")
-    if left is None:
-        return None
-    seen = run.first(sees_line, "sees the line")
-    if seen is None or seen.time >= left.time:
-        return "The robot left the field before its light sensor had seen the border. Drive more slowly."
-    return (
-        f"The robot saw the border after {seen.time:.1f} s and was across after {left.time:.1f} s. At black,"
-        " drive back first, and then turn."
-    )
-
-
-def _covered_little(run: RunRecord) -> str | None:
-    inside = run.world.zones["inside"]
-    if not all(inside.contains(sample.x, sample.y) for sample in run.samples):
-        return None
+def _crossed_or_repeated(run: RunRecord) -> Iterator[str]:
+    inside, seen = run.world.zones["inside"], run.first(sees_line)
+    left = run.first(lambda sample: not inside.contains(sample.x, sample.y))
     _, reason = _COVERS.judge(run)
-    seen = run.first(sees_line, "sees the line")
-    if seen is None:
-        return (
+    if left and (seen is None or seen.time >= left.time):
+        yield "The robot left the field before its light sensor had seen the border. Drive more slowly."
+    elif left and seen:
+        yield (
+            f"The robot saw the border after {seen.time:.1f} s and was across after {left.time:.1f} s. At"
+            " black, drive back first, and then turn."
+        )
+    elif seen:
+        yield (
+            f"The robot came by the same places again: {reason}. Turn by another angle each time, or for"
+            " longer."
+        )
+    else:
+        yield (
             f"The robot never came to the border: {reason}. Drive straight on until the border, and turn"
             " there."
         )
-    return (
-        f"The robot came by the same places again: {reason}. Turn by another angle each time, or for longer."
-    )
 
 
+def _lost_its_way(run: RunRecord) -> Iterator[str]:
+    yield from kept_pushing(run)
+    if not run.entry("goal"):
+        yield (
+            "The robot never came to `goal`. Keep a hand on one wall: a wall on the left leads to every"
+            " place."
+        )
+
+
+_LOOKS = looks("junction", 60)
 _COVERS = covers("inside", 0.6)
 
 LOOK_BOTH_WAYS = Challenge(
@@ -158,7 +149,7 @@ LOOK_BOTH_WAYS = Challenge(
     ),
     (_LOOKS, visits("free way"), touches_nothing()),
     60,
-    (_bumped_ahead, _did_not_come_to_the_junction, _looked_to_one_side, _took_the_wrong_way, kept_pushing),
+    (_went_blindly,),
     noise={"motor": 0.02},
     starter=starter("look left, look right"),
 )
@@ -169,7 +160,7 @@ EDGE_GUARD = Challenge(
     ("arena",),
     (_COVERS, stays_in("inside")),
     120,
-    (_crossed_the_border, _covered_little),
+    (_crossed_or_repeated,),
     noise={"motor": 0.02},
     seeds=3,
     starter=starter("edge guard"),
@@ -185,7 +176,7 @@ MAZE = Challenge(
     ),
     (visits("goal"),),
     150,
-    (kept_pushing, never_came("goal", "Keep a hand on one wall: a wall on the left leads to every place.")),
+    (_lost_its_way,),
     noise={"motor": 0.02},
     starter=starter("maze"),
 )

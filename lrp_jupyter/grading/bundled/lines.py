@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from itertools import pairwise
 
 from lrp_jupyter.grading.bundled.hints import ignores, lost_the_line, never_saw_the_line
 from lrp_jupyter.grading.bundled.starters import starter
@@ -76,71 +78,67 @@ def _oval(radius: float) -> World:
     )
 
 
-def _drove_over(run: RunRecord) -> str | None:
-    seen = run.first(sees_line, "sees the line")
-    if seen is None or distance_to(run.world.floor, *run.samples[-1][1:3]) < 0.15:
-        return None
-    return (
-        f"The robot crossed the line after {seen.time:.1f} s and drove on. Let a transition with the"
-        " condition `[robot.light.data < 128]` lead to a state that does nothing."
-    )
+def _drove_over(run: RunRecord) -> Iterator[str]:
+    seen = run.first(sees_line)
+    if seen and distance_to(run.world.floor, *run.samples[-1][1:3]) >= 0.15:
+        yield (
+            f"The robot crossed the line after {seen.time:.1f} s and drove on. Let a transition with the"
+            " condition `[robot.light.data < 128]` lead to a state that does nothing."
+        )
 
 
-def _stopped_before(run: RunRecord) -> str | None:
-    if run.first(sees_line, "sees the line") or run.still_since > run.seconds - 2:
-        return None
+def _stopped_before(run: RunRecord) -> Iterator[str]:
+    if run.first(sees_line) or run.stood < 2:
+        return
     if run.driven < 0.01:
-        return "The robot stopped at once. The line is black, and there the light sensor reads less than 128."
-    return (
-        f"The robot stopped after {run.still_since:.1f} s, when its light sensor had not seen the line yet."
-        " The line is not always as far away: let the sensor decide, not the time."
-    )
+        yield "The robot stopped at once. The line is black, and there the light sensor reads less than 128."
+    else:
+        yield (
+            f"The robot stopped after {run.still_since:.1f} s, when its light sensor had not seen the line"
+            " yet. The line is not always as far away: let the sensor decide, not the time."
+        )
 
 
-def _passed_unseen(run: RunRecord) -> str | None:
-    if run.first(sees_line, "sees the line"):
-        return None
+def _did_not_stop(run: RunRecord) -> Iterator[str]:
+    yield from _drove_over(run)
+    yield from _stopped_before(run)
     crossed = min(distance_to(run.world.floor, sample.x, sample.y) for sample in run.samples) < 0.1
-    step = run.fold(lambda so_far, now, before: max(so_far, now.distance(before)), 0.0, "longest step")
-    if not crossed or step < _LINE:
-        return None
-    return (
-        f"The robot drove over the line and did not see it: its light sensor moved {step * 100:.1f} cm from"
-        f" one reading to the next, and the line is {_LINE * 100:g} cm wide. Drive more slowly."
-    )
+    step = max((now.distance(before) for before, now in pairwise(run.samples)), default=0.0)
+    if crossed and step >= _LINE and not run.first(sees_line):
+        yield (
+            f"The robot drove over the line and did not see it: its light sensor moved {step * 100:.1f} cm"
+            f" from one reading to the next, and the line is {_LINE * 100:g} cm wide. Drive more slowly."
+        )
+    yield from never_saw_the_line(run)
 
 
-def _straight_on(run: RunRecord) -> str | None:
-    if run.first(sees_line, "sees the line") or sum(run.turned) > 60:
-        return None
-    return (
-        "The robot only drove straight on, and the line is not ahead of it. Drive in a bend that becomes"
-        " wider and wider, or turn and go on when the bumper meets the edge."
-    )
+def _did_not_find_it(run: RunRecord) -> Iterator[str]:
+    yield from _drove_over(run)
+    turned, seen = run.turned.total, run.first(sees_line)
+    if not seen and turned <= 60:
+        yield (
+            "The robot only drove straight on, and the line is not ahead of it. Drive in a bend that becomes"
+            " wider and wider, or turn and go on when the bumper meets the edge."
+        )
+    if not seen and turned >= 540:
+        yield (
+            f"The robot turned {turned:.0f}° and came by the same places again. Let the bend become wider:"
+            " make `angular` smaller in `running`, a little each time."
+        )
+    yield from _stopped_before(run)
+    yield from never_saw_the_line(run)
 
 
-def _same_circle(run: RunRecord) -> str | None:
-    turned = sum(run.turned)
-    if run.first(sees_line, "sees the line") or turned < 540:
-        return None
-    return (
-        f"The robot turned {turned:.0f}° and came by the same places again. Let the bend become wider: make"
-        " `angular` smaller in `running`, a little each time."
-    )
-
-
-def _left_the_line(run: RunRecord) -> str | None:
-    if _NEAR.judge(run)[0] >= 1:
-        return None
-    last: float | None = None
-    last = run.fold(lambda so_far, now, _: now.time if sees_line(now) else so_far, last, "last saw the line")
-    if last is None:
-        return None
-    return (
-        f"The light sensor saw the line after {last:.1f} s for the last time, and after {run.seconds:.1f} s"
-        " the robot was too far from it. When it sees white, let the robot stop, look to the left, then to"
-        " the right, and each time a bit further."
-    )
+def _did_not_follow(run: RunRecord) -> Iterator[str]:
+    yield from ignores(run, "light", "The curves are not always as narrow: let the sensor steer.")
+    last = run.last(sees_line)
+    if last and _NEAR.missing(run):
+        yield (
+            f"The light sensor saw the line after {last.time:.1f} s for the last time, and after"
+            f" {run.seconds:.1f} s the robot was too far from it. When it sees white, let the robot stop,"
+            " look to the left, then to the right, and each time a bit further."
+        )
+    yield from lost_the_line(run)
 
 
 _NEAR = near_line(0.12)
@@ -152,7 +150,7 @@ STOP_AT_THE_LINE = Challenge(
     tuple(map(_line_after, (0.5, 0.9, 1.5))),
     (finds_line(), ends_in("at the line"), ends_still(2)),
     20,
-    (_drove_over, _stopped_before, _passed_unseen, never_saw_the_line),
+    (_did_not_stop,),
     noise={"motor": 0.02},
     starter=starter("stop at the line"),
 )
@@ -167,7 +165,7 @@ FIND_THE_LINE = Challenge(
     ),
     (finds_line(), ends_near_line(0.12), ends_still(2)),
     60,
-    (_drove_over, _straight_on, _same_circle, _stopped_before, never_saw_the_line),
+    (_did_not_find_it,),
     noise={"motor": 0.02},
     starter=starter("find the line"),
 )
@@ -178,11 +176,7 @@ FOLLOW_THE_LINE = Challenge(
     tuple(map(_oval, (0.3, 0.45, 0.7))),
     (visits("right", "left", "start"), _NEAR),
     100,
-    (
-        ignores("light", "The curves are not always as narrow: let the sensor steer."),
-        _left_the_line,
-        lost_the_line,
-    ),
+    (_did_not_follow,),
     noise={"motor": 0.02, "light": 5},
     starter=starter("follow the line"),
 )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
+
 from lrp_jupyter.grading.bundled.hints import ignores, longest_push, lost_the_line, never_saw_the_line
 from lrp_jupyter.grading.bundled.starters import starter
-from lrp_jupyter.grading.challenge import Challenge, Hint
+from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import ends_still, touches, within
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.programs import load
 
 _FOLLOWER = load("follower").split("\n\n", 1)[1].replace(")))\n\n(spawn", "))\n)\n\n(spawn")
@@ -14,88 +17,52 @@ _NOISE = {"motor": 0.02, "light": 5.0}
 _LAP = 35.0  # s
 
 
-def _walls(run: RunRecord) -> list[str]:
-    """Return which walls were touched, each once."""
-    return list(dict.fromkeys(wall for sample in run.samples for wall in sorted(sample.touched)))
+_WAYS_OUT = {
+    "far wall": "A bump has to lead out of it: drive back for a second, then turn by pi.",
+    "near wall": "A second bump has to end it: enter a state that stops the robot.",
+}
 
 
-def _ended_at_the_first_bump(run: RunRecord) -> str | None:
-    touched = next(run.touches("far wall"), None)
-    if touched is None or _walls(run) != ["far wall"]:
-        return None
-    if run.seconds - run.still_since < 2 or run.still_since - touched.time > 2:
-        return None
-    return (
-        "The robot ended at the far wall. While the bumper is still pressed, a flag that is changed in"
-        " `bumpback` ends the program one tick later; change it on entering the turn."
-    )
-
-
-def _kept_pushing(run: RunRecord) -> str | None:
-    longest, since, wall, _ = run.fold(longest_push, (0.0, 0.0, "", 0.0))
-    way_out = {
-        "far wall": "A bump has to lead out of it: drive back for a second, then turn by pi.",
-        "near wall": "A second bump has to end it: enter a state that stops the robot.",
-    }.get(wall)
-    if longest <= 3 or way_out is None:
-        return None
-    states = next(sample for sample in run.samples if sample.time > since).active
-    where = f" in `{states[0][-1]}`" if states else ""
-    return f"The robot keeps pushing against the {wall}{where}, from {since:.1f} s on. {way_out}"
-
-
-def _came_to_the_same_wall(run: RunRecord) -> str | None:
-    if _walls(run) != ["far wall"]:
-        return None
-    times = run.fold(_bumps, (0, -9.0))[0]
-    if times < 2:
-        return None
-    return (
-        f"The robot bumped into the far wall {times} times: after the bump it does not turn far enough. Half"
-        " a turn takes pi seconds at 1 rad/s."
-    )
-
-
-def _bumps(so_far: tuple[int, float], now: Sample, _: Sample) -> tuple[int, float]:
-    count, last = so_far
-    if "far wall" not in now.touched:
-        return so_far
-    return count + (now.time - last > 2), now.time
-
-
-def _went_on(run: RunRecord) -> str | None:
+def _hints(run: RunRecord) -> Iterator[str]:
+    yield from ignores(run, "light", "The line is not straight: let the sensor steer.")
+    touched, push = run.touch("far wall"), longest_push(run)
+    is_one_wall = {wall for sample in run.samples for wall in sample.touched} == {"far wall"}
+    if touched and is_one_wall and run.stood >= 2 and run.still_since - touched.time <= 2:
+        yield (
+            "The robot ended at the far wall. While the bumper is still pressed, a flag that is changed in"
+            " `bumpback` ends the program one tick later; change it on entering the turn."
+        )
+    if push.seconds > 3 and push.solid in _WAYS_OUT:
+        states = next(sample for sample in run.samples if sample.time > push.since).active
+        where = f" in `{states[0][-1]}`" if states else ""
+        yield (
+            f"The robot keeps pushing against the {push.solid}{where}, from {push.since:.1f} s on."
+            f" {_WAYS_OUT[push.solid]}"
+        )
+    bumps = [sample.time for sample in run.touches("far wall")]
+    times = sum(time - last > 2 for last, time in pairwise([-9.0, *bumps]))
+    if is_one_wall and times > 1:
+        yield (
+            f"The robot bumped into the far wall {times} times: after the bump it does not turn far enough."
+            " Half a turn takes pi seconds at 1 rad/s."
+        )
+    yield from never_saw_the_line(run)
     share, reason = _TOUCHES.judge(run)
-    if share < 1 or run.still_since < run.seconds - 2:
-        return None
-    return (
-        f"The robot came back to the near wall ({reason}) and went on. The second bump has to lead to a state"
-        " that stops it: is the flag for that ever set?"
-    )
+    if share >= 1 and run.stood <= 2:
+        yield (
+            f"The robot came back to the near wall ({reason}) and went on. The second bump has to lead to a"
+            " state that stops it: is the flag for that ever set?"
+        )
+    yield from lost_the_line(run)
+    if share < 1 and run.stood <= 2:
+        done = f"it had touched the far wall after {touched.time:.1f} s" if touched else ""
+        yield (
+            f"After {run.seconds:.0f} s the robot was still on its way between the walls;"
+            f" {done or 'it had not touched the far wall'}. Where does it lose time: driving, searching, or"
+            " turning?"
+        )
 
 
-def _ran_out_of_time(run: RunRecord) -> str | None:
-    if run.still_since < run.seconds - 2 or _TOUCHES.judge(run)[0] >= 1:
-        return None
-    touched = next(run.touches("far wall"), None)
-    done = "it had not touched the far wall"
-    if touched is not None:
-        done = f"it had touched the far wall after {touched.time:.1f} s"
-    return (
-        f"After {run.seconds:.0f} s the robot was still on its way between the walls; {done}. Where does it"
-        " lose time: driving, searching, or turning?"
-    )
-
-
-_HINTS: tuple[Hint, ...] = (
-    ignores("light", "The line is not straight: let the sensor steer."),
-    _ended_at_the_first_bump,
-    _kept_pushing,
-    _came_to_the_same_wall,
-    never_saw_the_line,
-    _went_on,
-    lost_the_line,
-    _ran_out_of_time,
-)
 _TOUCHES = touches("far wall", "near wall")
 _THERE_AND_BACK = (_TOUCHES, ends_still(2))
 
@@ -105,7 +72,7 @@ THERE_AND_BACK = Challenge(
     ("line",),
     _THERE_AND_BACK,
     120,
-    _HINTS,
+    (_hints,),
     noise=_NOISE,
     seeds=3,
     starter=starter("there and back"),
@@ -119,7 +86,7 @@ DEBUG_THE_LISTING = Challenge(
     ("line",),
     _THERE_AND_BACK,
     300,
-    _HINTS,
+    (_hints,),
     noise=_NOISE,
     seeds=3,
     starter=starter("debug the printed listing"),
@@ -131,7 +98,7 @@ LAP = Challenge(
     ("line",),
     (within(_LAP, _TOUCHES),),
     _LAP,
-    _HINTS,
+    (_hints,),
     noise=_NOISE,
     seeds=3,
     starter=_FOLLOWER,
@@ -144,7 +111,7 @@ ROBUST_FOLLOWER = Challenge(
     ("line",),
     (_TOUCHES,),
     90,
-    _HINTS,
+    (_hints,),
     noise={"motor": 0.35, "light": 50.0},
     seeds=tuple(range(1000, 1050)),
     starter=starter("robust follower"),

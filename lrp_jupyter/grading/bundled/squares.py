@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from itertools import pairwise
 
 from lrp_jupyter.grading.bundled.starters import starter
@@ -29,42 +30,38 @@ _STRAIGHT = drives_straight(0.8)
 _CORNERS = visits("first corner", "second corner", "third corner", "home")
 
 
-def _turned_wrongly(run: RunRecord) -> str | None:
+def _drove_no_square(run: RunRecord) -> Iterator[str]:
     left, right = run.turned
-    if left + right < 20:
-        return (
-            f"The robot drove {run.driven:.2f} m straight on and turned {left + right:.0f}°."
+    if run.turned.total < 20:
+        yield (
+            f"The robot drove {run.driven:.2f} m straight on and turned {run.turned.total:.0f}°."
             " `robot.move(angular=1)` for pi / 2 s is a quarter turn."
         )
-    if right > 45 and right > 2 * left:
-        return f"The robot turned {right:.0f}° to the right. To the left, `angular` is positive."
-    return None
-
-
-def _drove_in_a_bend(run: RunRecord) -> str | None:
-    left, right = run.turned
+    elif right > 45 and right > 2 * left:
+        yield f"The robot turned {right:.0f}° to the right. To the left, `angular` is positive."
     if run.driven < 0.3:
-        return (
-            f"The robot turned {left + right:.0f}° on the spot. Drive a side with `robot.move(linear=0.2)`."
+        yield (
+            f"The robot turned {run.turned.total:.0f}° on the spot. Drive a side with"
+            " `robot.move(linear=0.2)`."
         )
-    if _STRAIGHT.judge(run)[0] >= 1:
-        return None
-    return (
-        "The robot turned while it drove. Drive a side with `linear` only, then turn on the spot with"
-        " `angular` only: in two states."
-    )
+    elif _STRAIGHT.missing(run):
+        yield (
+            "The robot turned while it drove. Drive a side with `linear` only, then turn on the spot with"
+            " `angular` only: in two states."
+        )
+    if left - right >= 420:
+        yield _too_many_corners(run)
+    yield from _other_corner(run)
 
 
-def _went_on(run: RunRecord) -> str | None:
-    left, right = run.turned
-    if left - right < 420:
-        return None
+def _too_many_corners(run: RunRecord) -> str:
+    left = run.turned.left
     if _counts_ticks(run.programs[-1]):
         return (
             "The corners are counted in `running`, which is done in every tick of a corner. Count in"
             " `onexit`, which is done once: `(onexit [corners += 1])`."
         )
-    if run.still_since < run.seconds - 1:
+    if run.stood > 1:
         return (
             f"The robot stopped after {left:.0f}°. If there were four corners, each was {left / 4:.0f}° and"
             " not 90°: at 1 rad/s, a quarter turn takes pi / 2 s."
@@ -90,49 +87,37 @@ def _counts_ticks(program: Program) -> bool:
 _ADDS = re.compile(r"(\b\w+)\s*(\+=|=\s*\1\s*\+)")
 
 
-def _other_corner(run: RunRecord) -> str | None:
-    share, reason = _CORNERS.judge(run)
-    if share >= 1:
-        return None
-    left, right = run.turned
-    return (
-        f"The robot missed a corner: {reason}. Altogether it drove {run.driven:.2f} m and turned"
-        f" {left - right:.0f}°; a side is 0.6 m (at 0.2 m/s, 3000 ms), and each of the four corners 90° (at"
-        " 1 rad/s, 1571 ms)."
-    )
+def _other_corner(run: RunRecord) -> Iterator[str]:
+    if reason := _CORNERS.missing(run):
+        left, right = run.turned
+        yield (
+            f"The robot missed a corner: {reason}. Altogether it drove {run.driven:.2f} m and turned"
+            f" {left - right:.0f}°; a side is 0.6 m (at 0.2 m/s, 3000 ms), and each of the four corners 90°"
+            " (at 1 rad/s, 1571 ms)."
+        )
 
 
-def _changes(run: RunRecord) -> list[float]:
-    """Return when the lamp was switched."""
-    pairs = zip(run.samples, run.samples[1:], strict=False)
-    return [now.time for before, now in pairs if now.lamp != before.lamp]
-
-
-def _never_switched(run: RunRecord) -> str | None:
-    if _changes(run):
-        return None
-    if max(len(sample.active) for sample in run.samples) < 2:
-        return "Only one machine is active. Give `lamp` two states, and spawn it beside the other one."
-    return (
-        f"The lamp was never switched in the first {run.seconds:.1f} s. `robot.lamp(True)` in the `onentry`"
-        " of a state lights it, and `(ontime 1000 …)` leaves the state after a second."
-    )
-
-
-def _other_period(run: RunRecord) -> str | None:
-    times = _changes(run)
+def _blinked_wrongly(run: RunRecord) -> Iterator[str]:
+    times = [now.time for before, now in pairwise(run.samples) if now.lamp != before.lamp]
     phases = [after - before for before, after in pairwise(times)]
     worst = max(phases, key=lambda phase: abs(phase - 1), default=1.0)
-    if abs(worst - 1) > 0.25:
-        return (
+    if not times and max(len(sample.active) for sample in run.samples) < 2:
+        yield "Only one machine is active. Give `lamp` two states, and spawn it beside the other one."
+    elif not times:
+        yield (
+            f"The lamp was never switched in the first {run.seconds:.1f} s. `robot.lamp(True)` in the"
+            " `onentry` of a state lights it, and `(ontime 1000 …)` leaves the state after a second."
+        )
+    elif abs(worst - 1) > 0.25:
+        yield (
             f"Between two switches of the lamp were {worst:.1f} s. `(ontime 1000 lit -> dark)` is one second."
         )
-    if not times or run.seconds - times[-1] <= 1.25:
-        return None
-    return (
-        f"The lamp did not change any more after {times[-1]:.1f} s. It has to blink all the time: a machine"
-        " of its own does not depend on what the other one does."
-    )
+    elif run.seconds - times[-1] > 1.25:
+        yield (
+            f"The lamp did not change any more after {times[-1]:.1f} s. It has to blink all the time: a"
+            " machine of its own does not depend on what the other one does."
+        )
+    yield from _other_corner(run)
 
 
 SQUARE = Challenge(
@@ -141,7 +126,7 @@ SQUARE = Challenge(
     (_square(),),
     (_CORNERS, _STRAIGHT, ends_in("home"), ends_still(1)),
     40,
-    (_turned_wrongly, _drove_in_a_bend, _went_on, _other_corner),
+    (_drove_no_square,),
     noise={"motor": 0.02},
     seeds=3,
     starter=starter("square"),
@@ -153,7 +138,7 @@ LAMP_AND_LEGS = Challenge(
     (_square(),),
     (_CORNERS, blinks(1)),
     40,
-    (_never_switched, _other_period, _other_corner),
+    (_blinked_wrongly,),
     noise={"motor": 0.02},
     seeds=3,
     starter=starter("lamp and legs"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
@@ -46,62 +47,53 @@ def _block(name: str, width: float, height: float) -> World:
     )
 
 
-def _straight_on(run: RunRecord) -> str | None:
-    if sum(run.turned) or run.driven < 0.3:
-        return None
-    return (
-        f"The robot drove {run.driven:.2f} m straight on, and it does not start along the wall. Turn towards"
-        " the wall when it is far, and away from it when it is near: `robot.move` takes `linear` and"
-        " `angular` together."
-    )
-
-
-def _touched(run: RunRecord) -> str | None:
-    found = run.first(lambda sample: sample.touched, "touches anything")
-    if found is None:
-        return None
-    name = min(found.touched)
-    if name == "edge":
-        return (
-            f"The robot left the wall and drove into the edge after {found.time:.1f} s. Turn to the wall when"
-            " it is further away than the distance to keep."
+def _straight_or_too_near(run: RunRecord) -> Iterator[str]:
+    if not run.turned.total and run.driven >= 0.3:
+        yield (
+            f"The robot drove {run.driven:.2f} m straight on, and it does not start along the wall. Turn"
+            " towards the wall when it is far, and away from it when it is near: `robot.move` takes `linear`"
+            " and `angular` together."
         )
-    return (
-        f"The robot touched the {name} after {found.time:.1f} s. Turn away when it is nearer than the"
-        " distance to keep: to the right, `angular` is negative."
-    )
+    touched = run.touch()
+    if touched and min(touched.touched) == "edge":
+        yield (
+            f"The robot left the wall and drove into the edge after {touched.time:.1f} s. Turn to the wall"
+            " when it is further away than the distance to keep."
+        )
+    elif touched:
+        yield (
+            f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s. Turn away when it is"
+            " nearer than the distance to keep: to the right, `angular` is negative."
+        )
 
 
-def _drifted_away(run: RunRecord) -> str | None:
+def _turned_on_the_spot(run: RunRecord) -> Iterator[str]:
+    if run.driven <= 0.3 and run.turned.total >= 180:
+        yield (
+            f"The robot turned {run.turned.total:.0f}° and drove only {run.driven:.2f} m. Give `robot.move`"
+            " both `linear` and `angular`."
+        )
+
+
+def _did_not_keep_along(run: RunRecord) -> Iterator[str]:
+    yield from _straight_or_too_near(run)
     zone = run.world.zones["along the wall"]
-    left = run.first(lambda sample: not zone.contains(sample.x, sample.y), "leaves the wall")
-    if left is None:
-        return None
-    return (
-        f"The robot was too far away from the wall after {left.time:.1f} s. Turn to the left, with a positive"
-        " `angular`, when `robot.front_left.distance` is greater than the distance to keep."
-    )
+    if left := run.first(lambda sample: not zone.contains(sample.x, sample.y)):
+        yield (
+            f"The robot was too far away from the wall after {left.time:.1f} s. Turn to the left, with a"
+            " positive `angular`, when `robot.front_left.distance` is greater than the distance to keep."
+        )
+    yield from _turned_on_the_spot(run)
 
 
-def _turned_on_the_spot(run: RunRecord) -> str | None:
-    left, right = run.turned
-    if run.driven > 0.3 or left + right < 180:
-        return None
-    return (
-        f"The robot turned {left + right:.0f}° and drove only {run.driven:.2f} m. Give `robot.move` both"
-        " `linear` and `angular`."
-    )
-
-
-def _lost_the_corner(run: RunRecord) -> str | None:
-    if next(run.inside("south"), None) is None or next(run.inside("east"), None) is not None:
-        return None
-    if run.driven < 0.5:
-        return None
-    return (
-        "The robot did not come around the first corner. There the sensor on the left sees nothing near:"
-        " drive a bit further, then in a bend to the left, until it sees the wall again."
-    )
+def _did_not_go_around(run: RunRecord) -> Iterator[str]:
+    yield from _straight_or_too_near(run)
+    yield from _turned_on_the_spot(run)
+    if run.entry("south") and not run.entry("east") and run.driven >= 0.5:
+        yield (
+            "The robot did not come around the first corner. There the sensor on the left sees nothing near:"
+            " drive a bit further, then in a bend to the left, until it sees the wall again."
+        )
 
 
 KEEP_ALONG = Challenge(
@@ -115,7 +107,7 @@ KEEP_ALONG = Challenge(
     ),
     (visits("end of the wall"), touches_nothing(), stays_in("along the wall")),
     40,
-    (_straight_on, _touched, _drifted_away, _turned_on_the_spot),
+    (_did_not_keep_along,),
     noise={"motor": 0.02},
     starter=starter("keep along the wall"),
 )
@@ -126,7 +118,7 @@ WALL_FOLLOWER = Challenge(
     (_block("long block", 1.2, 0.4), _block("cube", 0.7, 0.7), _block("pillar", 0.5, 1.0)),
     (visits("east", "north", "west", "south"), touches_nothing()),
     120,
-    (_straight_on, _touched, _turned_on_the_spot, _lost_the_corner),
+    (_did_not_go_around,),
     noise={"motor": 0.02},
     starter=starter("wall follower"),
 )

@@ -75,3 +75,8 @@ class Criterion(NamedTuple):
     judge: Callable[[RunRecord], tuple[float, str]]
     when: When = "at the end"
     needs_motion: bool = True
+
+    def missing(self, run: RunRecord) -> str | None:
+        """Return why a run does not meet it; None if it does."""
+        share, reason = self.judge(run)
+        return None if share >= 1 else reason

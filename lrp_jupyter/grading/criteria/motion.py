@@ -22,7 +22,7 @@ def turns(degrees: float) -> Criterion:
     """Require that the robot turns by at least this much, left and right turns added up."""
 
     def judge(run: RunRecord) -> Found:
-        turned = sum(run.turned)
+        turned = run.turned.total
         return Found(turned / degrees, f"it turned {turned:.0f}°")
 
     return Criterion(f"turns at least {degrees:g}°", judge, "once")
@@ -62,8 +62,7 @@ def ends_still(seconds: float) -> Criterion:
     """Require that the robot stands still at the end for this time, without trying to move."""
 
     def judge(run: RunRecord) -> Found:
-        stood = run.seconds - run.still_since
-        return Found((stood + 1e-6) / seconds, f"it stood still for {stood:.1f} s")
+        return Found((run.stood + 1e-6) / seconds, f"it stood still for {run.stood:.1f} s")
 
     return Criterion(f"stands still for {seconds:g} s at the end", judge)
 
