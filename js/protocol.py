@@ -70,9 +70,7 @@ def definitions(module: str) -> dict[str, ast.stmt]:
         match node:
             case ast.ClassDef(name=name) | ast.Assign(targets=[ast.Name(id=name)]):
                 found[name] = node
-            case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id=decorator))]) if (
-                tag := DECORATORS.get(decorator)
-            ):
+            case ast.FunctionDef() if tag := tag_of(node):
                 found[message_name(node, tag)] = node
             case ast.ImportFrom(module=str(source), names=names) if source.startswith("lrp_jupyter"):
                 found |= {alias.name: node for alias in names}
@@ -88,8 +86,8 @@ def message_name(function: ast.FunctionDef, tag: str) -> str:
 def tag_of(node: ast.stmt) -> str:
     """Return what names a message of the page: ``type`` or ``do``; empty for anything else."""
     match node:
-        case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id=decorator))]):
-            return DECORATORS[decorator]
+        case ast.FunctionDef(decorator_list=[ast.Call(func=ast.Name(id=name)) | ast.Name(id=name)]):
+            return DECORATORS.get(name, "")
         case ast.ClassDef(keywords=[ast.keyword(arg="type")]) if node.name != "AskedMessage":
             return "type"
     return ""

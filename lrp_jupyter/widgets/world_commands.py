@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import replace as renamed
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,14 +13,13 @@ from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError, LRPError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.sim.edits import PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart, WorldEdit
+from lrp_jupyter.sim.edits import PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart
 from lrp_jupyter.sim.reading import read_solid, read_text, read_zone
 from lrp_jupyter.sim.svg import svg
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.codec import Between
-from lrp_jupyter.widgets.messages import OpenProgram, act, question
+from lrp_jupyter.widgets.messages import Function, OpenProgram, act, question
 
-Applied = Future[Any]
 Index = Annotated[int, Between(0, 10_000)]
 Grey = Annotated[int, Between(0, 255)]
 Width = Annotated[float, Between(0, 10)]  # m
@@ -29,8 +27,6 @@ Box = tuple[float, float, float, float]
 
 WORLD_FILE = ".world.json"
 """The end of the names of files that the page offers as worlds."""
-
-world_act = partial(act, is_present=True, changes_world=True)
 
 
 def _world(opened: OpenProgram) -> SimBridge:
@@ -40,124 +36,115 @@ def _world(opened: OpenProgram) -> SimBridge:
     return bridge
 
 
-def _publish(opened: OpenProgram) -> Applied:
-    """Publish a frame of the changed world, also while nothing ticks."""
-    return opened.session.ask(do.Call(lambda: None))
+def world_act(function: Function) -> Function:
+    """Register what a page can do to the world; it is done between two ticks, and then shown."""
 
+    @wraps(function)
+    def change(opened: OpenProgram, **given: Any) -> Future[Any]:
+        return opened.session.ask(do.Call(partial(function, _world(opened), **given)))
 
-def _change(opened: OpenProgram, change: Callable[[], object]) -> Applied:
-    """Change the world between two ticks."""
-    return opened.session.ask(do.Call(change))
-
-
-def _edit(opened: OpenProgram, edit: WorldEdit) -> Applied:
-    return _change(opened, partial(_world(opened).edit_world, edit))
+    act(is_present=True, changes_world=True)(change)
+    return function
 
 
 # -- acts that a reset undoes ------------------------------------------------------------------------
 
 
-@world_act()
-def drag_robot(opened: OpenProgram, index: Index, pose: Pose) -> Applied:
+@world_act
+def drag_robot(bridge: SimBridge, index: Index, pose: Pose) -> None:
     """Move a robot; sent while it is dragged."""
-    _world(opened).place_robot(pose, index)
-    return _publish(opened)
+    bridge.place_robot(pose, index)
 
 
-@world_act()
-def drag_solid(opened: OpenProgram, index: Index, pose: Pose) -> Applied:
+@world_act
+def drag_solid(bridge: SimBridge, index: Index, pose: Pose) -> None:
     """Move a solid; sent while it is dragged, before a `put_solid` at its new place."""
-    _world(opened).place_solid(index, pose)
-    return _publish(opened)
+    bridge.place_solid(index, pose)
 
 
-@world_act()
-def reset_pose(opened: OpenProgram, index: Index) -> Applied:
+@world_act
+def reset_pose(bridge: SimBridge, index: Index) -> None:
     """Return a robot to its start."""
-    bridge = _world(opened)
     if index >= len(bridge.world.robots):
         raise BridgeError(f"There is no robot {index}.")
     bridge.place_robot(bridge.world.robots[index].pose, index)
-    return _publish(opened)
 
 
-@world_act()
-def reset_world(opened: OpenProgram, drawings: bool = False) -> Applied:
+@world_act
+def reset_world(bridge: SimBridge, drawings: bool = False) -> None:
     """Reset the world to its start, without trails; with `drawings` also without what was edited."""
-    _world(opened).reset_world(drawings)
-    return _publish(opened)
+    bridge.reset_world(drawings)
 
 
 # -- edits -------------------------------------------------------------------------------------------
 
 
-@world_act()
-def stroke(opened: OpenProgram, points: list[Point], width: Width = 0.03, grey: Grey = 0) -> Applied:
+@world_act
+def stroke(bridge: SimBridge, points: list[Point], width: Width = 0.03, grey: Grey = 0) -> None:
     """Draw a line on the floor, in metres."""
-    _world(opened).draw(tuple(points), width, grey)
-    return _publish(opened)
+    bridge.draw(tuple(points), width, grey)
 
 
-@world_act()
-def erase(opened: OpenProgram, points: list[Point], width: Width = 0.06) -> Applied:
+@world_act
+def erase(bridge: SimBridge, points: list[Point], width: Width = 0.06) -> None:
     """Paint with the floor's own grey."""
-    _world(opened).erase(tuple(points), width)
-    return _publish(opened)
+    bridge.erase(tuple(points), width)
 
 
-@world_act()
+@world_act
 def put_solid(
-    opened: OpenProgram,
+    bridge: SimBridge,
     index: int | None = None,
     box: Box | None = None,
     circle: Pose | None = None,
     angle: float = 0.0,
     push: float | None = None,
     name: str = "",
-) -> Applied:
+) -> None:
     """Add a solid, a `box` or a `circle`, or replace the one with this index."""
     solid = read_solid({"angle": angle, "push": push, "name": name} | _shape(box, circle), "solid")
     if index is None:
-        return _edit(opened, PutSolid(solid))
-    return _change(opened, partial(_world(opened).replace_solid, index, solid))
+        bridge.edit_world(PutSolid(solid))
+    else:
+        bridge.replace_solid(index, solid)
 
 
-@world_act()
-def remove_solid(opened: OpenProgram, index: Index) -> Applied:
+@world_act
+def remove_solid(bridge: SimBridge, index: Index) -> None:
     """Remove a solid."""
-    return _edit(opened, RemoveSolid(index))
+    bridge.edit_world(RemoveSolid(index))
 
 
-@world_act()
+@world_act
 def put_zone(
-    opened: OpenProgram, name: str, former: str = "", box: Box | None = None, circle: Pose | None = None
-) -> Applied:
+    bridge: SimBridge, name: str, former: str = "", box: Box | None = None, circle: Pose | None = None
+) -> None:
     """Add a zone, a `box` or a `circle`, or replace the one called `former`, by default of the same name."""
-    return _edit(opened, PutZone(name.strip(), read_zone(_shape(box, circle), "zone"), former))
+    bridge.edit_world(PutZone(name.strip(), read_zone(_shape(box, circle), "zone"), former))
 
 
-@world_act()
-def remove_zone(opened: OpenProgram, name: str) -> Applied:
+@world_act
+def remove_zone(bridge: SimBridge, name: str) -> None:
     """Remove a zone."""
-    return _edit(opened, RemoveZone(name))
+    bridge.edit_world(RemoveZone(name))
 
 
-@world_act()
-def set_start(opened: OpenProgram, index: Index, pose: Pose) -> Applied:
+@world_act
+def set_start(bridge: SimBridge, index: Index, pose: Pose) -> None:
     """Set the pose in which a robot starts."""
-    return _edit(opened, SetStart(pose, index))
+    bridge.edit_world(SetStart(pose, index))
 
 
-@world_act()
-def undo_world(opened: OpenProgram) -> Applied:
+@world_act
+def undo_world(bridge: SimBridge) -> None:
     """Undo the last edit of the world."""
-    return _change(opened, _world(opened).undo_world)
+    bridge.undo_world()
 
 
-@world_act()
-def redo_world(opened: OpenProgram) -> Applied:
+@world_act
+def redo_world(bridge: SimBridge) -> None:
     """Redo the edit of the world that was undone last."""
-    return _change(opened, _world(opened).redo_world)
+    bridge.redo_world()
 
 
 def _shape(box: Box | None, circle: Pose | None) -> dict[str, Any]:
@@ -167,16 +154,16 @@ def _shape(box: Box | None, circle: Pose | None) -> dict[str, Any]:
 # -- worlds as files and pictures --------------------------------------------------------------------
 
 
-@world_act()
-def world(opened: OpenProgram, name: str) -> Applied:
+@world_act
+def world(bridge: SimBridge, name: str) -> None:
     """Continue in another world: a bundled one, or that of a file."""
-    return _change(opened, partial(_world(opened).load_world, name))
+    bridge.load_world(name)
 
 
-@world_act()
-def world_text(opened: OpenProgram, text: str) -> Applied:
+@world_act
+def world_text(bridge: SimBridge, text: str) -> None:
     """Continue in the world that a JSON text describes."""
-    return _change(opened, partial(_world(opened).load_world, read_text(text, "The file")))
+    bridge.load_world(read_text(text, "The file"))
 
 
 @question("exists")
