@@ -29,7 +29,7 @@ from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor, mode_name, type_name
 from lrp_jupyter.bridges.ev3.finding import check_address, connect
-from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState, Pose
+from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState
 from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
 from lrp_jupyter.bridges.ev3.slices import SLICE
 from lrp_jupyter.bridges.ev3.vehicle import PORTS, WHEELS, Vehicle
@@ -114,10 +114,7 @@ class EV3Bridge(Bridge):
             serial = client.serial  # after a loss, search for this brick, not any other
             return client
 
-        def advance(pose: Pose, degrees: tuple[int, ...]) -> Pose:
-            return self.vehicle.advanced(pose, degrees)
-
-        link = BrickLink(find, self._report, advance, self.clock)
+        link = BrickLink(find, self._report, lambda *turned: self.vehicle.advanced(*turned), self.clock)
         link.set_usual_modes(self.vehicle.modes)
         return link
 

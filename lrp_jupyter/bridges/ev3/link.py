@@ -28,10 +28,6 @@ _PERIOD = 0.02  # seconds between two readings
 _REST = 0.5  # seconds between two searches that failed at once
 _STOP_TIME = 0.3  # seconds that sending the runstop may take
 
-Find = Callable[[Callable[[], bool]], BrickClient]
-OnStatus = Callable[[str, str], None]
-Advance = Callable[[Pose, tuple[int, ...]], Pose]
-
 
 @dataclass(frozen=True, slots=True)
 class BrickState:
@@ -72,10 +68,10 @@ class BrickLink(Link):
 
     def __init__(
         self,
-        find: Find,
-        report: OnStatus,
-        advance: Advance = lambda pose, _degrees: pose,
-        clock: Callable[[], float] = time.monotonic,
+        find: Callable[[Callable[[], bool]], BrickClient],
+        report: Callable[[str, str], None],
+        advance: Callable[[Pose, tuple[int, ...]], Pose],
+        clock: Callable[[], float],
     ) -> None:
         super().__init__("EV3")
         self._find, self._report = find, report

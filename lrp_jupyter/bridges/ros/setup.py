@@ -8,8 +8,8 @@
      "publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist",
                              "limits": {"linear": 0.5, "angular": 1.0}}}}
 
-A type that is left out is taken from the live topic. Everything is checked here as far as it can
-be without a robot; the robot checks the rest later.
+A type that is left out is taken from the live topic. What can be checked without a robot is checked here, and
+the rest later.
 
 Paper: §7.1 (figures 4 and 5: variable, topic, type).
 """
