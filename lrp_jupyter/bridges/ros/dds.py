@@ -90,10 +90,6 @@ class DdsTransport(Transport):
         if node is not None:
             node.close()
 
-    def trouble(self) -> str:
-        """Return an empty text: a robot is there as long as its topics are."""
-        return ""
-
     def _open_node(self) -> DdsNode:
         node = self._node
         if node is None or node.failure:

@@ -81,9 +81,12 @@ class Transport(ABC):
             self.disconnect()
         return ""
 
-    @abstractmethod
     def trouble(self) -> str:
-        """Return a sentence if the robot does not answer, else an empty text. Does not block."""
+        """Return a sentence if the robot does not answer, else an empty text; does not block.
+
+        Default: nothing speaks for the whole robot, only `topics` does.
+        """
+        return ""
 
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
@@ -131,9 +134,6 @@ class Transport(ABC):
         return ""
 
 
-OnStatus = Callable[[ConnectionState, str], None]
-
-
 class TopicLink(Link):
     """The connections of a set-up.
 
@@ -151,7 +151,7 @@ class TopicLink(Link):
         find: Callable[[], Transport],
         place: str,
         channels: Callable[[], tuple[Channel, ...]],
-        report: OnStatus,
+        report: Callable[[ConnectionState, str], None],
         learned: Callable[[Channel], None],
         warn: Callable[[str], None],
     ) -> None:

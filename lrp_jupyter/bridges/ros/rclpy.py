@@ -90,10 +90,6 @@ class RclpyTransport(Transport):
         if context is not None:
             context.try_shutdown()
 
-    def trouble(self) -> str:
-        """Return an empty text: no node speaks for the robot, only its topics do."""
-        return ""
-
     def topics(self) -> Mapping[str, str]:
         """Return the topics of other nodes that were discovered so far.
 

@@ -65,7 +65,7 @@ class Rosapi:
         self._url, self._clock, self._warn, self._changed = url, clock, warn, changed
         self._topics: Mapping[str, str] = {}
         self._answered = threading.Event()
-        self._exists = self._is_missed = False
+        self._exists: bool | None = None  # not known yet
         self._failures = 0
         self._next_time = 0.0
         self._distribution: str | None = None
@@ -211,13 +211,12 @@ class Rosapi:
         self.is_ros2 = any("/msg/" in str(type_) for type_ in types)
         if topics != self._topics:  # what was not known may be now
             self._types = {type_: found for type_, found in self._types.items() if found}
-        appeared = not self._exists
-        self._topics, self._exists, self.trouble, self._failures = topics, True, "", 0
+        before, self._exists = self._exists, True
+        self._topics, self.trouble, self._failures = topics, "", 0
         await self._read_clock()
-        if self._is_missed:
-            self._is_missed = False
+        if before is False:
             self._warn(f"rosapi of `{self._url}` answers now: topics are listed.")
-        return appeared
+        return not before
 
     async def _read_clock(self) -> None:
         """Ask for the robot's time, now and then; an answer that took long says little."""
@@ -253,10 +252,9 @@ class Rosapi:
                 self._answer.set_result(message)
 
     def _miss(self, why: str) -> None:
-        self._exists = False
+        before, self._exists = self._exists, False
         self._failures = min(self._failures + 1, 5)
-        if not self._is_missed:
-            self._is_missed = True
+        if before is not False:
             self._warn(f"`{self._url}` {why}")
 
     async def _others(self, topic: str) -> tuple[str, ...]:

@@ -73,10 +73,6 @@ class RospyTransport(Transport):
     def disconnect(self) -> None:
         """Do nothing: the node stays, and its topics were unregistered one by one."""
 
-    def trouble(self) -> str:
-        """Return an empty text: the state is known only to the master."""
-        return ""
-
     def topics(self) -> Mapping[str, str]:
         """Ask the master, for topics with subscribers only too.
 

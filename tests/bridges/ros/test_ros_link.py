@@ -33,9 +33,6 @@ class Slow(Transport):
     def disconnect(self) -> None:
         self.disconnected += 1
 
-    def trouble(self) -> str:
-        return ""
-
     def topics(self) -> Mapping[str, str]:
         self.asked.set()
         assert self.answer.wait(60)
