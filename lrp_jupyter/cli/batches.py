@@ -194,7 +194,7 @@ def _code(attempts: Sequence[Attempt]) -> int:
     if not faults:
         return 0
     plain_console(stderr=True).print(
-        f"lrp: In {len(faults)} of the runs not the program failed, but what runs and judges it. "
+        f"lrp: In {len(faults)} of the runs it was not the program that failed, but what runs and judges it. "
         f"Report this:\n{faults[0].verdicts[0].reason}"
     )
     return 3

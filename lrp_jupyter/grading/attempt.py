@@ -62,7 +62,7 @@ class Attempt(NamedTuple):
     `hints`: for the mistakes that were found, the most important first.
     `share`: of the points, 0 to 1.
     `ended`: why there was no complete run: the text is not a valid program, it took too long to compute, it
-        needed too much memory, its process ended, or not the program failed but what runs and judges it.
+        needed too much memory, its process ended, or what runs and judges the program failed.
     `path`: where the robot was, in metres.
     """
 
@@ -93,7 +93,7 @@ class Attempt(NamedTuple):
         return next(broken, missing[0] if missing else None)
 
     def check(self) -> None:
-        """Raise an LRPError if not the program failed, but what runs and judges it."""
+        """Raise an LRPError if what runs and judges the program failed."""
         if self.ended == "fault":
             raise LRPError(self.verdicts[0].reason)
 
@@ -189,7 +189,7 @@ def attempt(job: Job) -> Attempt:
         hint = "Correct the text first; the editor marks the error."
         return failed("text", "is a valid program", str(error.findings[0]), hint).of(job)
     except MemoryError:
-        return failed("memory", "needs little memory", "It needed more than it may have.").of(job)
+        return failed("memory", "needs little memory", "It needed more memory than it may use.").of(job)
     finally:
         random.setstate(before)
     run, verdicts = referee.run, referee.verdicts(True)

@@ -83,7 +83,7 @@ class Referee:
         if not is_over:
             return tuple(shown)
         cut = any(each.state == "failed" for each in shown)
-        end = f"not decided, because the run was lost after {self.run.seconds:.1f} s"
+        end = f"not decided, because the run failed after {self.run.seconds:.1f} s"
         return tuple(
             each._replace(state="met")
             if each.passed

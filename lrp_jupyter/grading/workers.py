@@ -355,9 +355,7 @@ def _attempt_of(job: Job, ending: Ending) -> Attempt:
     with suppress(ValueError, RecursionError):
         return Attempt.from_dict(json.loads(ending.answer)).of(job)
     if ending.code is None:
-        reason = (
-            "A call into compiled code did not return. Let the blocks wait for nothing, and stop no process."
-        )
+        reason = "A call into compiled code did not return. Blocks must not wait, nor stop a process."
         return failed("time", f"is computed within {job.limit:g} s", reason).of(job)
     return failed("crash", "runs to its end", _reason(ending)).of(job)
 
@@ -366,11 +364,16 @@ def _reason(ending: Ending) -> str:
     """Return why the process of a run has ended without its answer."""
     code = ending.code or 0
     if ending.answer:
-        return "The run ended with an answer that is none. Let the program write to its own files only."
+        return (
+            "The run ended with something that is not an answer. The program may write only to its own files."
+        )
     if ending == LOST:
-        return "Its process was killed, and once more when it was run again, alone."
+        return "Its process was killed, and killed again when the run was repeated on its own."
     if not code:
-        return "The run ended without an answer. Let the program end or stop no process, and close no files."
+        return (
+            "The run ended without an answer. The program must not end or stop a process, nor close files"
+            " that it has not opened."
+        )
     if code > 0:
         return f"The program ended its own process, with the exit code {code}."
     with suppress(ValueError):

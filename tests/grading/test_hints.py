@@ -98,5 +98,5 @@ def test_what_was_not_decided_when_a_run_was_cut_short_is_not_called_failed():
     result = grade("(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)", task)
     drove, blinked = result.attempts[0].verdicts
     assert (drove.state, blinked.state) == ("open", "failed")
-    assert str(drove) == "○ drives at least 10 m: not decided, because the run was lost after 1.3 s"
+    assert str(drove) == "○ drives at least 10 m: not decided, because the run failed after 1.3 s"
     assert result.attempts[0].failure == blinked

@@ -16,11 +16,11 @@ def _stayed(run: RunRecord) -> Iterator[str]:
         return
     if run.turned.total > 90:
         yield (
-            f"The robot turned {run.turned.total:.0f}° and stayed in its place: `angular` turns, `linear`"
+            f"The robot turned {run.turned.total:.0f}° and stayed in place: `angular` turns, `linear`"
             " drives. Write `robot.move(linear=0.2)`."
         )
     elif run.driven > 0.3:
-        yield f"The robot drove {run.driven * 100:.0f} cm, but it came back again and again. Let it drive on."
+        yield f"The robot drove {run.driven * 100:.0f} cm, but it kept coming back. Let it drive on."
     elif run.stood <= 1:
         yield f"The robot drove {run.driven * 100:.0f} cm in {run.seconds:.0f} s. Let it drive faster."
 

@@ -39,7 +39,7 @@ def _hints(run: RunRecord) -> Iterator[str]:
     elif at_box.time <= run.seconds - 2 and run.still_since >= at_box.time + 1:
         yield (
             f"The robot lost the box after {at_box.time:.1f} s and drove on; the box is at x = {x:.2f} m, y ="
-            f" {y:.2f} m. Drive straight on while you push, and slowly."
+            f" {y:.2f} m. Drive straight on and slowly while you push."
         )
     if abs(y - 1) > 0.25:
         return
@@ -50,13 +50,14 @@ def _hints(run: RunRecord) -> Iterator[str]:
         )
     if way > 0 and at_box and run.stood < 1:
         yield (
-            f"When the time was over, the robot still pushed, and the box was at x = {x:.2f} m. Drive faster."
+            f"When the time was up, the robot was still pushing, and the box was at x = {x:.2f} m. Drive"
+            " faster."
         )
     elif way > 0 and at_box:
         yield (
             f"The robot stopped after {run.still_since:.1f} s, and the box is at x = {x:.2f} m, {way:.2f} m"
-            " before the goal, which is elsewhere in each world: only the black line says when the box is in"
-            " it."
+            " short of the goal, which is elsewhere in each world: only the black line says when the box is"
+            " in it."
         )
 
 

@@ -63,7 +63,7 @@ def _did_not_stay(run: RunRecord) -> Iterator[str]:
     touched = run.touch("wall")
     if touched and run.still_since - touched.time >= 1:
         yield (
-            f"The robot met the wall after {touched.time:.1f} s and kept pushing. At the event"
+            f"The robot reached the wall after {touched.time:.1f} s and kept pushing. At the event"
             " `[robot.bumper.data == 1]`, enter a state that does nothing."
         )
     yield from never_touched(run)
@@ -74,19 +74,19 @@ def _did_not_turn(run: RunRecord) -> Iterator[str]:
     times = run.fold(_backs, 0)
     if run.touch() and not times:
         yield (
-            "The robot bumped and never drove backward. `robot.move(linear=-0.2)` for a second makes room to"
+            "The robot bumped but never drove backward. `robot.move(linear=-0.2)` for a second makes room to"
             " turn."
         )
     if times == 1 and run.stood >= 3:
         yield (
-            f"The robot backed off once and stands still since {run.still_since:.1f} s. A transition has to"
-            " lead back to the state that drives, such as `(ontime 1500 turning -> driving)`."
+            f"The robot backed off once and has stood still since {run.still_since:.1f} s. A transition has"
+            " to lead back to the state that drives, such as `(ontime 1500 turning -> driving)`."
         )
     walls = {wall for sample in run.samples for wall in sample.touched}
     if len(walls) == 2 and times >= 3:
         yield (
-            f"The robot only goes to and fro between the {' and the '.join(sorted(walls))}."
-            " Turn by another angle: half a turn leads back to where it came from."
+            f"The robot only goes back and forth between the {' and the '.join(sorted(walls))}."
+            " Turn by a different angle: half a turn leads back to where it came from."
         )
     yield from never_touched(run)
 
@@ -116,12 +116,15 @@ def _stayed_in_a_state(run: RunRecord) -> Iterator[str]:
         later = run.first(lambda sample: sample.time > push.since + 0.5 and sample.active)
         state = later.active[0][-1] if later else ""
         yield (
-            f"The robot pushed against the {push.solid} in `{state}`: no transition leads out of it at a"
-            " bump. `*` as the source of a transition stands for every state."
+            f"The robot pushed against the {push.solid} in `{state}`: no transition leads out of it when"
+            " the robot bumps. `*` as the source of a transition stands for every state."
         )
     missing = next((state for state in _WANDERING if run.entered(state) is None), None)
     if missing:
-        yield f"`{missing}` was never active. Keep the states of the program, and add what leads out of them."
+        yield (
+            f"`{missing}` was never active. Keep the states of the program, and add transitions that lead out"
+            " of them."
+        )
     yield from kept_pushing(run)
     yield from never_touched(run)
 

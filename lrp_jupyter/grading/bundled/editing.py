@@ -42,26 +42,26 @@ def _was_unsafe(run: RunRecord) -> Iterator[str]:
     if blind := next(filter(_sees_nothing, turns), None):
         yield (
             f"After {blind.time:.1f} s the sensor saw nothing, and the robot began to turn as if a wall were"
-            " near. It has to stand still until the sensor sees again, and then go on with what it did."
+            " near. It has to stand still until the sensor sees again, and then go on with what it was doing."
         )
     if touched := run.touch():
         last = (each for each in run.samples if touched.time - 1.5 < each.time <= touched.time)
         if blind := next((each for each in last if _sees_nothing(each) and any(each.command)), None):
             yield (
                 f"After {blind.time:.1f} s the sensor saw nothing, the robot drove on, and touched the"
-                f" {min(touched.touched)}. In this hall there always is a wall ahead: when"
+                f" {min(touched.touched)}. In this hall there is always a wall ahead: when"
                 " `robot.distance.data` is `inf`, the sensor has failed, and the robot has to stand still"
                 " until it sees again."
             )
         else:
             yield (
-                f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s, and its sensor did"
-                " not fail. Turn further away from it."
+                f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s, and its sensor had"
+                " not failed. Turn when it is still further away."
             )
     if run.stood >= 5:
         yield (
-            f"The robot stands still since {run.still_since:.1f} s. When the sensor sees again, a transition"
-            " has to lead back to the state that drives."
+            f"The robot has stood still since {run.still_since:.1f} s. When the sensor sees again, a"
+            " transition has to lead back to the state that drives."
         )
 
 

@@ -83,8 +83,8 @@ def _went_blindly(run: RunRecord) -> Iterator[str]:
     missing = _LOOKS.missing(run)
     if not run.entry("junction"):
         yield (
-            f"The robot stopped before the junction, after {run.driven:.2f} m. The corridor is not always as"
-            " long."
+            f"The robot stopped before the junction, after {run.driven:.2f} m. The corridor is not equally"
+            " long in every world."
         )
     elif missing:
         yield (
@@ -95,10 +95,10 @@ def _went_blindly(run: RunRecord) -> Iterator[str]:
         free = run.world.zones["free way"]
         side = "left" if isinstance(free, BoxZone) and free.box[1] > run.samples[0].y else "right"
         yield (
-            f"The robot looked to both sides, and did not take the way that is free, here to the {side}."
+            f"The robot looked to both sides, but did not take the free way, which here is to the {side}."
             " Compare the two values of `robot.distance.data` that were measured: the greater one is the way."
-            " After the look to the right, the robot still looks there; to the left it is half a turn, pi"
-            " radians."
+            " After looking to the right, the robot still faces right; from there to the left is half a"
+            " turn, pi radians."
         )
     yield from kept_pushing(run)
 
@@ -111,18 +111,17 @@ def _crossed_or_repeated(run: RunRecord) -> Iterator[str]:
         yield "The robot left the field before its light sensor had seen the border. Drive more slowly."
     elif left and seen:
         yield (
-            f"The robot saw the border after {seen.time:.1f} s and was across after {left.time:.1f} s. At"
+            f"The robot saw the border after {seen.time:.1f} s and had crossed it after {left.time:.1f} s. At"
             " black, drive back first, and then turn."
         )
     elif seen:
         yield (
-            f"The robot came by the same places again: {reason}. Turn by another angle each time, or for"
-            " longer."
+            f"The robot came to the same places again and again: {reason}. Turn by a different angle"
+            " each time, or for longer."
         )
     else:
         yield (
-            f"The robot never came to the border: {reason}. Drive straight on until the border, and turn"
-            " there."
+            f"The robot never came to the border: {reason}. Drive straight on to the border, and turn there."
         )
 
 
@@ -156,7 +155,7 @@ LOOK_BOTH_WAYS = Challenge(
 
 EDGE_GUARD = Challenge(
     "edge guard",
-    "Drive about in the field with the black border until you have been in 60 % of it, and never leave it.",
+    "Drive about in the field with the black border until you have been in 60% of it, and never leave it.",
     ("arena",),
     (_COVERS, stays_in("inside")),
     120,
@@ -168,7 +167,7 @@ EDGE_GUARD = Challenge(
 
 MAZE = Challenge(
     "maze",
-    "Find the way to the goal, in the corner across, in three mazes.",
+    "Find the way to the goal, in the opposite corner, in three mazes.",
     (
         "maze",
         _mirrored(load("maze"), "mirrored maze", y=True),

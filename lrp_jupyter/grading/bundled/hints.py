@@ -96,6 +96,6 @@ def restarted_or_not_edited(run: RunRecord) -> Iterator[str]:
         )
     if run.restarts:
         yield (
-            f"The program restarted: {run.restart_reason} A change of a variable, an event or a transition"
-            " never restarts it, and neither does a change of a state that is not active."
+            f"The program restarted: {run.restart_reason} Changing a variable, an event or a transition"
+            " never restarts it, nor does changing a state that is not active."
         )

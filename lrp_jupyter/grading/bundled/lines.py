@@ -95,7 +95,7 @@ def _stopped_before(run: RunRecord) -> Iterator[str]:
     else:
         yield (
             f"The robot stopped after {run.still_since:.1f} s, when its light sensor had not seen the line"
-            " yet. The line is not always as far away: let the sensor decide, not the time."
+            " yet. The line is not equally far away in every world: let the sensor decide, not the time."
         )
 
 
@@ -122,21 +122,21 @@ def _did_not_find_it(run: RunRecord) -> Iterator[str]:
         )
     if not seen and turned >= 540:
         yield (
-            f"The robot turned {turned:.0f}° and came by the same places again. Let the bend become wider:"
-            " make `angular` smaller in `running`, a little each time."
+            f"The robot turned {turned:.0f}° and came to the same places again and again. Let the bend become"
+            " wider: make `angular` smaller in `running`, a little each time."
         )
     yield from _stopped_before(run)
     yield from never_saw_the_line(run)
 
 
 def _did_not_follow(run: RunRecord) -> Iterator[str]:
-    yield from ignores(run, "light", "The curves are not always as narrow: let the sensor steer.")
+    yield from ignores(run, "light", "The curves are not equally tight in every world: let the sensor steer.")
     last = run.last(sees_line)
     if last and _NEAR.missing(run):
         yield (
-            f"The light sensor saw the line after {last.time:.1f} s for the last time, and after"
-            f" {run.seconds:.1f} s the robot was too far from it. When it sees white, let the robot stop,"
-            " look to the left, then to the right, and each time a bit further."
+            f"The light sensor last saw the line after {last.time:.1f} s, and after {run.seconds:.1f} s the"
+            " robot was too far from it. When it sees white, let the robot stop, look to the left, then to"
+            " the right, and each time a bit further."
         )
     yield from lost_the_line(run)
 

@@ -30,7 +30,7 @@ def _hints(run: RunRecord) -> Iterator[str]:
     if touched and is_one_wall and run.stood >= 2 and run.still_since - touched.time <= 2:
         yield (
             "The robot ended at the far wall. While the bumper is still pressed, a flag that is changed in"
-            " `bumpback` ends the program one tick later; change it on entering the turn."
+            " `bumpback` ends the program one tick later; change it when the turn is entered."
         )
     if push.seconds > 3 and push.solid in _WAYS_OUT:
         states = next(sample for sample in run.samples if sample.time > push.since).active
@@ -106,7 +106,7 @@ LAP = Challenge(
 
 ROBUST_FOLLOWER = Challenge(
     "robust follower",
-    "There and back, with bad motors and a bad light sensor: in 90 % of 50 runs, the robot has to touch the"
+    "There and back, with bad motors and a bad light sensor: in 90% of 50 runs, the robot has to touch the"
     " far wall and then the near wall within a minute and a half.",
     ("line",),
     (_TOUCHES,),

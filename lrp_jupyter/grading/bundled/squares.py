@@ -110,11 +110,12 @@ def _blinked_wrongly(run: RunRecord) -> Iterator[str]:
         )
     elif abs(worst - 1) > 0.25:
         yield (
-            f"Between two switches of the lamp were {worst:.1f} s. `(ontime 1000 lit -> dark)` is one second."
+            f"There were {worst:.1f} s between two switches of the lamp. `(ontime 1000 lit -> dark)` is one"
+            " second."
         )
     elif run.seconds - times[-1] > 1.25:
         yield (
-            f"The lamp did not change any more after {times[-1]:.1f} s. It has to blink all the time: a"
+            f"The lamp stopped changing after {times[-1]:.1f} s. It has to blink all the time: a"
             " machine of its own does not depend on what the other one does."
         )
     yield from _other_corner(run)

@@ -57,8 +57,8 @@ def _straight_or_too_near(run: RunRecord) -> Iterator[str]:
     touched = run.touch()
     if touched and min(touched.touched) == "edge":
         yield (
-            f"The robot left the wall and drove into the edge after {touched.time:.1f} s. Turn to the wall"
-            " when it is further away than the distance to keep."
+            f"The robot left the wall and drove into the edge after {touched.time:.1f} s. Turn towards the"
+            " wall when it is further away than the distance to keep."
         )
     elif touched:
         yield (
@@ -91,7 +91,7 @@ def _did_not_go_around(run: RunRecord) -> Iterator[str]:
     yield from _turned_on_the_spot(run)
     if run.entry("south") and not run.entry("east") and run.driven >= 0.5:
         yield (
-            "The robot did not come around the first corner. There the sensor on the left sees nothing near:"
+            "The robot did not get around the first corner. There the sensor on the left sees nothing near:"
             " drive a bit further, then in a bend to the left, until it sees the wall again."
         )
 

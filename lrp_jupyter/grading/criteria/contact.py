@@ -75,7 +75,7 @@ def bumps_in(*states: str) -> Criterion:
         nothing: frozenset[str] = frozenset()
         found = run.fold(collect, nothing, ("bumps in", states))
         missing = [f"`{state}`" for state in states if state not in found]
-        reason = f"not in {' and '.join(missing)}" if missing else "in each of them"
+        reason = f"it never bumped in {' or '.join(missing)}" if missing else "it bumped in each of them"
         return Found(len(found) / len(states), reason)
 
     return Criterion("bumps in " + ", ".join(f"`{state}`" for state in states), judge, "once")
@@ -113,8 +113,8 @@ def stops_at(solid: str, seconds: float) -> Criterion:
         if touched is None:
             return Found(1, f"it has not touched the {solid}")
         if drove - touched > seconds + 1e-6:
-            return Found(0, f"{drove - touched:.1f} s after the touch it still drove")
-        return Found(1, f"it stopped {max(0.0, drove - touched):.1f} s after the touch")
+            return Found(0, f"it was still driving {drove - touched:.1f} s after touching the {solid}")
+        return Found(1, f"it stopped {max(0.0, drove - touched):.1f} s after touching the {solid}")
 
     return Criterion(f"stops within {seconds:g} s of touching the {solid}", judge, "always")
 

@@ -33,8 +33,8 @@ class Verdict(NamedTuple):
     share : float
         How much of it is met, 0 to 1.
     state : {"open", "so far", "met", "failed"}
-        While the run goes on, what is not met yet is open, and what can still be broken is met so far. What
-        is still open after the end was not decided, because another criterion was broken before.
+        During the run, a criterion that is not met yet is open, and one that is met but can still be broken
+        is met so far. One that is open after the end was never decided: another criterion was broken first.
     decided : float or None
         When it was met or broken for good, in seconds of the run; None if only the end decides.
     """

@@ -29,8 +29,8 @@ def lit_while(what: str, condition: Callable[[Sample], object], seconds: float =
 
         wrong, lit, since = run.fold(longest, (0.0, False, 0.0), ("lit while", what))
         if wrong <= seconds + 1e-6:
-            return Found(1, "it was, so far as it was seen")
-        return Found(0, f"after {since:.1f} s it was {'lit' if lit else 'dark'} and should not have been")
+            return Found(1, "it was never wrong")
+        return Found(0, f"after {since:.1f} s it was {'lit' if lit else 'dark'} when it should not have been")
 
     return Criterion(f"lights its lamp while it {what}, and only then", judge, "always")
 
@@ -60,7 +60,7 @@ def blinks(seconds: float, slack: float = 0.25) -> Criterion:
         worst = present if present > max(worst, seconds + slack) else worst
         if abs(worst - seconds) <= slack + 1e-6:
             return Found(1, f"it was switched {count} times")
-        return Found(0, f"it was once {worst:.1f} s until it changed")
+        return Found(0, f"it once took {worst:.1f} s to change")
 
     sentence = f"blinks: its lamp is lit for {seconds:g} s, dark for {seconds:g} s, and so on"
     return Criterion(sentence, judge, "always")

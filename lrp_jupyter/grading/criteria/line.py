@@ -43,8 +43,9 @@ def near_line(metres: float) -> Criterion:
             return max(so_far, (distance_to(run.world.floor, now.x, now.y), now.time))
 
         distance, when = run.fold(furthest, (0.0, 0.0), "furthest from the line")
-        reason = f"at most {distance * 100:.0f} cm"
-        return Found(distance <= metres, reason if distance <= metres else f"{reason}, after {when:.1f} s")
+        if distance <= metres:
+            return Found(1, f"it was at most {distance * 100:.0f} cm away")
+        return Found(0, f"it was {distance * 100:.0f} cm away after {when:.1f} s")
 
     return Criterion(f"is never further than {metres * 100:g} cm from the line", judge, "always")
 

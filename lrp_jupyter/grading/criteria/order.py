@@ -45,6 +45,6 @@ def reason_of(done: Sequence[float], names: Sequence[str], verb: str) -> str:
     if not done:
         return f"it never {verb} {names[0]}"
     last = f"it {verb} {names[len(done) - 1]} after {done[-1]:.1f} s"
-    return (
-        last if len(done) == len(names) else f"{last}, and not {verb.rpartition(' ')[2]} {names[len(done)]}"
-    )
+    if len(done) == len(names):
+        return last
+    return f"{last}, but not {verb.rpartition(' ')[2]} {names[len(done)]} after that"

@@ -71,7 +71,7 @@ def covers(zone: str, share: float, cell: float = 0.3) -> Criterion:
 
         nothing: frozenset[tuple[int, int]] = frozenset()
         part = len(run.fold(visit, nothing, ("covers", zone, cell))) / (columns * rows)
-        return Found(part / share, f"it was in {part:.0%} of it")
+        return Found(part / share, f"it has been in {part:.0%} of it")
 
     return Criterion(f"comes to {share:.0%} of `{zone}`", judge, "once")
 
@@ -93,7 +93,7 @@ def avoids(zone: str) -> Criterion:
     def judge(run: RunRecord) -> Found:
         came = run.first(partial(_is_in, zone_of(run.world, zone)), ("comes into", zone))
         return Found(
-            came is None, "it never was there" if came is None else f"it came there after {came.time:.1f} s"
+            came is None, "it was never there" if came is None else f"it came there after {came.time:.1f} s"
         )
 
     return Criterion(f"never comes into `{zone}`", judge, "always")
@@ -130,7 +130,9 @@ def pushes(solid: str, zone: str, seconds: float = 0.0) -> Criterion:
         if not region.contains(x, y):
             return Found(0, place)
         lain = run.seconds - run.fold(moved, 0.0, ("lies still", solid, zone))
-        return Found((lain + 1e-6) / seconds if seconds else 1, f"{place}, still for {lain:.1f} s")
+        return Found(
+            (lain + 1e-6) / seconds if seconds else 1, f"{place}, and has been still for {lain:.1f} s"
+        )
 
     stay = f" and leaves it there for {seconds:g} s" if seconds else ""
     return Criterion(f"brings the {solid} into `{zone}`{stay}", judge)
