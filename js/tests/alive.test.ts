@@ -39,7 +39,7 @@ function open(): void {
   const model = { send: () => {}, on: () => {}, off: () => {} };
   const clock = { now: () => 0, every: () => () => {} };
   editor = new Editor(lab, new Connection(model, "editor", { message: () => {}, link: () => {} }, clock));
-  const fired = (at: number) => ({ count: 1, at, tick: at });
+  const fired = (at: number) => [1, at];
   Object.assign(store.state, {
     lit: ["m/a"],
     fired: { "m:named": fired(2) },

@@ -140,7 +140,7 @@ describe("a nested machine inside its state", () => {
     const t = arrow("x", { id: "m/a/i:t" });
     draw(layers, around, { m: around, "m/a/i": { ...inner, transitions: [t] } });
     state.lit = ["m/a", "m/a/i/x"];
-    state.fired = { "m:u": { count: 1, tick: 9 }, "m/a/i:t": { count: 1, tick: 3 } };
+    state.fired = { "m:u": [1, 9], "m/a/i:t": [1, 3] };
     new Marks(layers, state).update();
     expect(node("m/a/i/x")?.hasAttribute("data-active")).toBe(true);
     expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-of")).toBe("m/a/i:t");
@@ -152,9 +152,9 @@ describe("marks", () => {
     draw(layers, layout([shape("a"), shape("b")], [arrow("a"), arrow("b", { id: "m:u" })]));
     state.lit = ["m/b"];
     state.fired = {
-      "m:t": { count: 4, tick: 9 },
-      "m:u": { count: 1, tick: 3 },
-      "n:t": { count: 1, tick: 20 },
+      "m:t": [4, 9],
+      "m:u": [1, 3],
+      "n:t": [1, 20],
     };
     new Marks(layers, state).update();
     expect(node("m/b")?.hasAttribute("data-active")).toBe(true);
@@ -180,14 +180,14 @@ describe("marks", () => {
     for (let tick = 1; tick < 40; tick++) {
       const id = `m:${names[tick % 4]}`;
       state.tick = tick;
-      state.fired = { ...state.fired, [id]: { count: Math.ceil(tick / 4), tick } };
+      state.fired = { ...state.fired, [id]: [Math.ceil(tick / 4), tick] };
       marks.update();
       expect(marked("[data-fired]")).toEqual([id, id, id]); // the arrow, the plate of its label, and the label
       expect(marked("[aria-description]")).toEqual([id]);
       vi.advanceTimersByTime(100);
       if (tick < 4) continue;
       for (const part of layers.arrows.children) {
-        const before = (tick - (state.fired[part.getAttribute("data-of") ?? ""]?.tick ?? 0)) % 4;
+        const before = (tick - (state.fired[part.getAttribute("data-of") ?? ""]?.[1] ?? 0)) % 4;
         expect(part.hasAttribute("data-glow")).toBe(true);
         expect(part.getAttribute("style")).toBe(`--lrp-age: ${before}`);
       }
@@ -203,7 +203,7 @@ describe("marks", () => {
     const marks = new Marks(layers, state);
     draw(layers, layout([shape("a")]));
     marks.update();
-    state.entered = { "m/a": { count: 1, tick: 1 } };
+    state.entered = { "m/a": [1, 1] };
     marks.update();
     vi.advanceTimersByTime(150);
     expect(node("m/a")?.hasAttribute("data-glow")).toBe(true);
@@ -216,11 +216,11 @@ describe("marks", () => {
     vi.useFakeTimers();
     const marks = new Marks(layers, state);
     state.tick = 9;
-    state.entered = { "m/a": { count: 1, tick: 1 } };
+    state.entered = { "m/a": [1, 1] };
     draw(layers, layout([shape("a"), shape("b")]));
     marks.update();
     vi.advanceTimersByTime(AFTERGLOW);
-    state.entered = { "m/z": { count: 1, tick: 1 }, "m/b": { count: 1, tick: 10 } };
+    state.entered = { "m/z": [1, 1], "m/b": [1, 10] };
     draw(layers, layout([shape("z"), shape("b")]));
     marks.update();
     expect(node("m/z")?.hasAttribute("data-glow")).toBe(false);
@@ -229,7 +229,7 @@ describe("marks", () => {
   });
 
   it("know no last transition before the first", () => {
-    expect(lastFired({ "m:t": { count: 0, tick: 0 } })).toEqual([]);
+    expect(lastFired({ "m:t": [0, 0] })).toEqual([]);
   });
 });
 

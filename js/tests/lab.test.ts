@@ -346,8 +346,8 @@ describe("the page", () => {
       "(var lightlim := [1]) (machine follower (state moving) (on intheline moving -> moving tlooking))",
     );
     const run = { tick: 9, lit: ["follower/moving"], active: ["follower/moving"] };
-    const fired = { "follower:tlooking": { count: 3, tick: 9 } };
-    const variables = { lightlim: { text: "5", number: 5 } };
+    const fired = { "follower:tlooking": [3, 9] };
+    const variables = { lightlim: ["5", 5] };
     page.deliver({ type: "frame", frame: 9, ...run, fired, variables });
     await page.drawn();
     const alive = () =>
@@ -649,8 +649,7 @@ describe("the page", () => {
     slider.focus();
     slider.value = "70";
     slider.dispatchEvent(new Event("input"));
-    const { rate } = recording.snapshot.frame;
-    page.deliver({ type: "frame", frame: 9, rate: { ...rate, achieved: 9.5 } });
+    page.deliver({ type: "frame", frame: 9, achieved_rate: 9.5 });
     await page.drawn();
     expect(slider.value).toBe("70");
   });
@@ -659,7 +658,7 @@ describe("the page", () => {
     const select = page.find('[data-lrp-action="speed"]') as HTMLSelectElement;
     select.value = "5";
     select.dispatchEvent(new Event("change"));
-    page.deliver({ type: "frame", frame: 9, speed: { wanted: 1, achieved: 0.95 } });
+    page.deliver({ type: "frame", frame: 9, speed: 1, achieved_speed: 0.95 });
     await page.drawn();
     expect(select.value).toBe("5");
   });
@@ -735,7 +734,7 @@ describe("the page", () => {
 
   it("cuts long values in the text, and keeps characters whole", async () => {
     const text = "x".repeat(59);
-    page.deliver({ type: "frame", frame: 9, variables: { lightlim: { text: `${text}🤖🤖`, number: null } } });
+    page.deliver({ type: "frame", frame: 9, variables: { lightlim: [`${text}🤖🤖`, null] } });
     await vi.waitFor(() =>
       expect([...page.host.querySelectorAll(".lrp-values")].map((value) => value.textContent)).toContain(
         `${text}…`,

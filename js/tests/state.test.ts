@@ -51,8 +51,8 @@ it("a frame changes what it names and nothing else", () => {
     state,
     frame({
       variables: {
-        x: { text: "1", number: 1 },
-        y: { text: "2", number: 2 },
+        x: ["1", 1],
+        y: ["2", 2],
       },
       tick: 3,
     }),

@@ -25,7 +25,7 @@ from lrp_jupyter.language.program import (
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, question
 from lrp_jupyter.widgets.places import id_of, path_of
-from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState
+from lrp_jupyter.widgets.protocol import CountAndTick, ElementKind, Facet, InspectView, ViewState
 
 _MOST = 100  # facets of one object
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
@@ -65,7 +65,7 @@ def _inspect(opened: OpenProgram, kind: ElementKind, path: Path, into: Sequence[
 def _state(now: ViewState, program: Program, path: Path, state: State) -> InspectView:
     machine = find_machine(program, path[:-1])
     name = path_text(path)
-    visits = now["entered"].get(name, {"count": 0, "tick": 0})
+    visits = now["entered"].get(name, (0, 0))
     facets = [_facet("active", "yes" if name in now["lit"] else "no"), _facet("entered", _times(visits))]
     for part in ("onentry", "running", "onexit"):
         for action in getattr(state, part):
@@ -86,7 +86,7 @@ def _action(action: object) -> str:
 
 
 def _transition(now: ViewState, program: Program, path: Path, transition: Transition) -> InspectView:
-    fired = now["fired"].get(id_of("transition", path), {"count": 0, "tick": 0})
+    fired = now["fired"].get(id_of("transition", path), (0, 0))
     facets = [
         _facet("kind", transition.kind),
         _facet("when", transition.trigger_text),
@@ -97,10 +97,11 @@ def _transition(now: ViewState, program: Program, path: Path, transition: Transi
     return _view(f"transition {transition.label}", "", program, transition.span, facets)
 
 
-def _times(seen: CountView) -> str:
-    if not seen["count"]:
+def _times(seen: CountAndTick) -> str:
+    count, tick = seen
+    if not count:
         return "never"
-    return f"{seen['count']} {'time' if seen['count'] == 1 else 'times'}, last in tick {seen['tick']}"
+    return f"{count} {'time' if count == 1 else 'times'}, last in tick {tick}"
 
 
 def _robot(session: Session) -> InspectView:

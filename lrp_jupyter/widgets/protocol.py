@@ -72,6 +72,10 @@ Edits = Literal["live", "hold"]
 GraphMode = Literal["live", "static", "hidden"]
 CriterionState = Literal["open", "so far", "met", "failed"]
 ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
+CountAndTick = tuple[int, int]
+"""How often something happened since the session began, and the tick of the last time."""
+TextAndNumber = tuple[str, float | None]
+"""A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline)."""
 
 
 class BreakpointView(TypedDict):
@@ -163,13 +167,6 @@ class IssueView(TypedDict):
     resolved: bool
 
 
-class ValueView(TypedDict):
-    """A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline)."""
-
-    text: str
-    number: float | None
-
-
 class OutdatedView(TypedDict):
     """What a variable was computed from has been assigned by hand since.
 
@@ -224,27 +221,6 @@ class Difference(TypedDict):
     removed: list[str]
     changed: list[str]
     moved: list[str]
-
-
-class RateView(TypedDict):
-    """Ticks per second; `wanted` 0 means free."""
-
-    wanted: float
-    achieved: float
-
-
-class SpeedView(TypedDict):
-    """Simulated over real time; `wanted` 0 means as fast as possible."""
-
-    wanted: float
-    achieved: float
-
-
-class CountView(TypedDict):
-    """How often something happened since the session began, and the tick of the last time."""
-
-    count: int
-    tick: int
 
 
 class MovedElement(TypedDict):
@@ -512,6 +488,8 @@ class ViewState(TypedDict):
 
     ============= =======================================================================================
     ``status``    the words of `lrp_jupyter.live.frame.Frame`; ``reason`` explains it
+    ``rate``      ticks per second that are wanted, 0: free; ``achieved_rate`` are the measured ones
+    ``speed``     simulated over real time that is wanted, 0: as fast as possible; so is ``achieved_speed``
     ``revision``  of the text that runs (the last one applied); ``program`` is its structure
     ``active``    innermost active states, as spawned (``Interpreter.active`` as text)
     ``lit``       every active state by its path in the text, outer ones too: what the page marks
@@ -539,17 +517,19 @@ class ViewState(TypedDict):
     reason: str
     tick: int
     time: float
-    rate: RateView
-    speed: SpeedView
+    rate: float
+    achieved_rate: float
+    speed: float
+    achieved_speed: float
     revision: int
     program: ProgramView
     layouts: dict[str, Layout]
     moved: dict[str, list[MovedElement]]
     active: list[str]
     lit: list[str]
-    entered: dict[str, CountView]
-    fired: dict[str, CountView]
-    variables: dict[str, ValueView]
+    entered: dict[str, CountAndTick]
+    fired: dict[str, CountAndTick]
+    variables: dict[str, TextAndNumber]
     outdated: dict[str, OutdatedView]
     events: dict[str, bool]
     members: dict[str, str]

@@ -46,7 +46,6 @@ from lrp_jupyter.widgets.protocol import (
     ProgramView,
     RestartView,
     TextRange,
-    ValueView,
     ViewState,
 )
 from lrp_jupyter.widgets.saver import Saver
@@ -55,7 +54,7 @@ PRINTED = 500
 """Lines of output that a view is sent at most."""
 RESTARTS = 20
 """The last restarts, which a view lists."""
-_TIME = {"tick", "time", "rate", "speed"}
+_TIME = {"tick", "time", "rate", "achieved_rate", "speed", "achieved_speed"}
 _CALM = _TIME | {"members", "variables", "printed", "hands", "criteria"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
@@ -118,11 +117,10 @@ class ViewStates:
             "reason": frame.reason,
             "tick": frame.tick,
             "time": round(frame.time, 3),
-            "rate": {"wanted": frame.rate, "achieved": round(frame.achieved_rate, 1)},
-            "speed": {
-                "wanted": frame.speed if math.isfinite(frame.speed) else 0,
-                "achieved": round(frame.achieved_speed, 2),
-            },
+            "rate": frame.rate,
+            "achieved_rate": round(frame.achieved_rate, 1),
+            "speed": frame.speed if math.isfinite(frame.speed) else 0,
+            "achieved_speed": round(frame.achieved_speed, 2),
             "revision": revision,
             "program": self._program_view,
             "layouts": dict(layouts),
@@ -130,15 +128,14 @@ class ViewStates:
             "active": [path_text(path) for path in frame.active],
             "lit": paths.active_states(frame.active),
             "entered": {
-                path_text(path): {"count": count, "tick": frame.visited_at[path]}
-                for path, count in frame.visits.items()
+                path_text(path): (count, frame.visited_at[path]) for path, count in frame.visits.items()
             },
             "fired": {
-                id_of("transition", path): {"count": count, "tick": frame.fired_at[path]}
+                id_of("transition", path): (count, frame.fired_at[path])
                 for path, count in frame.fired.items()
             },
             "variables": {
-                path_text(paths.member(path)): _value_view(text, frame.numbers.get(path))
+                path_text(paths.member(path)): (text, _finite(frame.numbers.get(path)))
                 for path, text in frame.variables.items()
             },
             "outdated": {
@@ -243,9 +240,9 @@ def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
 def last_fired(state: ViewState) -> list[str]:
     """Return the transitions that fired last: one of each machine."""
     last: dict[str, tuple[int, str]] = {}
-    for name, seen in state["fired"].items():
+    for name, (_, tick) in state["fired"].items():
         machine = name.partition(":")[0]
-        last[machine] = max(last.get(machine, (0, "")), (seen["tick"], name))
+        last[machine] = max(last.get(machine, (0, "")), (tick, name))
     return [name for _, name in last.values()]
 
 
@@ -429,9 +426,9 @@ def _word_at(text: str, line: int, column: int) -> TextRange:
     return range_of(text, start, word.end() if word else start)
 
 
-def _value_view(text: str, number: float | None) -> ValueView:
-    """Return a value as text, and also as a number if JSON can represent it."""
-    return {"text": text, "number": number if number is not None and math.isfinite(number) else None}
+def _finite(number: float | None) -> float | None:
+    """Return a number if JSON can represent it."""
+    return number if number is not None and math.isfinite(number) else None
 
 
 def _outdated_view(outdated: Outdated) -> OutdatedView:

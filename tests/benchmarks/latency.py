@@ -249,7 +249,7 @@ class Bench:
             happened, tick = self.kernel("(fired(), session.frame.tick)")
             self.lab.until("(root, tick) => Number(root.dataset.lrpTick) >= tick", argument=tick)
             self.kernel("setattr(session, 'speed', 1)")
-            told = sum(seen["count"] for seen in self.wire.fired.values())
+            told = sum(count for count, _ in self.wire.fired.values())
             self.lab.do("run")
             self.lab.ready()
         self.notes.append(

@@ -10,7 +10,7 @@ class Wire:
 
     def __init__(self, page: Any) -> None:
         self.sent = self.count = self.size = self.largest = 0
-        self.fired: dict[str, dict[str, int]] = {}
+        self.fired: dict[str, list[int]] = {}
         page.on("websocket", self._listen)
 
     def _listen(self, socket: Any) -> None:

@@ -83,7 +83,7 @@ def test_the_whole_view_state_shows_the_moment_looked_at(lab, page):
     lab.publish()
     assert past["looking"] == {"tick": 5, "time": 0.4, "ago": 3.6, "edited": False}
     assert (past["tick"], past["lit"]) == (5, ["m/go"])
-    assert past["variables"]["m/steps"]["text"] == "5"
+    assert past["variables"]["m/steps"][0] == "5"
     assert past["members"] != now["members"]
     assert look(page, time=2.05)["tick"] == 21
     assert look(page, time=2)["tick"] == 21

@@ -59,7 +59,7 @@ def test_an_entry_is_reported_with_its_own_tick_however_late_a_view_gets_it(benc
         lab.session.step()
     lab.publish()
     assert page.latest("tick") == 5
-    assert page.latest("entered") == {"m/a": {"count": 1, "tick": 1}}
+    assert page.latest("entered") == {"m/a": [1, 1]}
     said = {
         f["label"]: f["text"]
         for f in page.ask("inspect", kind="state", path="m/a", into=[])["inspect"]["facets"]

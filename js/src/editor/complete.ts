@@ -103,7 +103,7 @@ function variables(lab: Lab, context: CompletionContext, scope: string): Complet
     .map(({ name, path }) => ({
       label: name,
       type: "variable",
-      detail: shortened(lab.store.state.variables[path]?.text ?? "", 30),
+      detail: shortened(lab.store.state.variables[path]?.[0] ?? "", 30),
       boost: 2,
     }));
 }

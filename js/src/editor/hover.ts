@@ -63,17 +63,17 @@ export function ofProgram(
   const { kind, path } = item;
   const card = { title: `${kind} ${item.name}`, type: "", value: "", doc: "", kind, path };
   if (item.kind === "state") {
-    const visits = entered[item.path]?.count ?? 0;
+    const [visits] = entered[item.path] ?? [0];
     return {
       ...card,
       value: lit.includes(item.path) ? "active" : "",
       doc: `entered ${visits} ${visits === 1 ? "time" : "times"}`,
     };
   }
-  if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.count ?? 0} times` };
+  if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.[0] ?? 0} times` };
   if (item.kind === "event")
     return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
-  if (item.kind === "variable") return { ...card, value: variables[item.path]?.text ?? "no value now" };
+  if (item.kind === "variable") return { ...card, value: variables[item.path]?.[0] ?? "no value now" };
   return card;
 }
 

@@ -140,7 +140,7 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
 function shownValue(kind: string, path: string, lab: LabState): string | null {
   const text =
     kind === "variable"
-      ? besideGraph(lab).variables[path]?.text
+      ? besideGraph(lab).variables[path]?.[0]
       : kind === "event"
         ? eventText(lab, path)
         : undefined;

@@ -3,7 +3,7 @@
  * good, and those before it for a while, fainter with each firing since.
  */
 
-import type { CountView } from "../protocol";
+import type { CountAndTick } from "../protocol";
 import { inGraph, type LabState } from "../session/state";
 import { setAttribute } from "../ui/dom";
 import type { Layers } from "./draw";
@@ -12,8 +12,8 @@ import type { Layers } from "./draw";
 export const AFTERGLOW = 450;
 
 export class Marks {
-  private entered: Record<string, CountView> = {};
-  private fired: Record<string, CountView> = {};
+  private entered: Record<string, CountAndTick> = {};
+  private fired: Record<string, CountAndTick> = {};
   private machine = "";
   private tick = 0;
   private readonly timers = new Map<Element, ReturnType<typeof setTimeout>>();
@@ -54,8 +54,8 @@ export class Marks {
   };
 
   /** Whether something happened since the last update; a renamed element keeps its count. */
-  private grown(now: CountView | undefined, before: CountView | undefined): boolean {
-    return before ? (now?.count ?? 0) > before.count : (now?.tick ?? 0) > this.tick;
+  private grown(now: CountAndTick | undefined, before: CountAndTick | undefined): boolean {
+    return before ? (now?.[0] ?? 0) > before[0] : (now?.[1] ?? 0) > this.tick;
   }
 
   private glow(element: Element): void {
@@ -70,11 +70,11 @@ export class Marks {
 }
 
 /** How many other transitions of its machine have fired since each did: 0 for the last one. */
-export function agesOf(fired: Record<string, CountView>): Map<string, number> {
+export function agesOf(fired: Record<string, CountAndTick>): Map<string, number> {
   const younger = new Map<string, number>(); // machine -> transitions counted
   const ages = new Map<string, number>();
-  const counted = Object.entries(fired).filter(([, { count }]) => count > 0);
-  for (const [id] of counted.reverse().sort(([, a], [, b]) => b.tick - a.tick)) {
+  const counted = Object.entries(fired).filter(([, [count]]) => count > 0);
+  for (const [id] of counted.reverse().sort(([, [, a]], [, [, b]]) => b - a)) {
     const machine = id.slice(0, id.indexOf(":"));
     const age = younger.get(machine) ?? 0;
     ages.set(id, age);
@@ -84,6 +84,6 @@ export function agesOf(fired: Record<string, CountView>): Map<string, number> {
 }
 
 /** The transitions that fired last: one of each machine. */
-export function lastFired(fired: Record<string, CountView>): string[] {
+export function lastFired(fired: Record<string, CountAndTick>): string[] {
   return [...agesOf(fired)].filter(([, age]) => age === 0).map(([id]) => id);
 }

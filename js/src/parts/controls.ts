@@ -135,8 +135,8 @@ function rateSlider(lab: Lab): HTMLElement {
       lab.send({ do: "rate", value: rateAt(Number(slider.value)) });
     },
   });
-  store.watch(["rate"], () => {
-    const { wanted, achieved } = store.state.rate;
+  store.watch(["rate", "achieved_rate"], () => {
+    const { rate: wanted, achieved_rate: achieved } = store.state;
     if (rateAt(Number(slider.value)) !== wanted && performance.now() - moved > ON_ITS_WAY)
       slider.value = String(positionOf(wanted));
     slider.setAttribute("aria-valuetext", rateText(wanted));
@@ -171,7 +171,7 @@ function speedSelect(lab: Lab): HTMLElement {
   );
   const label = h("label", { class: "lrp-control" }, h("span", {}, "Speed"), select);
   store.watch(["speed", "bridge"], () => {
-    if (performance.now() - chosen > ON_ITS_WAY) select.value = String(store.state.speed.wanted);
+    if (performance.now() - chosen > ON_ITS_WAY) select.value = String(store.state.speed);
     label.hidden = store.state.bridge.hardware;
   });
   return label;

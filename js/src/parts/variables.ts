@@ -128,9 +128,9 @@ class Row {
   update(): void {
     const value = this.lab.store.state.variables[this.path];
     this.updateOutdated();
-    const text = value?.text;
+    const [text, number] = value ?? [];
     if (text !== undefined && this.text !== undefined && text !== this.text) this.glow();
-    if (value || this.text !== undefined) this.spark.add(value?.number ?? null);
+    if (value || this.text !== undefined) this.spark.add(number ?? null);
     this.text = text;
     setText(this.value, text ?? "—");
     setAttribute(

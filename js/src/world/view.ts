@@ -338,11 +338,11 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   };
   store.watch(["choices", "world"], listWorlds);
   const showTime = () => {
-    const { achieved } = store.state.speed;
+    const { achieved_speed: achieved } = store.state;
     const now = stage.latest?.time ?? 0;
     setText(time, `${now.toFixed(1)} s${achieved ? `  ×${achieved.toPrecision(2)}` : ""}`);
   };
-  store.watch(["speed"], showTime);
+  store.watch(["achieved_speed"], showTime);
   new ResizeObserver(() => stage.resize()).observe(canvas);
   new MutationObserver(() => {
     stage.retheme();
