@@ -84,28 +84,15 @@ _OF_THE_RUN = ("rest", "hold")
 class RunStart:
     """Where a recorded session began.
 
-    Parameters
-    ----------
-    text, filename : str
-        The program.
-    bridge : str
-        The name of the bridge.
-    world : mapping or None
-        The simulated world in its JSON form, noise and seed included.
-    members : sequence of mapping
-        What `robot` offered, if it was not a simulated one.
-    rate : float
-    on_active_edit, on_issue : str
-    names : list of str
-        The names that the blocks use and that neither the program nor Python defines: a notebook's.
-    random : int, sequence or None
-        The seed of Python's own random numbers, if they were seeded for the recording; else their state.
-    initials : mapping of str to str
-        Other initial values than those of the text.
-    values : mapping of str to str
-        The values of those `names` that can be written, as expressions of Python.
-    armed : bool
-        Whether commands were sent to the robot.
+    `text`, `filename`: the program.
+    `bridge`: its name.
+    `world`: the simulated world in its JSON form, noise and seed included.
+    `members`: what `robot` offered, if it was not a simulated one.
+    `names`: those that the blocks use and that neither the program nor Python defines: a notebook's.
+    `random`: the seed of Python's random numbers, if they were seeded for the recording; else their state.
+    `initials`: other initial values than those of the text.
+    `values`: those of the `names` that can be written, as expressions of Python.
+    `armed`: whether commands were sent to the robot.
     """
 
     text: str

@@ -37,18 +37,14 @@ def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) 
 
     Raises UnknownElementError: there is no such element, or it has no value now.
     """
-    return _inspect(opened, kind, path_of(kind, path), into)
-
-
-def _inspect(opened: OpenProgram, kind: ElementKind, path: Path, into: Sequence[str]) -> InspectView:
-    session = opened.session
+    session, where = opened.session, path_of(kind, path)
     program = session.program
     if kind == "robot":
         return _robot(session)
     if kind == "variable":
-        seen: InspectView = session.call(lambda: _variable(session, program, path, into))
+        seen: InspectView = session.call(lambda: _variable(session, program, where, into))
         return seen
-    element = find(program, kind, path)
+    element = find(program, kind, where)
     noun = definition_of(program, element)
     if isinstance(noun, Machine):
         facets = [_facet("states", ", ".join(str(state.name) for state in noun.states))]
