@@ -75,7 +75,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
         raise ValueError(f"Tick {at} is not remembered. {known}")
     bridge = _forked(loop.bridge, found.moment)
     feeds = isinstance(bridge, RecordedBridge)
-    moments = [record.moments[tick - now - 1] for tick in range(found.tick + 1, now + 1)]
+    moments = [record.moment(tick) for tick in range(found.tick + 1, now + 1)]
     ticks = [
         Ticked(found.tick + number, time, record.readings_of(sensed) if feeds else None)
         for number, (time, _, sensed) in enumerate(moments, 1)

@@ -368,7 +368,7 @@ class Loop:
         One that others follow by themselves is made in a hurry: it may show an earlier text of a value whose
         rendering takes long.
         """
-        interpreter, timing, moments = self.interpreter, self.timing, self.record.moments
+        interpreter, timing = self.interpreter, self.timing
         values = interpreter.variables.pairs()
         over = self.status in ("stopped", "closed")  # nothing may run any more that might not return
         variables = self._texts.of(values, now=not (hurried and self.status == "running"), foreign=not over)
@@ -396,7 +396,7 @@ class Loop:
             moved=interpreter.moved,
             patch_reason=interpreter.patch_reason,
             program=interpreter.program,
-            readings=self.record.readings_of(moments[-1].sensed) if moments else {},
+            readings=self.record.readings,
             rate=timing.rate,
             achieved_rate=rate,
             speed=timing.clock.speed,

@@ -34,9 +34,9 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         raise ValueError(history.refusal(tick, least))
     state = history.state(tick)
     variables = state.variables
-    time, moment, sensed = loop.record.moments[tick - interpreter.tick - 1]
+    time, moment, sensed = loop.record.moment(tick)
     visits, firings = _counts_at(interpreter, tick)
-    after = loop.record.moments[tick - interpreter.tick][1] if tick < interpreter.tick else bridge.moment()
+    after = loop.record.moment(tick + 1).world if tick < interpreter.tick else bridge.moment()
     return replace(
         loop.make_frame(),
         status="paused",

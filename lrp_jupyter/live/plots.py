@@ -58,8 +58,7 @@ class Plot:
 def plottable(loop: Loop) -> list[str]:
     """Return the names of what has a number or a truth value now; between two ticks."""
     variables = [path_text(path) for path, value in loop.frame.values.items() if _is_number(value)]
-    readings = loop.record.readings_of(loop.record.moments[-1][2]) if loop.record.moments else {}
-    return variables + [_ROBOT + name for name, value in readings.items() if _is_number(value)]
+    return variables + [_ROBOT + name for name, value in loop.record.readings.items() if _is_number(value)]
 
 
 def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
@@ -156,9 +155,7 @@ def _whole(loop: Loop, name: str) -> str:
 def _is_present(loop: Loop, name: str) -> bool:
     """Return whether a name is that of a reading, or of a variable that exists or may exist."""
     if name.startswith(_ROBOT):
-        return bool(loop.record.moments) and name.removeprefix(_ROBOT) in loop.record.readings_of(
-            loop.record.moments[-1][2]
-        )
+        return name.removeprefix(_ROBOT) in loop.record.readings
     return as_path(name) in loop.frame.values or bool(called(loop.interpreter.program, "variable", name))
 
 

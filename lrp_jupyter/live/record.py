@@ -31,7 +31,7 @@ from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.live.checkpoints import COPIED, PLAIN, Checkpoints, SessionCheckpoint, names_of
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.inputs import Input, Inputs, Rewound
-from lrp_jupyter.live.moments import Moments
+from lrp_jupyter.live.moments import Moment, Moments
 from lrp_jupyter.live.names import ChangeNames, WatchedNames
 from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.timing import Timing
@@ -138,6 +138,15 @@ class Record:
     def _find(self, token: object) -> object:
         """Return the object that a token stands for here."""
         return self._interpreter.namespace if token == "namespace" else self._bridge.nodes.table[str(token)]
+
+    def moment(self, tick: int) -> Moment:
+        """Return the beginning of a tick that is remembered."""
+        return self.moments[tick - self._interpreter.tick - 1]
+
+    @property
+    def readings(self) -> Mapping[str, object]:
+        """The readings of the last tick; none before the first."""
+        return self.readings_of(self.moments[-1].sensed) if self.moments else {}
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
         """Return the readings of a tick by path, with the error where one failed, by their token in a moment.

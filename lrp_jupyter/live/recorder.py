@@ -106,9 +106,9 @@ class Recorder(Trace):
         self._keep(self._readings)
 
     def _readings(self) -> Line:
-        time, _, sensed = self._loop.record.moments[-1]
-        readings = {name: plain(value) for name, value in self._loop.record.readings_of(sensed).items()}
-        return {"tick": self._loop.interpreter.tick, "time": time, "readings": readings}
+        record = self._loop.record
+        readings = {name: plain(value) for name, value in record.readings.items()}
+        return {"tick": self._loop.interpreter.tick, "time": record.moments[-1].time, "readings": readings}
 
     def _keep(self, made: Callable[[], Line]) -> None:
         if self._failure is not None:

@@ -70,7 +70,7 @@ class Answers:
         if "state" in kinds and text.startswith(_ROBOT):
             name = text.removeprefix(_ROBOT)
             return command_reason(self._run, name, tick, now=at is None)
-        programs = self._run.program(tick), self._run.present_program
+        programs = self._run.program(tick), self._run.loop.interpreter.program
         commands = self._commands if "state" in kinds else ()
         element, program = find_first(programs, kinds, wanted, _INSTEAD, commands)
         then = self._then(element, program, tick)

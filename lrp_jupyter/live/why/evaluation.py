@@ -113,10 +113,9 @@ def _lookup(
     written: frozenset[int] = frozenset(),
 ) -> Callable[[str], Any]:
     """Return what returns the value that a name had in a tick."""
-    interpreter, record = run.loop.interpreter, run.loop.record
-    names, nodes = record.names, run.loop.bridge.nodes.table
+    record, nodes = run.loop.record, run.loop.bridge.nodes.table
     changes = [change for completed, change in run.changes if completed >= tick]
-    readings = record.readings_of(record.moments[tick - interpreter.tick - 1].sensed)
+    readings = record.readings_of(record.moment(tick).sensed)
 
     def lookup(name: str) -> Any:
         if name == "robot":
@@ -130,7 +129,7 @@ def _lookup(
             if not _is_immutable(value):
                 raise UnknownValueError(f"`{name}` may have been changed in place.")
             return value
-        if (value := names.value_before(name, changes)) is not ABSENT:
+        if (value := record.names.value_before(name, changes)) is not ABSENT:
             if not (_is_immutable(value) or isinstance(value, _UNCHANGING)):
                 raise UnknownValueError(f"`{name}` may have been changed since.")
             return value

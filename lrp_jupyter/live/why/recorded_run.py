@@ -73,16 +73,11 @@ class RecordedRun:
         """Return the program that ran in a tick; the present one for a tick that is still to come."""
         if tick in self.history.ticks:
             return self.state(tick).program
-        return self.present_program
+        return self.loop.interpreter.program
 
     def names(self, tick: float) -> Names:
         """Return the names that elements had in a tick."""
         return Names(self.loop.interpreter.moves, tick)
-
-    @property
-    def present_program(self) -> Program:
-        """The program that runs now."""
-        return self.loop.interpreter.program
 
     def backward(self, tick: int, *, before: bool = False) -> Iterator[Dated]:
         """Return what happened up to the end of a tick, the last fact first.
