@@ -12,7 +12,8 @@ from typing import Literal
 
 from lrp_jupyter.interpreter.facts import Entered, Fact, Faulted, Fired
 from lrp_jupyter.interpreter.history import PastMachine, PastState
-from lrp_jupyter.language.program import Element, Machine, Path, Program, Transition
+from lrp_jupyter.language.program import Element, Path, Transition
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Delay
 
 ReasonCode = Literal[
@@ -62,9 +63,11 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
     `facts`: what happened in the tick.
     `element`: the transition, by path of definition.
     """
-    noun = transition_of(state.program, element)
-    if noun is None:
+    names = resolve(state.program)
+    arrow = names.arrow(element)
+    if arrow is None:
         return Cause("not-in-program")
+    noun, arrows = arrow.noun, [each.element for each in names.arrows[arrow.scope]]
     order = list(state.walk())
     machine = next((each for each in order if each.state[:-1] == element.path[:-1]), None)
     if machine is None or not noun.leaves(machine.state[-1]):
@@ -79,7 +82,7 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
         if fired.machine == machine.path:
             if fired.transition == element:
                 return Cause("fired", machine, fired)
-            if _is_earlier(state.program, fired.transition, element):
+            if arrows.index(fired.transition) < arrows.index(element):
                 return Cause("earlier-fired", machine, fired)
         elif fired.machine in before and _is_inside(machine.path, fired.path[:-1]):
             outer = _is_inside(machine.path, fired.machine)
@@ -90,28 +93,9 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
     return Cause("delay-not-over" if isinstance(noun.trigger, Delay) else "condition-false", machine)
 
 
-def machine_of(program: Program, path: Path) -> Machine | None:
-    """Return a machine by its path of definition."""
-    return next((machine for where, machine in program.walk() if where == path), None)
-
-
-def transition_of(program: Program, element: Element) -> Transition | None:
-    """Return a transition by its path of definition."""
-    machine = machine_of(program, element.path[:-1])
-    if machine is None or element.path[-1] not in machine.ids:
-        return None
-    return machine.transitions[machine.ids.index(element.path[-1])]
-
-
 def _is_source(noun: Transition, element: Element, state: Path) -> bool:
     """Return whether a transition leaves a state, which is of any machine."""
     return state[:-1] == element.path[:-1] and noun.leaves(state[-1])
-
-
-def _is_earlier(program: Program, one: Element, other: Element) -> bool:
-    """Return whether a transition stands before another one of the same machine."""
-    machine = machine_of(program, one.path[:-1])
-    return machine is not None and machine.ids.index(one.path[-1]) < machine.ids.index(other.path[-1])
 
 
 def _is_inside(path: Path, outer: Path) -> bool:

@@ -6,10 +6,10 @@ import math
 from dataclasses import replace
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.reasons import transition_of
 from lrp_jupyter.language.lookup import find_first
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.recorded_run import Again, RecordedRun
@@ -76,7 +76,7 @@ class Answers:
         then = self._then(element, program, tick)
         if element.kind == "state":
             return state_reason(self._run, then.path, element.path[-1], tick)
-        if transition_of(self._run.program(tick), then) is not None:
+        if resolve(self._run.program(tick)).arrow(then) is not None:
             element, program = then, self._run.program(tick)
         reason = transition_reason(self._run, element, program, tick)
         if at is not None or not self._run.loop.interpreter.paused:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lrp_jupyter.interpreter.history import PastMachine, PastState
-from lrp_jupyter.interpreter.reasons import Cause, transition_of
+from lrp_jupyter.interpreter.reasons import Cause
 from lrp_jupyter.language.program import Block, Element, Program, Transition
 from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.why.recorded_run import RecordedRun
@@ -61,9 +61,9 @@ class Case:
     @property
     def noun(self) -> Transition:
         """The transition as that program has it."""
-        noun = transition_of(self.program, self.element)
-        assert noun is not None
-        return noun
+        arrow = resolve(self.program).arrow(self.element)
+        assert arrow is not None
+        return arrow.noun
 
     @property
     def tested(self) -> tuple[Block, Scope] | None:

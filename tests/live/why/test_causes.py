@@ -12,6 +12,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Delay, Occurrence
 from lrp_jupyter.live.reason import EXPLANATIONS
 
@@ -136,12 +137,9 @@ def test_the_reason_is_the_one_that_was_seen(text, lights):
         for machine in i.history.state(tick + 1, before=True).walk():
             by_definition[machine.state[:-1]] = machine.path
         expected.append({})
-        first = {}
-        for where, machine in i.program.walk():
-            first.setdefault(where, machine)
-        for where, machine in first.items():
-            path = by_definition.get(where)
-            for number, id_ in enumerate(machine.ids):
+        for where, scope in resolve(i.program).by_path.items():
+            path, machine = by_definition.get(where), scope.noun
+            for number, id_ in enumerate(machine.ids if machine else ()):
                 code = witness.not_there(machine, machine.transitions[number], "machine-not-running")
                 if path is not None:
                     code = witness.code(*known[path], number)
