@@ -2,8 +2,8 @@
 
 It sends and receives frames (:mod:`~lrp_jupyter.bridges.ev3.protocol`) on any line: WiFi, Bluetooth or USB.
 
-A connection that fails once is lost for good: it is cut, not closed, so that nothing that was
-still under way reaches the brick later, where the line can do that. Connect again for another one.
+A connection that fails once is lost for good. It is cut, not closed, so that nothing still under way reaches
+the brick later, if the line can do that. Connect again for another one.
 """
 
 from __future__ import annotations

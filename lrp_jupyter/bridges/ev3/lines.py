@@ -1,4 +1,4 @@
-"""What bytes travel on between this computer and a brick: WiFi and Bluetooth; USB is in a module of its own.
+"""The lines on which bytes travel to a brick and back: WiFi and Bluetooth; `usb` has the third.
 
 The frames are the same on each. A line knows nothing of them, except that USB keeps them apart.
 """

@@ -1,7 +1,7 @@
 """The back ends of the ROS bridge, i.e. the ways to communicate with ROS, and the choice among them.
 
-A person who names none gets the one for which the environment is set up, since it knows most: the shell of
-a person who works with ROS. Otherwise it is the first one that answers.
+If none is named, it is the one that the environment is set up for, as in the shell of a person who works with
+ROS, since it knows most; otherwise the first that answers.
 """
 
 from __future__ import annotations

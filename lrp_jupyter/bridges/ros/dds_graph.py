@@ -1,10 +1,9 @@
 """Who else is in the domain: the readers and writers of other nodes, and the names of these nodes.
 
-Readers and writers come from DDS itself, which tells every participant about all others. It does not know
-of nodes: those ROS 2 announces on a topic of its own, ``ros_discovery_info``, and only who announces itself
-there is in ``ros2 node list``. Humble and older write 24 octets for the identity of an endpoint, and newer
-ones 16. What the others in this domain understand is known by whether their endpoints carry the hash of their
-type.
+DDS itself tells every participant about the readers and writers of all others, but knows no nodes: ROS 2
+announces them on the topic ``ros_discovery_info``, which ``ros2 node list`` reads. Humble and older releases
+write 24 octets for the identity of an endpoint, newer ones 16; these are recognised by the hash of the type
+that their endpoints carry.
 """
 
 from __future__ import annotations

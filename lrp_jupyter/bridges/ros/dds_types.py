@@ -1,8 +1,8 @@
 """ROS 2's message types, without a ROS installation: as definitions, as IDL structs, and by their hash.
 
-A type is what the user's folders say about it; else what an installed ROS says (``AMENT_PREFIX_PATH``);
-else what rosbags brings of the distribution ``ROS_DISTRO`` (default: jazzy). In a folder, the type
-``package/Type`` is the file ``package/msg/Type.msg``.
+A type is taken from the user's folders, else from an installed ROS (``AMENT_PREFIX_PATH``), else from the
+copy in rosbags of the distribution ``ROS_DISTRO`` (default: jazzy). In a folder, the type ``package/Type`` is
+the file ``package/msg/Type.msg``.
 """
 
 from __future__ import annotations

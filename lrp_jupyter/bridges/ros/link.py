@@ -48,7 +48,7 @@ class Transport(ABC):
     `node`: name of the node on this side, where there is one.
     `period`: seconds between two comparisons with the robot.
     `changed`: to be called, on any thread, when the link should compare at once.
-    `pace`: seconds between two readings that the program can use; a topic that is faster may be thinned out.
+    `pace`: seconds between two readings that the program can use; a faster topic may be thinned out.
     `round_trip`: recent median of the seconds until the robot answers a ping; None where it is not measured.
     `clock`: learns from the time stamps of messages, and tells their age.
     """

@@ -1,11 +1,11 @@
 """The rosbridge back end: JSON or CBOR over a websocket, without a ROS installation on this side.
 
-An own client of the rosbridge protocol 2.0, for what matters to a robot stands in
-`lrp_jupyter.bridges.ros.websocket`: a command is sent now or never. Questions to rosapi have a connection of
-their own: see `lrp_jupyter.bridges.ros.rosapi`.
+This is a separate client of the rosbridge protocol 2.0 because a command to a robot is sent now or never: see
+`lrp_jupyter.bridges.ros.websocket`. Questions to rosapi have their own connection: see
+`lrp_jupyter.bridges.ros.rosapi`.
 
-ROS 1 and ROS 2 differ in the names of types (`pkg/Type`, `pkg/msg/Type`) and in time stamps: each gets its
-own.
+ROS 1 and ROS 2 differ in the names of types (`pkg/Type`, `pkg/msg/Type`) and in time stamps; each gets its
+own form.
 """
 
 from __future__ import annotations
