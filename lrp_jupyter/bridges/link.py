@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from abc import ABC, abstractmethod
 from enum import Enum
 
@@ -10,6 +12,7 @@ from lrp_jupyter.errors import BridgeError, sentence_of
 
 _CALM = 0.3  # s that a turn has to end before the connection is closed under it
 _JOIN = 1.7  # s that it has then
+_SLICE = 0.1  # s of waiting: Windows lets Ctrl-C in only in between
 
 
 class Stage(Enum):
@@ -100,10 +103,11 @@ class Link(ABC):
         Raises BridgeError: it is not possible.
         """
         self._thread.start()
-        in_time = False
+        end, in_time = time.monotonic() + (math.inf if patience is None else patience), False
         try:
-            with self._changed:
-                in_time = self._changed.wait_for(lambda: self._stage is not Stage.OPENING, patience)
+            while not in_time and time.monotonic() < end:
+                with self._changed:
+                    in_time = self._changed.wait_for(lambda: self._stage is not Stage.OPENING, _SLICE)
         finally:
             if not in_time or self.is_ended:
                 self.close()
