@@ -73,7 +73,7 @@ class ReconnectingBridge(Bridge, offered=False):
     connect_within: ClassVar[float] = 8.0
     retry_after: ClassVar[float] = 0.5
 
-    _link: Link | None = None
+    _kept_link: Link | None = None  # a name that authors leave alone
 
     # -- what the author of a bridge writes -------------------------------------------------------
 
@@ -114,17 +114,17 @@ class ReconnectingBridge(Bridge, offered=False):
         BridgeError
             The robot did not answer in time.
         """
-        if self._link is not None and not self._link.has_ended(self.connect_within):
+        if self._kept_link is not None and not self._kept_link.has_ended(self.connect_within):
             raise BridgeError(f"The last connection of `{self.name}` has not ended yet. Try again later.")
-        self._link = _AuthorsLink(self)
-        if not self._link.open(self.connect_within):
+        self._kept_link = _AuthorsLink(self)
+        if not self._kept_link.open(self.connect_within):
             raise BridgeError(f"`{self.name}` did not connect within {self.connect_within:g} s.")
         return None
 
     def close_interface(self) -> None:
         """End the thread and the connection."""
-        if self._link is not None:
-            self._link.close()
+        if self._kept_link is not None:
+            self._kept_link.close()
 
 
 class _AuthorsLink(Link):

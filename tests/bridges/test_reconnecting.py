@@ -218,8 +218,8 @@ def test_a_robot_that_does_not_answer_is_given_up(robot, monkeypatch):
     with pytest.raises(BridgeError, match="has not ended yet"):
         line.open()
     over.set()
-    assert line._link is not None
-    assert line._link.has_ended(within=120)
+    assert line._kept_link is not None
+    assert line._kept_link.has_ended(within=120)
     assert calls == ["disconnect"], "what came too late is closed"
     assert line.status.state is ConnectionState.DISCONNECTED
 
@@ -240,8 +240,8 @@ def test_closing_ends_a_wait_for_data(line, monkeypatch):
     line.receive, line.disconnect = receive, disconnect  # type: ignore[method-assign]
     assert waiting.wait(120)
     line.close()
-    assert line._link is not None
-    assert line._link.has_ended(within=120)
+    assert line._kept_link is not None
+    assert line._kept_link.has_ended(within=120)
     assert line.status.sentence == "`test-line` is closed."
     assert [notice.text for notice in line.safety.notices if notice.kind == "fault"] == []
 
@@ -264,11 +264,11 @@ def test_a_connection_may_have_a_sentence_of_its_own(robot):
 
 def test_the_waits_between_attempts_double_up_to_a_limit(line, robot, monkeypatch):
     monkeypatch.setattr(Line, "retry_after", 0.5)
-    line._link.close()
+    line._kept_link.close()
     for _ in range(2):
-        line._link.connect()
-        assert [line._link.lose("It is gone.") for _ in range(7)] == [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]
-        line._link.disconnect()
+        line._kept_link.connect()
+        assert [line._kept_link.lose("It is gone.") for _ in range(7)] == [0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]
+        line._kept_link.disconnect()
 
 
 class TestLine(BridgeConformance):
