@@ -499,7 +499,6 @@ describe("the page", () => {
       kind: "exception",
       element: "state `follower/moving`",
       message: "`moving.running` failed",
-      revision: 1,
       finding: "",
       range: { line: 2, column: 1, end_line: 2, end_column: 5 },
       traceback: "",

@@ -145,7 +145,7 @@ class FindingView(TypedDict):
 
 
 class IssueView(TypedDict):
-    """A run-time issue. `range` is a place of the text with number `revision`, None if it has none.
+    """A run-time issue. `range` is a place of the running text, None if it has none.
 
     `finding` is the id of the static finding about the same fault of the same text, empty if there is none:
     a page lists the two as one.
@@ -157,7 +157,6 @@ class IssueView(TypedDict):
     kind: str
     element: str
     message: str
-    revision: int
     range: TextRange | None
     finding: str
     traceback: str

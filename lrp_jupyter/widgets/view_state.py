@@ -110,7 +110,7 @@ class ViewStates:
             self._moved = {str(revision): _moved_elements(each) for revision, each in shown.moved}
             if view != self._program_view:  # white space makes another program, and the same view
                 self._program_view = view
-        paths, revision = self._paths, texts.running_revision
+        paths = self._paths
         members = list(listed_members(session.bridge))
         return {
             "status": frame.status,
@@ -121,7 +121,7 @@ class ViewStates:
             "achieved_rate": round(frame.achieved_rate, 1),
             "speed": frame.speed if math.isfinite(frame.speed) else 0,
             "achieved_speed": round(frame.achieved_speed, 2),
-            "revision": revision,
+            "revision": texts.running_revision,
             "program": self._program_view,
             "layouts": dict(layouts),
             "moved": self._moved,
@@ -143,7 +143,7 @@ class ViewStates:
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
             "members": _member_values(members, frame.readings if looking else {}),
-            "issues": self._issues(frame, revision),
+            "issues": self._issues(frame),
             "printed": self._lines(),
             "restarts": self._last_restarts(frame),
             "hung": frame.hung,
@@ -178,7 +178,7 @@ class ViewStates:
             self._restarts = dict([*self._restarts.items(), (str(number), last)][-RESTARTS:])
         return self._restarts
 
-    def _issues(self, frame: Frame, revision: int) -> dict[str, IssueView]:
+    def _issues(self, frame: Frame) -> dict[str, IssueView]:
         texts = self._texts
         text = frame.program.text
         findings = texts.judgement.findings if texts.text == text else ()
@@ -187,17 +187,17 @@ class ViewStates:
         for index, issue in enumerate(frame.issues):
             key = index, issue.kind, issue.element, issue.first_tick
             number = self._numbers.setdefault(key, len(self._numbers) + 1)
-            made_of = issue, revision, findings
+            made_of = issue, text, findings
             known, view = self._issue_views.get(number, (None, None))
             if view is None or known != made_of:
-                view = _issue_view(number, issue, text, revision, findings)
+                view = _issue_view(number, issue, text, findings)
                 self._issue_views[number] = made_of, view
             views[str(number)] = view
         for notice in self._session.bridge.safety.notices:
             if notice.kind in OF_COMMANDS and notice.first.tick <= frame.tick:
                 key = notice.kind, notice.about, notice.first
                 number = self._numbers.setdefault(key, len(self._numbers) + 1)
-                views[str(number)] = _notice_view(number, notice, frame, revision)
+                views[str(number)] = _notice_view(number, notice, frame)
         return views
 
     def _breakpoints(self, known: tuple[Breakpoint, ...], program: Program) -> dict[str, BreakpointView]:
@@ -344,9 +344,7 @@ def _names(prefix: str, nouns: tuple[Any, ...]) -> list[str]:
     return list(dict.fromkeys(f"{prefix}{noun.name}" for noun in nouns))
 
 
-def _issue_view(
-    number: int, issue: Issue, text: str, revision: int, findings: Iterable[Finding]
-) -> IssueView:
+def _issue_view(number: int, issue: Issue, text: str, findings: Iterable[Finding]) -> IssueView:
     """Return a fault of the run; `text` is the one that runs, `findings` are those about it."""
     place = _word_at(text, issue.line, issue.column)
     same = None if issue.resolved else _same_finding(issue, place, findings)
@@ -357,7 +355,6 @@ def _issue_view(
         "kind": issue.kind,
         "element": str(issue.element),
         "message": issue.message,
-        "revision": revision,
         "range": place,
         "finding": "" if same is None else finding_id(same),
         "traceback": issue.traceback,
@@ -371,7 +368,7 @@ def _issue_view(
 _OVER = 1.0  # s after which something that has not happened again is over
 
 
-def _notice_view(number: int, notice: Notice, frame: Frame, revision: int) -> IssueView:
+def _notice_view(number: int, notice: Notice, frame: Frame) -> IssueView:
     """Return a notice of the robot's safety as an issue, in the line of the command that it is about."""
     block, line, text = notice.first.block, notice.first.line, frame.program.text
     lines = text.splitlines()
@@ -384,7 +381,6 @@ def _notice_view(number: int, notice: Notice, frame: Frame, revision: int) -> Is
         "kind": notice.kind,
         "element": block,
         "message": notice.text,
-        "revision": revision,
         "range": _word_at(text, line, max(1, column)) if line else None,
         "finding": "",
         "traceback": "",
