@@ -13,9 +13,10 @@ from threading import Lock
 
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import read_file, write_file
+from lrp_jupyter.own import digest
 from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.kept import Kept, Remembered, newest
-from lrp_jupyter.widgets.texts import Texts, are_alike, fingerprint
+from lrp_jupyter.widgets.texts import Texts, are_alike
 
 _LOOK = 1.0  # s between two comparisons of the file with what was written
 _AGAIN = 5.0  # s until a text that could not be kept is tried again
@@ -42,7 +43,7 @@ class Saver:
         self._stored: object = None
         self._looked = self._again = float("-inf")
         self._well = 0.0  # since when the text that hung has run well
-        self._saved_as: dict[str, tuple[int, int]] = {}  # what this lab wrote to files of the user's choice
+        self._saved_as: dict[str, str] = {}  # what this lab wrote to files of the user's choice
         self._remembered = Remembered() if kept is None else kept.remembered()
         texts.cell, texts.versions = self._remembered.cell, self._remembered.versions
         self.hung = self._remembered.hung
@@ -57,10 +58,10 @@ class Saver:
         if not replace and (os.path.isfile(file) or os.path.islink(file)):
             there = read_file(file)
             known = self._saved_as.get(os.path.realpath(file))
-            if there is None or (there != text and fingerprint(there) != known):
+            if there is None or (there != text and digest(there) != known):
                 return False
         write_file(file, text)
-        self._saved_as[os.path.realpath(file)] = fingerprint(text)
+        self._saved_as[os.path.realpath(file)] = digest(text)
         return True
 
     def first_texts(self, cell: str | None) -> list[str]:

@@ -40,7 +40,6 @@ Selection = tuple[int, int]
 Rename = tuple[str, Path, str]
 """The kind and the path of an element, and its new name."""
 
-_KNOWN = 50  # texts whose revision is known
 _LATE = 0.25  # s after which a text is answered even if it is not applied yet
 _SHOWING = 0.1  # s in which an applied program appears in a frame
 _PAUSE = 5.0  # s without typing that make a text a version
@@ -112,12 +111,13 @@ class Texts:
         self.document = Document()
         self.judgement = Judgement(None, ())
         """What the text means while the cursors are where they are."""
+        self.running_revision = 0
+        """The revision of the running text."""
         self._wake: Callable[[], None] = lambda: None
         self._answered = Program()  # the running program, as known to the views
         self._reason = ""  # of the last answer
         self._hands: dict[str, _Hand] = {}  # by view
         self._number = 0  # of the last answer
-        self._revisions: dict[tuple[int, int], int] = {}
         self._typed = float("-inf")
 
     def attach(
@@ -137,7 +137,7 @@ class Texts:
             if is_first:
                 self.document = Document(session.text)
             self._continue_with(session.text)
-            self.document.told = self.revision
+            self.document.told = self.running_revision = self.revision
             self._answered = session.program
             self.judgement = session.judge(self.text)
             if self.judgement.program is not None and self.text:
@@ -263,7 +263,6 @@ class Texts:
         except SessionClosedError as error:  # the text is kept anyway
             self.judgement = self.session.judge(self.text)
             answer.set_exception(error)
-        self._know()
         self.waiting.append(self._written(view, seq, answer, self.clock() + _LATE))
         answer.add_done_callback(lambda _: self._wake())
 
@@ -295,14 +294,6 @@ class Texts:
         changes = self.document.replace(text)
         for hand in self._hands.values():
             hand.move(changes)
-        self._know()
-
-    def _know(self) -> None:
-        """Remember the revision of the text."""
-        self._revisions.pop(fingerprint(self.text), None)
-        self._revisions[fingerprint(self.text)] = self.revision
-        if len(self._revisions) > _KNOWN:
-            del self._revisions[next(iter(self._revisions))]
 
     def _leave(self, text: str, is_typed: bool, before: str | None = None) -> None:
         """Make the text `before`, or the present one, a version, unless the new one is a step of typing."""
@@ -341,11 +332,6 @@ class Texts:
                 for view, hand in self._hands.items()
             }
 
-    @property
-    def running_revision(self) -> int:
-        """Return the revision of the running text."""
-        return self._revisions.get(fingerprint(self.session.program.text), 0)
-
     def answers(self, now: float) -> list[Written]:
         """Return the texts that can be answered, or must be by now, and changes that came without a text."""
         with self.lock:
@@ -362,9 +348,10 @@ class Texts:
                 written.updates = [_update_view(update) for update in since]
                 self.document.told = max(told, written.revision)
                 self._number = written.number = self._number + 1
-                if program is not self._answered and program.text != written.text:
-                    written.running = _plain(program.text)
-                    self._revisions.setdefault(fingerprint(program.text), written.revision)
+                if program.text == written.text:
+                    self.running_revision = written.revision
+                elif program is not self._answered:
+                    self.running_revision, written.running = written.revision, _plain(program.text)
                 written.pending = self._pending(written.text, written.judgement.program, program)
                 self._answered, self._reason = program, written.reason
             return ready
@@ -520,11 +507,6 @@ class Texts:
 def are_alike(text: str, other: str | None) -> bool:
     """Return whether two texts are equal but for line ends: a cell has its own, and a newline at its end."""
     return other is not None and text.splitlines() == other.splitlines()
-
-
-def fingerprint(text: str) -> tuple[int, int]:
-    """Return what identifies a text, instead of the text itself, which may be long."""
-    return hash(text), len(text)
 
 
 def _plain(text: str) -> str:
