@@ -18,12 +18,12 @@ from lrp_jupyter.cli.source import read_source
 from lrp_jupyter.errors import FileError, LRPSyntaxError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.grading.attempt import Attempt
-from lrp_jupyter.grading.batch import HowRun
 from lrp_jupyter.grading.challenges import Challenge, load
 from lrp_jupyter.grading.marks import FORMS, Marks, grade_class
 from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.sweep import Sweep, Value, sweep_axes
+from lrp_jupyter.grading.workers import HowRun
 
 _MOST = 1000  # values of a variable
 
@@ -172,8 +172,8 @@ def _list(marks: Marks) -> None:
     for mark in marks.marks:
         grade = mark.grade
         points = Text(f"{grade.points:g} of {grade.out_of:g}", "green" if grade.passed else "bold red")
-        runs = Text(f"{mark.runs_passed} of {grade.runs}")
-        reason = mark.reason.partition("\n")[0]
+        runs = Text(f"{grade.runs_passed} of {grade.runs}")
+        reason = grade.first_failed.reason.partition("\n")[0] if grade.first_failed else ""
         table.add_row(
             Text(mark.submission.student, "bold"),
             points,

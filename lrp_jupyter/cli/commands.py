@@ -572,7 +572,7 @@ def grade(
         list_challenges()
         raise typer.Exit(2 if files or challenge is not None else 0)
     from lrp_jupyter.cli.batches import grade_files
-    from lrp_jupyter.grading.batch import HowRun
+    from lrp_jupyter.grading.workers import HowRun
 
     raise typer.Exit(grade_files(files, challenge, seeds, out or [], HowRun(limit, memory, jobs, scheduler)))
 
@@ -638,7 +638,7 @@ def sweep(
     if challenge is None:
         raise LRPError("No challenge was named. Choose one with `--challenge NAME`; `lrp grade` lists them.")
     from lrp_jupyter.cli.batches import sweep_file
-    from lrp_jupyter.grading.batch import HowRun
+    from lrp_jupyter.grading.workers import HowRun
 
     how = HowRun(limit, memory, jobs, scheduler)
     raise typer.Exit(sweep_file(file, challenge, assignments, seeds, out or [], map_, how))

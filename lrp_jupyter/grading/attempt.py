@@ -92,6 +92,11 @@ class Attempt(NamedTuple):
         broken = (verdict for verdict in missing if verdict.decided is not None)
         return next(broken, missing[0] if missing else None)
 
+    @property
+    def reason(self) -> str:
+        """What was broken or not met, and why; empty if it passed."""
+        return f"{self.failure.sentence}: {self.failure.reason}" if self.failure else ""
+
     def check(self) -> None:
         """Raise an LRPError if what runs and judges the program failed."""
         if self.ended == "fault":

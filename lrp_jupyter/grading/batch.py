@@ -4,40 +4,14 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
 
-from lrp_jupyter.arguments import check_number
 from lrp_jupyter.grading.attempt import Attempt, Job
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
-from lrp_jupyter.grading.workers import run_jobs
+from lrp_jupyter.grading.workers import HowRun, run_jobs
 
 Progress = Callable[[int, int], object]
 """Called with the number of runs that need not be made any more, and the number of all runs."""
-
-
-class HowRun(NamedTuple):
-    """How the runs of a batch are made.
-
-    `limit`: wall seconds of computing that one run may take.
-    `memory`: megabytes that one run may need more than at its beginning.
-    `processes`: how many runs at a time; default: one for each processor.
-    `scheduler`: the address of a Dask scheduler whose workers make the runs, or ``"local"``.
-    `namespace`: names that blocks can read.
-    """
-
-    limit: float = 60
-    memory: float = 1000
-    processes: int | None = None
-    scheduler: str | None = None
-    namespace: dict[str, Any] | None = None
-
-    def check(self) -> None:
-        """Raise a TypeError or ValueError if a number is not one, or too small."""
-        check_number("limit", self.limit, "a number of seconds", above=0)
-        check_number("memory", self.memory, "a number of megabytes", above=0)
-        if self.processes is not None:
-            check_number("processes", self.processes, "a number of processes", least=1)
 
 
 def grade_all(
@@ -54,22 +28,14 @@ def grade_all(
 
     Raises LRPError: the cluster cannot be reached.
     """
-    how.check()
-    options: dict[str, Any] = {"limit": how.limit, "namespace": how.namespace}
-    of_text = {text: jobs_of(text, task, seeds, **options)[1] for text in texts}
+    of_text = {text: jobs_of(text, task, seeds, how)[1] for text in texts}
     count = max(map(len, of_text.values()), default=0)
     order = [(text, number) for number in range(count) for text in of_text]
     jobs: list[Job] = [of_text[text][number] for text, number in order]
     made: defaultdict[str, dict[int, Attempt]] = defaultdict(dict)
     ended: set[str] = set()
     progress(0, len(jobs))
-    for index, attempt in run_jobs(
-        jobs,
-        how.memory,
-        stop_at_end=True,
-        processes=how.processes,
-        scheduler=how.scheduler,
-    ):
+    for index, attempt in run_jobs(jobs, how, stop_at_end=True):
         text, number = order[index]
         made[text][number] = attempt
         if attempt.ended:

@@ -15,7 +15,7 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.grading.attempt import Attempt, Job
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import Criterion
-from lrp_jupyter.grading.workers import run_jobs
+from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 
@@ -61,8 +61,18 @@ class Grade:
     @property
     def passed(self) -> bool:
         """Whether every run met every criterion, or as many runs as needed."""
-        good = sum(attempt.passed for attempt in self.attempts)
+        good = self.runs_passed
         return bool(self.attempts) and good >= self.needed * max(self.runs, len(self.attempts)) - 1e-9
+
+    @property
+    def runs_passed(self) -> int:
+        """How many runs passed."""
+        return sum(attempt.passed for attempt in self.attempts)
+
+    @property
+    def first_failed(self) -> Attempt | None:
+        """The first run that did not pass."""
+        return next((attempt for attempt in self.attempts if not attempt.passed), None)
 
     @property
     def points(self) -> float:
@@ -90,21 +100,17 @@ class Grade:
         return self.passed
 
     def __repr__(self) -> str:
-        good = sum(attempt.passed for attempt in self.attempts)
         word = "passed" if self.passed else "not yet"
-        return f"<Grade {self.challenge}: {word}, {good} of {len(self.attempts)} runs>"
+        return f"<Grade {self.challenge}: {word}, {self.runs_passed} of {len(self.attempts)} runs>"
 
     def __str__(self) -> str:
         word = "passed" if self.passed else "not yet"
         lines = [f"{self.challenge}: {word}, {self.points:g} of {self.out_of:g} points"]
         if self.needed < 1:
             lines.append(f"  {self.needed:.0%} of the runs have to pass")
-        shown = next((attempt for attempt in self.attempts if not attempt.passed), None)
         if len(self.attempts) > 1:
             lines += list(self._summary())
-        if shown is None and self.attempts:
-            shown = self.attempts[0]
-        if shown is not None:
+        for shown in [self.first_failed or self.attempts[0]] if self.attempts else []:
             lines += [f"  {verdict}" for verdict in shown.verdicts]
         if self.hint:
             lines.append(f"Hint: {self.hint}")
@@ -163,13 +169,10 @@ def grade(
     LRPError
         The challenge does not exist, or the interpreter itself failed.
     """
-    check_number("limit", limit, "a number of seconds", above=0)
-    check_number("memory", memory, "a number of megabytes", above=0)
-    task, jobs = jobs_of(
-        program, what, seeds, criteria=criteria, seconds=seconds, namespace=namespace, limit=limit
-    )
+    how = HowRun(limit, memory, namespace=namespace)
+    task, jobs = jobs_of(program, what, seeds, how, criteria=criteria, seconds=seconds)
     attempts: dict[int, Attempt] = {}
-    for index, attempt in run_jobs(jobs, memory, stop_at_end=True):
+    for index, attempt in run_jobs(jobs, how, stop_at_end=True):
         attempt.check()
         attempts[index] = attempt
     return Grade.of(task, attempts, len(jobs))
@@ -179,13 +182,13 @@ def jobs_of(
     program: Any,
     what: str | Challenge | World,
     seeds: int | Iterable[int] | None = None,
+    how: HowRun = HowRun(),  # noqa: B008  (an immutable value)
     *,
     criteria: Sequence[Criterion] = (),
     seconds: float = 60,
-    namespace: dict[str, Any] | None = None,
-    limit: float = 60,
 ) -> tuple[Challenge, list[Job]]:
     """Return the challenge, and the runs that grade a program; see :func:`grade`."""
+    how.check()
     check_type("what", what, (str, Challenge, World), "the name of a challenge, a Challenge or a World")
     check_number("seconds", seconds, "a number of seconds", above=0)
     if isinstance(what, str):
@@ -204,8 +207,8 @@ def jobs_of(
     texts = tuple(text_of(each) for each in (program if isinstance(program, (list, tuple)) else [program]))
     if task.live and len(texts) == 1:
         texts = (task.beginning, *texts)
-    names = namespace_of(program) if namespace is None else namespace
-    return task, [Job(texts, task, world, seed, limit, names) for world, seed in task.runs]
+    names = namespace_of(program) if how.namespace is None else how.namespace
+    return task, [Job(texts, task, world, seed, how.limit, names) for world, seed in task.runs]
 
 
 def namespace_of(program: Any) -> dict[str, Any]:

@@ -61,13 +61,12 @@ def by_run(
     for column, (value, grade, remark) in enumerate(zip(values, grades, remarks, strict=True)):
         x = left + column * width
         done = {(each.world, each.seed): each for each in grade.attempts}
-        passed = sum(each.passed for each in grade.attempts)
-        parts.append(_text(x + width / 2, top - 6, f"{passed}/{grade.runs}", "middle"))
+        parts.append(_text(x + width / 2, top - 6, f"{grade.runs_passed}/{grade.runs}", "middle"))
         for row, (world, seed) in enumerate(rows):
             attempt, y = done.get((world, seed)), top + row * height
             about = f"{variable} = {value}, {world}, seed {seed}"
             if attempt is None or not attempt.passed:
-                why = "not made" if attempt is None or not attempt.failure else str(attempt.failure)[2:]
+                why = (attempt and attempt.reason) or "not made"
                 parts.append(_failed(x, y, width, height, f"{about}: {why}"))
                 continue
             colour, _ = _colour(1 - (attempt.seconds - low) / (high - low) if high > low else 1)

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 from lrp_jupyter.grading.attempt import Attempt, failed
-from lrp_jupyter.grading.batch import HowRun, Progress, grade_all
+from lrp_jupyter.grading.batch import Progress, grade_all
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.submissions import Submission
+from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.spreadsheets import csv_text
 
 
@@ -22,22 +23,6 @@ class Mark(NamedTuple):
 
     submission: Submission
     grade: Grade
-
-    @property
-    def first_failed(self) -> Attempt | None:
-        """The first run that did not pass."""
-        return next((attempt for attempt in self.grade.attempts if not attempt.passed), None)
-
-    @property
-    def reason(self) -> str:
-        """Why the first failed run failed; empty if all passed."""
-        failure = self.first_failed and self.first_failed.failure
-        return f"{failure.sentence}: {failure.reason}" if failure else ""
-
-    @property
-    def runs_passed(self) -> int:
-        """How many runs passed."""
-        return sum(attempt.passed for attempt in self.grade.attempts)
 
 
 @dataclass(frozen=True)
@@ -63,14 +48,13 @@ class Marks:
         return csv_text((*columns, "first_world", "first_seed", "first_reason", "first_hint"), self._rows())
 
     def _rows(self) -> Iterator[tuple[object, ...]]:
-        for mark in self.marks:
-            submission, grade = mark
-            first = mark.first_failed
+        for submission, grade in self.marks:
+            first = grade.first_failed
             yield (
                 *(submission.student, submission.file, grade.challenge, grade.points, grade.out_of),
-                *("yes" if grade.passed else "no", mark.runs_passed, grade.runs),
+                *("yes" if grade.passed else "no", grade.runs_passed, grade.runs),
                 *(first.world if first else "", first.seed if first else ""),
-                *(mark.reason.partition("\n")[0], grade.hint),
+                *(first.reason.partition("\n")[0] if first else "", grade.hint),
             )
 
     def to_json(self) -> str:
@@ -90,7 +74,7 @@ class Marks:
             "points": grade.points,
             "passed": grade.passed,
             "runs": grade.runs,
-            "runs_passed": mark.runs_passed,
+            "runs_passed": grade.runs_passed,
             "hints": grade.hints,
             "attempts": [{**each.to_dict(), "passed": each.passed} for each in grade.attempts],
         }
@@ -120,9 +104,10 @@ class Marks:
                     time=f"{each.seconds:.1f}",
                 )
                 if not each.passed:
-                    kind, failure = "error" if each.ended else "failure", each.failure
-                    message = f"{failure.sentence}: {failure.reason}" if failure else ""
-                    found = ElementTree.SubElement(case, kind, message=_xml(message), type=each.ended or kind)
+                    kind = "error" if each.ended else "failure"
+                    found = ElementTree.SubElement(
+                        case, kind, message=_xml(each.reason), type=each.ended or kind
+                    )
                     found.text = _xml("\n".join([*map(str, each.verdicts), *each.hints]))
         ElementTree.indent(root)
         return f'<?xml version="1.0" encoding="utf-8"?>\n{ElementTree.tostring(root, "unicode")}\n'

@@ -19,11 +19,12 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.grading.batch import HowRun, Progress, grade_all
+from lrp_jupyter.grading.batch import Progress, grade_all
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.grade import Grade, namespace_of, text_of
 from lrp_jupyter.grading.heatmap import by_run, by_values
 from lrp_jupyter.grading.progress import shown_progress
+from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.language.initials import with_initial
 from lrp_jupyter.spreadsheets import csv_text
 
@@ -46,7 +47,7 @@ class SweepPoint(NamedTuple):
     @property
     def passed(self) -> int:
         """How many runs passed."""
-        return sum(attempt.passed for attempt in self.grade.attempts)
+        return self.grade.runs_passed
 
     @property
     def share(self) -> float:

@@ -25,7 +25,9 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, NamedTuple
 
+from lrp_jupyter.arguments import check_number
 from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
 from lrp_jupyter.grading.cluster import Cluster
@@ -41,36 +43,55 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+class HowRun(NamedTuple):
+    """How the runs of a batch are made.
+
+    `limit`: wall seconds of computing that one run may take.
+    `memory`: megabytes that one run may need more than at its beginning.
+    `processes`: how many runs at a time; default: one for each processor.
+    `scheduler`: the address of a Dask scheduler whose workers make the runs, or ``"local"``.
+    `namespace`: names that blocks can read.
+    """
+
+    limit: float = 60
+    memory: float = 1000
+    processes: int | None = None
+    scheduler: str | None = None
+    namespace: dict[str, Any] | None = None
+
+    def check(self) -> None:
+        """Raise a TypeError or ValueError if a number is not one, or too small."""
+        check_number("limit", self.limit, "a number of seconds", above=0)
+        check_number("memory", self.memory, "a number of megabytes", above=0)
+        if self.processes is not None:
+            check_number("processes", self.processes, "a number of processes", least=1)
+
+
 def run_jobs(
     jobs: Sequence[Job],
-    memory: float,
+    how: HowRun = HowRun(),  # noqa: B008  (an immutable value)
     *,
     stop_at_end: bool = False,
-    processes: int | None = None,
-    scheduler: str | None = None,
     halt: threading.Event | None = None,
 ) -> Iterator[tuple[int, Attempt]]:
     """Make runs, several at a time, and yield each with its index as it is done.
 
     To close the iterator early ends the runs that have begun.
 
-    `memory`: megabytes for each.
     `stop_at_end`: whether no other run of a program is begun after one that took too long, crashed or is not
         a valid program. Where there are several programs, the second run of each waits for the first one, so
         that a program that hangs does not hold up the others.
-    `processes`: how many at a time; default: one for each processor.
-    `scheduler`: the address of a Dask scheduler, or ``"local"`` for a Dask cluster on this machine; its
-        workers make the runs.
     `halt`: set from another thread, it ends the runs.
     Raises LRPError: a name of the notebook cannot be sent to another process, or the cluster cannot be
         reached.
     """
-    batch = _Batch(jobs, memory, stop_at_end, halt or threading.Event())
+    batch = _Batch(jobs, how.memory, stop_at_end, halt or threading.Event())
     if sys.platform == "emscripten":
         yield from batch.made_here()
         return
-    size = processes or processors()
-    with closing(_Processors(size) if scheduler is None else Cluster(scheduler, answer, size)) as crew:
+    size = how.processes or processors()
+    crew = _Processors(size) if how.scheduler is None else Cluster(how.scheduler, answer, size)
+    with closing(crew):
         yield from batch.made_by(crew)
 
 

@@ -21,7 +21,7 @@ from lrp_jupyter.grading.attempt import Attempt, Job, attempt
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
-from lrp_jupyter.grading.workers import run_jobs
+from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.session import Session
@@ -30,8 +30,7 @@ from lrp_jupyter.sim.worlds import load
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.protocol import AttemptView, CheckView, CriterionView, GoalView, OutlineView
 
-_MEMORY = 1000.0  # MB that a run of a check may need
-_LIMIT = 30.0  # s that it may be computed
+_HOW = HowRun(limit=30)
 _STORING = 0.5  # s in which a browser stores the text, before a check that may not return
 
 
@@ -165,7 +164,7 @@ class Goal:
         """Begin to run the text in every world of the challenge, with every seed; ends an earlier check."""
         if self._check is not None:
             self._check.halted.set()
-        _, jobs = jobs_of(text, self.task, namespace=session.namespace, limit=_LIMIT)
+        _, jobs = jobs_of(text, self.task, how=_HOW._replace(namespace=session.namespace))
         check = _Check(text, jobs, Grade.of(self.task, {}, len(jobs)))
         self._check, self._hinted = check, 0
         if session.driver == "asyncio":
@@ -177,7 +176,7 @@ class Goal:
     def _run(self, check: _Check) -> None:
         """Make the runs, and tell the views of each."""
         with _ending(check, self._wake):
-            for index, made in run_jobs(check.jobs, _MEMORY, halt=check.halted):
+            for index, made in run_jobs(check.jobs, _HOW, halt=check.halted):
                 made.check()
                 self._note(check, index, made)
 
@@ -254,7 +253,7 @@ class Goal:
                 break
             rest = begin + made.seconds + 1 / self.task.rate - session.frame.time
             is_last = number == len(job.texts) - 1
-            session.run(max(0.0, rest if is_last else min(seconds, rest)), limit=_LIMIT / 6)
+            session.run(max(0.0, rest if is_last else min(seconds, rest)), limit=_HOW.limit / 6)
         self._begin(self._driven(session, begin))
         failure = made.failure
         decided = None if failure is None else failure.decided

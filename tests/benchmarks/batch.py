@@ -14,13 +14,12 @@ from contextlib import ExitStack
 from time import perf_counter
 
 from lrp_jupyter import programs
-from lrp_jupyter.grading.batch import HowRun
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.cluster import local_cluster
 from lrp_jupyter.grading.marks import Marks, grade_class
 from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.sweep import Sweep, sweep_axes
-from lrp_jupyter.grading.workers import processors
+from lrp_jupyter.grading.workers import HowRun, processors
 from lrp_jupyter.language.initials import with_initial
 
 FOLLOWER = programs.load("follower")

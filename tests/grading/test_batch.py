@@ -11,13 +11,13 @@ import pytest
 
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.grading.attempt import Attempt, Job
-from lrp_jupyter.grading.batch import HowRun, grade_all
+from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import Criterion, drives, no_faults
 from lrp_jupyter.grading.grade import Grade, grade
 from lrp_jupyter.grading.marks import grade_class
 from lrp_jupyter.grading.submissions import Submission, find_submissions
-from lrp_jupyter.grading.workers import run_jobs
+from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.spreadsheets import csv_text
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
@@ -59,7 +59,7 @@ def test_equal_programs_are_run_once():
 def test_the_second_run_of_a_program_waits_for_its_first_while_others_run():
     limits = {HANG: 3, DRIVE: 60, SLOW: 60}
     jobs = [Job((text,), FIRST, "empty", seed, limits[text]) for seed in (0, 1) for text in limits]
-    made = dict(run_jobs(jobs, 1000, stop_at_end=True, processes=3))
+    made = dict(run_jobs(jobs, HowRun(processes=3), stop_at_end=True))
     assert sorted(made) == [0, 1, 2, 4, 5]  # of what hangs, one run only
 
 

@@ -9,12 +9,12 @@ import pytest
 
 from lrp_jupyter import sweep
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.grading.batch import HowRun, grade_all
+from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.grade import jobs_of
 from lrp_jupyter.grading.marks import grade_class
 from lrp_jupyter.grading.submissions import Submission
-from lrp_jupyter.grading.workers import run_jobs
+from lrp_jupyter.grading.workers import HowRun, run_jobs
 
 distributed = pytest.importorskip("distributed", reason="needs the extra `batch`")
 
@@ -79,10 +79,10 @@ def test_a_name_of_the_notebook_is_sent_to_the_cluster(cluster):
 
 def test_a_lost_worker_does_not_lose_the_batch(cluster):
     jobs = jobs_of(DRIVE, "edge guard", 12)[1]
-    expected = dict(run_jobs(jobs, 1000))
+    expected = dict(run_jobs(jobs))
     pids = [worker.pid for worker in cluster.workers.values()]
     made = {}
-    for index, attempt in run_jobs(jobs, 1000, scheduler=cluster.scheduler_address):
+    for index, attempt in run_jobs(jobs, HowRun(scheduler=cluster.scheduler_address)):
         if not made:
             os.kill(pids[0], signal.SIGKILL)
         made[index] = attempt

@@ -13,9 +13,10 @@ from support.waiting import until
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading import workers
 from lrp_jupyter.grading.attempt import Attempt, Job
-from lrp_jupyter.grading.batch import HowRun, grade_all
+from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.criteria.criterion import Verdict
+from lrp_jupyter.grading.workers import HowRun
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 FIRST = challenge("first move")
@@ -129,9 +130,9 @@ def test_no_process_that_a_program_has_started_stays(code):
 @pytest.mark.slow
 @pytest.mark.parametrize("number", ["KILL", "STOP", "TERM"])
 def test_a_program_that_ends_or_stops_all_workers_takes_no_mark_from_another(number):
-    """All workers, that of the other program's run too; both are made again, alone."""
+    """All workers, that of the other program's run and an idle one too; both runs are made again, alone."""
     workers.close_workers()
-    grade_all([DRIVE, DRIVE.replace("0.2", "0.21")], FIRST, 1, HowRun(processes=2))
+    grade_all([DRIVE.replace("0.2", f"0.2{digit}") for digit in "012"], FIRST, 1, HowRun(processes=3))
     siblings = {worker.process.pid for worker in workers._idle}
     attack = doing(
         f"import os, signal\nfor number in {siblings}: os.kill(number, signal.SIG{number})\nwhile True: pass"

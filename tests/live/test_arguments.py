@@ -9,9 +9,10 @@ import pytest
 
 import lrp_jupyter as lrp
 from lrp_jupyter.errors import BridgeError, FileError, LRPSyntaxError, UnknownElementError
-from lrp_jupyter.grading.batch import HowRun, grade_all
+from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.challenges import challenge
+from lrp_jupyter.grading.workers import HowRun
 
 PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)"
 
