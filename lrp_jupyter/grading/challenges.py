@@ -37,16 +37,8 @@ def challenges() -> tuple[Challenge, ...]:
 def challenge(name: str, otherwise: str = "; or a file whose name ends with `.py`") -> Challenge:
     """Return the challenge of a name, in any case, with spaces, hyphens or underscores.
 
-    Parameters
-    ----------
-    name : str
-    otherwise : str
-        What else the message offers.
-
-    Raises
-    ------
-    LRPError
-        There is no challenge of that name; the message suggests the closest one.
+    `otherwise`: what else the message offers.
+    Raises LRPError: there is no challenge of that name; the message suggests the closest one.
     """
     known = {_plain(each.name): each for each in challenges()}
     wanted = _plain(name)

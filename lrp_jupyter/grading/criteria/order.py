@@ -8,20 +8,10 @@ from lrp_jupyter.grading.record import RunRecord, Sample
 
 
 def in_order(run: RunRecord, things: Sequence[Callable[[Sample], bool]], key: object) -> tuple[float, ...]:
-    """Return when several things happened, one after the other, up to the first that did not.
+    """Return at which seconds things happened, one after the other, up to the first that did not.
 
-    Parameters
-    ----------
-    run : RunRecord
-    things : sequence of callable
-        Each says whether a sample shows it.
-    key : object
-        Under which the result is remembered.
-
-    Returns
-    -------
-    tuple of float
-        Seconds of the run.
+    `things`: each says whether a sample shows it.
+    `key`: under which the result is remembered.
     """
 
     def step(done: tuple[float, ...], now: Sample, _: Sample) -> tuple[float, ...]:
@@ -32,15 +22,10 @@ def in_order(run: RunRecord, things: Sequence[Callable[[Sample], bool]], key: ob
 
 
 def reason_of(done: Sequence[float], names: Sequence[str], verb: str) -> str:
-    """Return what happened of several things in their order: the last one, and what did not come after it.
+    """Say which of several things happened last, and which did not come after it.
 
-    Parameters
-    ----------
-    done : sequence of float
-        When they happened.
-    names : sequence of str
-    verb : str
-        Its past tense with what follows, such as ``"came to"``.
+    `done`: when they happened.
+    `verb`: its past tense with what follows, such as ``"came to"``.
     """
     if not done:
         return f"it never {verb} {names[0]}"

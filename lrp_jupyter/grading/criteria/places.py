@@ -16,10 +16,7 @@ _REST = 0.001  # m; a solid that lies still may tremble so far in one period
 def zone_of(world: World, name: str) -> Zone:
     """Return a zone of a world.
 
-    Raises
-    ------
-    LRPError
-        The world has no such zone; the message suggests the closest one.
+    Raises LRPError: the world has no such zone; the message suggests the closest one.
     """
     if name in world.zones:
         return world.zones[name]
