@@ -43,7 +43,7 @@ function open(): void {
   Object.assign(store.state, {
     lit: ["m/a"],
     fired: { "m:named": fired(2) },
-    variables: { "m/n": { text: "3", kind: "int" } },
+    variables: { "m/n": ["3", 3] },
     events: { "m/go": true },
   });
   editor.begin({ document: "d", text: TEXT, running: TEXT, revision: 0, updates: null } as SnapshotMessage);

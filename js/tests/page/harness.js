@@ -149,7 +149,7 @@ function command(message) {
   } else if (message.do === "set_variable") {
     const value = Number(message.expression);
     if (Number.isNaN(value)) error = `NameError: name '${message.expression}' is not defined`;
-    else frame({ variables: { [message.path]: { text: message.expression, number: value } } });
+    else frame({ variables: { [message.path]: [message.expression, value] } });
   } else if (message.do === "pin") {
     const layouts = structuredClone(recording.snapshot.frame.layouts);
     const shape = layouts[message.path].states.find(({ name }) => name === message.name);
