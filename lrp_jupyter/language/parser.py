@@ -18,10 +18,11 @@ from lrp_jupyter.arguments import check_type
 from lrp_jupyter.errors import MOST_FINDINGS, Edit, LRPSyntaxError, listed
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of, faults_of
-from lrp_jupyter.language.bracketing import unclosed
-from lrp_jupyter.language.corrections import correct, is_form
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, article, expected_text, shape_of, short
 from lrp_jupyter.language.matching import Matching, match
+from lrp_jupyter.language.mistakes import correct
+from lrp_jupyter.language.mistakes.unclosed import unclosed
+from lrp_jupyter.language.mistakes.wrong_brackets import is_form
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.relocation import Members, Stray, members, relocated
 from lrp_jupyter.language.scanner import block_end
@@ -87,7 +88,7 @@ def _is_inside(error: Diagnosis) -> bool:
 _MANY = 100  # a text with more errors is something else than a program with mistakes
 
 
-_ROUNDS = 3  # what one round corrects may have hidden something else
+_ROUNDS = 5  # what one round corrects may have hidden something else
 
 
 def _corrected(text: str, found: list[Diagnosis], rounds: int = _ROUNDS) -> list[Diagnosis]:

@@ -11,8 +11,8 @@ from support.seeds import seeds
 from support.tables import every
 
 from lrp_jupyter.errors import edited
-from lrp_jupyter.language import bracketing, draft
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.mistakes import draft, unclosed
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Finding
 
@@ -215,7 +215,7 @@ def test_the_place_of_a_quote_is_not_searched_for_in_long_blocks(monkeypatch: py
         parsed.append(len(text))
         return draft.is_python(text)
 
-    monkeypatch.setattr(bracketing, "is_python", is_python)
+    monkeypatch.setattr(unclosed, "is_python", is_python)
     call = "b(c, d), " * 3_000
     wrong = f'(machine m (state a (running [print("a, {call})])))(spawn m a)'
     assert {finding.line for finding in check(wrong)} == {1}

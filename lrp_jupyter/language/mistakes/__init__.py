@@ -1,0 +1,207 @@
+"""Mistakes in a text that is not a program: each is one error and, where that is certain, has a fix.
+
+The text is read as nested forms. Where the parts of a form are not those of its keyword, the rules propose
+what may be meant at the first part that does not fit: another sign, a bracket, a word in another order. The
+first guess after which the form is right, or right up to a later part, is the mistake; with its edits, the
+form is tried again. So one mistake is one error, and what would follow from it is not reported. The text with
+its corrections is parsed, which finds what is left, and what the corrections have uncovered.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable
+from typing import NamedTuple
+
+from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.mistakes import keywords, order, python, unclosed, words, wrong_brackets
+from lrp_jupyter.language.mistakes.draft import (
+    Correction,
+    Corrections,
+    DraftForm,
+    Item,
+    TextDraft,
+    first_wrong,
+    given_up,
+)
+from lrp_jupyter.language.source import Diagnosis
+from lrp_jupyter.language.triggers import FORMS
+
+
+class Rule(NamedTuple):
+    """A kind of mistake.
+
+    `propose`: yields what may be wrong with a form whose part at an index does not fit, the likeliest first.
+    `parts`: the types of such parts for which it is tried; all if there are none.
+    `forms`: the keywords of such forms; all if there are none.
+    """
+
+    propose: Callable[[TextDraft, DraftForm, int], Corrections]
+    parts: frozenset[str] = frozenset()
+    forms: frozenset[str] = frozenset()
+
+
+def _rule(
+    propose: Callable[[TextDraft, DraftForm, int], Corrections], parts: str = "", forms: str = ""
+) -> Rule:
+    return Rule(propose, frozenset(parts.split()), frozenset(forms.split()))
+
+
+_ACTIONS = "onentry running onexit onpause onresume"
+_TRANSITIONS = " ".join(FORMS)
+_PYTHON = f"var event on exit ontime {_ACTIONS}"
+
+RULES = (
+    _rule(words.comments, "COMMENT"),
+    _rule(wrong_brackets.form_ends_square, "STRAY"),
+    _rule(wrong_brackets.ends_swapped, "INVALID"),
+    _rule(wrong_brackets.block_ends_round, "UNCLOSED"),
+    _rule(unclosed.quotes, "UNCLOSED INVALID"),
+    _rule(unclosed.hidden, "UNCLOSED"),
+    _rule(unclosed.doubled, "UNCLOSED"),
+    _rule(unclosed.ends, "UNCLOSED"),
+    _rule(wrong_brackets.lost, "NAME"),
+    _rule(wrong_brackets.bare_form, "NAME"),
+    _rule(words.import_lines, "NAME", "program"),
+    _rule(words.import_forms, "FORM", "program"),
+    _rule(wrong_brackets.doubled, "FORM"),
+    _rule(wrong_brackets.names, "FORM BLOCK INVALID LBRACE", f"var event machine state spawn {_TRANSITIONS}"),
+    _rule(wrong_brackets.square_form, "BLOCK INVALID"),
+    _rule(wrong_brackets.braced_form, "LBRACE"),
+    _rule(python.quoted, "", _PYTHON),
+    _rule(python.bracketed, "", _PYTHON),
+    _rule(python.bare, "", _PYTHON),
+    _rule(words.delays, "", "ontime"),
+    _rule(words.names, "NAME WORD INTEGER AMOUNT MINUS SIGN STRAY QUOTED"),
+    _rule(order.wrong_arrow, "", _TRANSITIONS),
+    _rule(order.no_arrow, "", _TRANSITIONS),
+    _rule(order.wrong_sign, "", "var event spawn"),
+    _rule(order.no_assignment, "BLOCK INVALID", "var"),
+    _rule(order.sources, "", "on ontime eps"),
+    _rule(order.trigger_last, "", "on ontime exit"),
+    _rule(order.other_keyword, "", "on eps"),
+    _rule(order.name_last, "", "var event"),
+    _rule(order.several_words, "NAME", "var event state machine"),
+    _rule(order.action, "BLOCK", "state"),
+    _rule(words.commas, "STRAY"),
+    _rule(words.strays, "STRAY"),
+)
+"""The cheapest first. Each can be left out: then its mistakes are reported by what the parser expects."""
+
+_KEYWORD_RULES = (keywords.two_words, keywords.misspelt)
+_MOST = 100
+"""Parts of a form that are looked at."""
+
+
+class Corrected(NamedTuple):
+    """A corrected text, the errors of the original, and the way back.
+
+    `found`: at offsets of the original text, as are their edits.
+    `moved`: returns an error of the corrected text with its offsets in the original.
+    """
+
+    text: str
+    found: list[Diagnosis]
+    moved: Callable[[Diagnosis], Diagnosis]
+
+
+def correct(text: str) -> Corrected | None:
+    """Correct what is clear in a text that is not a program; return None if nothing is."""
+    draft = TextDraft(text)
+    guesses: list[Correction] = []
+    _mend(draft, draft.read(), guesses)
+    limit = min((guess.start for guess in guesses if guess.hides), default=len(text))
+    guesses = [guess for guess in guesses if guess.start <= limit]
+    if not guesses:
+        return None
+    corrected, origin = _applied(text, [edit for guess in guesses for edit in guess.edits])
+    return Corrected(corrected, _errors(text, guesses), lambda diagnosis: _moved(diagnosis, origin))
+
+
+def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
+    """Correct a form, then those in it."""
+    ignored: set[Item] = set()
+    for rule in _KEYWORD_RULES if form.around else ():
+        for guess in rule(draft, form):
+            guesses.append(guess)
+            form.keyword, form.items = guess.keyword, list(guess.items)
+    for _ in range(_MOST):
+        at = first_wrong(form.keyword, form.items, ignored)
+        if at is None:
+            break
+        accepted = _first_accepted(draft, form, at, ignored)
+        if accepted:
+            guesses.append(accepted)
+            form.items = list(accepted.items)
+            form.keyword = accepted.keyword or form.keyword
+            if accepted.hides:
+                break
+        elif at < len(form.items) and (instead := given_up(form.items[at])):
+            form.items[at] = instead
+        elif at == len(form.items) or form.keyword in FORMS:
+            break
+        else:
+            ignored.add(form.items[at])
+    for item in form.items:
+        if isinstance(item, DraftForm):
+            item.around = form.keyword
+            _mend(draft, item, guesses)
+
+
+def _first_accepted(draft: TextDraft, form: DraftForm, at: int, ignored: set[Item]) -> Correction | None:
+    """Return the first guess after which a form is right, or right up to a later part."""
+    kind, place = form.part(form.items, at)
+    for rule in RULES:
+        if (rule.parts and kind not in rule.parts) or (rule.forms and form.keyword not in rule.forms):
+            continue
+        for guess in rule.propose(draft, form, at):
+            later = first_wrong(guess.keyword or form.keyword, guess.items, ignored)
+            if guess.hides or later is None or form.part(guess.items, later)[1] > place:
+                return guess
+    return None
+
+
+def _errors(text: str, guesses: list[Correction]) -> list[Diagnosis]:
+    """Return the errors; a name that is wrong in several places is one."""
+    found: dict[object, Diagnosis] = {}
+    for guess in sorted(guesses, key=lambda guess: guess.start):
+        edits = guess.edits if guess.is_certain else ()
+        key = text[guess.start : guess.end] if guess.code == "LRP110" else guess[:3]
+        if key in found:
+            found[key] = found[key]._replace(edits=found[key].edits + edits)
+        else:
+            found[key] = Diagnosis(guess.start, guess.end, guess.code, guess.message, edits, guess.is_prefix)
+    return list(found.values())
+
+
+def _moved(diagnosis: Diagnosis, origin: Callable[[int], int]) -> Diagnosis:
+    """Return an error of a corrected text at its place in the original; no fix may touch a correction."""
+    edits = tuple([Edit(origin(start), origin(end), new) for start, end, new in diagnosis.edits])
+    if [end - start for start, end, _ in edits] != [end - start for start, end, _ in diagnosis.edits]:
+        edits = ()
+    start, end = origin(diagnosis.start), origin(diagnosis.end)
+    return diagnosis._replace(start=start, end=max(start, end), edits=edits)
+
+
+def _applied(text: str, edits: list[Edit]) -> tuple[str, Callable[[int], int]]:
+    """Apply edits that do not overlap; return the text, and the map of its offsets back."""
+    pieces = []
+    olds, news = [0], [0]
+    position = length = 0
+    for start, end, new in sorted(edits):
+        if start < position:
+            continue
+        pieces += [text[position:start], new]
+        length += start - position + len(new)
+        position = end
+        news += [length - len(new), length]
+        olds += [start, end]
+    pieces.append(text[position:])
+
+    def back(offset: int) -> int:
+        at = bisect_right(news, offset) - 1
+        if at % 2:  # in the new text of an edit
+            return min(olds[at] + offset - news[at], olds[at + 1])
+        return olds[at] + offset - news[at]
+
+    return "".join(pieces), back
