@@ -5,7 +5,7 @@ import type { Point, ReplyMessage, Waypoint, WhatIf, WorldView } from "../src/pr
 import { type Lab, Store } from "../src/session/store";
 import { complete } from "../src/world/complete";
 import { ahead, ghostAt, paintGhost, partingOf } from "../src/world/ghost";
-import type { Palette } from "../src/world/paint";
+import type { Palette } from "../src/world/palette";
 import { firstPoses } from "../src/world/poses";
 import { Preview } from "../src/world/preview";
 
@@ -191,7 +191,7 @@ describe("what is foretold of a world", () => {
       get: (_, name) => (name === "translate" ? (...at: number[]) => moves.push(at) : () => {}),
       set: (_, name, value) => name !== "fillStyle" || Boolean(fills.add(value)),
     });
-    paintGhost(c as unknown as CanvasRenderingContext2D, world, whatIf, now, palette, 100);
+    paintGhost({ c: c as unknown as CanvasRenderingContext2D, palette, pixels: 100 }, world, whatIf, now);
     expect(moves).toEqual([
       [1.5, 1],
       [0.2, 0],

@@ -5,10 +5,11 @@ import { type Box, Camera } from "../src/graph/camera";
 import { Dragging } from "../src/graph/drag";
 import { draw, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
-import { AFTERGLOW, lastFired, Marks } from "../src/graph/marks";
+import { lastFired, Marks } from "../src/graph/marks";
 import { ScrollBars, scroll } from "../src/graph/scroll";
 import type { Layout, StateShape, TransitionShape } from "../src/protocol";
 import { initialState, type LabState } from "../src/session/state";
+import { AFTERGLOW } from "../src/ui/timers";
 import fc from "./laws";
 import recording from "./page/recording.json";
 

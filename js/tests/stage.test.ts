@@ -6,7 +6,7 @@ import type { Act } from "../src/session/connection";
 import { type Lab, Store } from "../src/session/store";
 import { Looking } from "../src/timeline/looking";
 import { WorldEdits } from "../src/world/edits";
-import { ofRobot, type Palette } from "../src/world/paint";
+import { ofRobot, type Palette } from "../src/world/palette";
 import { Stage } from "../src/world/stage";
 import { type Tool, useTools } from "../src/world/tools";
 

@@ -2,8 +2,9 @@
 
 import { describe, expect, it } from "vitest";
 import type { Happening, Plot, Timeline } from "../src/protocol";
-import { type Drawing, draw, heightOf, roomFor, ticksOf, xOf } from "../src/timeline/draw";
+import { type Drawing, draw, heightOf, roomFor } from "../src/timeline/draw";
 import { Happened, lanesOf, segmentAt, valueAt } from "../src/timeline/happened";
+import { ticksOf, xOf } from "../src/timeline/scale";
 import { s } from "../src/ui/dom";
 
 const happening = (fields: Partial<Happening>): Happening => ({

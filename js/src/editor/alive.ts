@@ -5,20 +5,18 @@
 
 import type { Extension } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
+import { calledAfter } from "../ui/timers";
 
 export const AGAIN_AFTER = 1000; // ms: what throws at every change must not draw the whole text at every change
 
 export function alive(view: () => EditorView): Extension {
-  let isDue = false;
-  const begin = () => {
-    isDue = false;
+  const begin = calledAfter(AGAIN_AFTER, () => {
     const place = view().scrollSnapshot();
     view().setState(view().state);
     view().dispatch({ effects: place });
-  };
+  });
   return EditorView.exceptionSink.of((error) => {
     reportError(error);
-    if (!isDue) setTimeout(begin, AGAIN_AFTER);
-    isDue = true;
+    begin();
   });
 }

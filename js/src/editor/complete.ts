@@ -9,6 +9,7 @@ import {
 } from "@codemirror/autocomplete";
 import type { Extension } from "@codemirror/state";
 import { outlineOf } from "../language/lrp";
+import { nameOf } from "../language/paths";
 import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { shortened } from "../ui/cut";
@@ -58,11 +59,7 @@ function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeo
     case "event":
       return found.inScope("event", place.scope).map(({ name, path }) => {
         const value = besideGraph(lab.store.state).events[path];
-        return {
-          label: name,
-          type: "property",
-          detail: value === undefined || value === null ? "" : String(value),
-        };
+        return { label: name, type: "property", detail: String(value ?? "") };
       });
     case "delay":
       return variables(lab, context, place.scope);
@@ -74,7 +71,7 @@ function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeo
       }));
     case "machine":
       return spawnable(context.state, context.pos, place.scope).map((path) => ({
-        label: path.split("/").at(-1)!,
+        label: nameOf(path),
         type: "namespace",
       }));
     default:
@@ -134,12 +131,7 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   const known = new Set(own.map(({ label }) => label));
   const more = [...(fields?.options ?? []), ...(names?.options ?? [])]
     .filter(({ label }) => !known.has(label))
-    .map(({ label, kind, detail, info }) => ({
-      label,
-      type: kind,
-      detail,
-      ...(info ? { info } : {}),
-    }));
+    .map(({ label, kind: type, detail, info }) => ({ label, type, detail, ...(info ? { info } : {}) }));
   return offered(context, from, [...own, ...more]);
 }
 

@@ -3,6 +3,7 @@
 import type { EditorState } from "@codemirror/state";
 import type { SyntaxNode } from "@lezer/common";
 import { outlineOf, treeOf } from "../language/lrp";
+import { isIn, nameOf, parentOf } from "../language/paths";
 
 /** The kinds of names that may appear at a place. */
 export type Wanted = "keyword" | "event" | "delay" | "state" | "machine" | "python" | "nothing";
@@ -72,7 +73,7 @@ function inTransition(form: SyntaxNode, offset: number, state: EditorState, scop
   const words = wordsBefore(form, offset);
   const arrow = words.findIndex((word) => word.name === "Arrow");
   if (arrow >= 0) {
-    const outer = scope.split("/").slice(0, -2).join("/");
+    const outer = parentOf(parentOf(scope));
     return words.length - arrow > 1 ? {} : { wanted: "state", machine: kind === "exit" ? outer : scope };
   }
   if (kind === "eps" || words.length) return { wanted: "state" };
@@ -84,7 +85,7 @@ function inSpawn(form: SyntaxNode, offset: number, state: EditorState, scope: st
   if (!first) return { wanted: "machine" };
   if (second) return {};
   const name = state.sliceDoc(first.from, first.to);
-  const machine = spawnable(state, form.from, scope).find((path) => path.split("/").at(-1) === name);
+  const machine = spawnable(state, form.from, scope).find((path) => nameOf(path) === name);
   return { wanted: "state", machine: machine ?? "" };
 }
 
@@ -93,14 +94,7 @@ export function spawnable(state: EditorState, offset: number, scope: string): st
   const found = outlineOf(state);
   const here = found.around(offset, "state")?.path ?? "";
   return found.items
-    .filter(({ kind, path }) => {
-      const around = path.slice(0, Math.max(0, path.lastIndexOf("/")));
-      return (
-        kind === "machine" &&
-        `${here}/`.startsWith(around ? `${around}/` : "") &&
-        !`${scope}/`.startsWith(`${path}/`)
-      );
-    })
+    .filter(({ kind, path }) => kind === "machine" && isIn(here, parentOf(path)) && !isIn(scope, path))
     .map(({ path }) => path)
     .sort((a, b) => b.length - a.length);
 }

@@ -1,23 +1,16 @@
 /** The cursor: kept over a reload of the page, per lab, in this tab; and moved to a place by scrolling the editor alone. */
 
 import type { EditorView } from "@codemirror/view";
+import { Kept } from "../ui/kept";
 
-const KEY = (name: string) => `lrp-cursor-${name}`;
+const cursors = new Kept(() => sessionStorage, "lrp-cursor-");
 
 export function rememberCursor(name: string, offset: number): void {
-  try {
-    if (name) sessionStorage.setItem(KEY(name), String(offset));
-  } catch {
-    // a page without storage forgets
-  }
+  if (name) cursors.set(name, String(offset));
 }
 
 export function rememberedCursor(name: string): number {
-  try {
-    return Number(sessionStorage.getItem(KEY(name))) || 0;
-  } catch {
-    return 0;
-  }
+  return Number(cursors.get(name)) || 0;
 }
 
 export function reveal(view: EditorView, offset: number): void {

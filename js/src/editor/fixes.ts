@@ -3,7 +3,7 @@
 import { type Action, forEachDiagnostic } from "@codemirror/lint";
 import type { EditorView } from "@codemirror/view";
 import type { Lab } from "../session/store";
-import { openMenu } from "../ui/menu";
+import { item, openMenu } from "../ui/menu";
 
 export function openFixes(view: EditorView, lab: Lab): boolean {
   const { head } = view.state.selection.main;
@@ -20,11 +20,7 @@ export function openFixes(view: EditorView, lab: Lab): boolean {
     lab.notify("Nothing in this line can be fixed automatically.");
     return true;
   }
-  const items = actions.map(({ name, apply }) => ({
-    label: name,
-    action: "fix",
-    run: () => apply(view, head, head),
-  }));
+  const items = actions.map(({ name, apply }) => item(name, "fix", () => apply(view, head, head)));
   openMenu(lab.root, { x: at.left, y: at.bottom }, items, "Fixes");
   return true;
 }

@@ -2,7 +2,7 @@
 
 import type { EditorView } from "@codemirror/view";
 import type { Lab } from "../session/store";
-import { spanOf } from "./places";
+import { changesOf } from "./places";
 
 export async function format(view: EditorView, lab: Lab): Promise<void> {
   const { doc } = view.state;
@@ -10,7 +10,7 @@ export async function format(view: EditorView, lab: Lab): Promise<void> {
   if (reply.error) lab.notify(reply.error);
   else if (view.state.doc !== doc) lab.notify("The text has changed in the meantime. Format it again.");
   else {
-    const changes = (reply.edits ?? []).map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
+    const changes = changesOf(doc, reply.edits);
     if (changes.length) view.dispatch({ changes, userEvent: "input.format", scrollIntoView: true });
     else lab.notify("The text is already formatted.");
   }

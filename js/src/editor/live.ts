@@ -3,22 +3,21 @@
  * variables and events faintly at the right of their lines.
  */
 
-import { syntaxTree } from "@codemirror/language";
-import { type EditorState, type Extension, type Range, StateEffect } from "@codemirror/state";
 import {
-  Decoration,
-  type DecorationSet,
-  type EditorView,
-  ViewPlugin,
-  type ViewUpdate,
-  WidgetType,
-} from "@codemirror/view";
+  type EditorState,
+  type Extension,
+  type Range,
+  StateEffect,
+  type Transaction,
+} from "@codemirror/state";
+import { Decoration, type DecorationSet, WidgetType } from "@codemirror/view";
 import { lastFired } from "../graph/marks";
 import type { Outline } from "../language/outline";
 import { besideGraph, type LabState } from "../session/state";
 import { shortened } from "../ui/cut";
 import { h } from "../ui/dom";
 import { testedEvents } from "./tested";
+import { decorating } from "./visible";
 import { wholeOutline, wholeOutlineOf } from "./whole";
 
 /** An effect: something that is drawn here has changed. */
@@ -70,25 +69,14 @@ export function marksOf(state: LabState): string {
 
 /** Draws the run of the program; `values` returns whether values are shown. */
 export function live(state: LabState, values: () => boolean): Extension {
-  const plugin = ViewPlugin.fromClass(
-    class {
-      decorations: DecorationSet;
-
-      constructor(view: EditorView) {
-        this.decorations = decorate(view.state, wholeOutlineOf(view.state), state, values());
-      }
-
-      update(update: ViewUpdate): void {
-        const changed = update.transactions.some((tr) => tr.effects.some((effect) => effect.is(liveChanged)));
-        const parsed = syntaxTree(update.startState) !== syntaxTree(update.state);
-        if (changed || parsed || update.docChanged) {
-          this.decorations = decorate(update.state, wholeOutlineOf(update.state), state, values());
-        }
-      }
-    },
-    { decorations: (plugin) => plugin.decorations },
-  );
-  return [wholeOutline, plugin];
+  const isOfRun = ({ effects }: Transaction) => effects.some((effect) => effect.is(liveChanged));
+  return [
+    wholeOutline,
+    decorating(
+      (view) => decorate(view.state, wholeOutlineOf(view.state), state, values()),
+      ({ transactions }) => transactions.some(isOfRun),
+    ),
+  ];
 }
 
 function decorate(editor: EditorState, found: Outline, lab: LabState, values: boolean): DecorationSet {
@@ -138,16 +126,9 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
 }
 
 function shownValue(kind: string, path: string, lab: LabState): string | null {
+  const { variables, events } = besideGraph(lab);
+  const value = kind === "event" ? (events[path] ?? null) : null;
   const text =
-    kind === "variable"
-      ? besideGraph(lab).variables[path]?.[0]
-      : kind === "event"
-        ? eventText(lab, path)
-        : undefined;
+    kind === "variable" ? variables[path]?.[0] : value === null ? undefined : value ? "True" : "False";
   return text === undefined ? null : shortened(text, LONGEST);
-}
-
-function eventText(lab: LabState, path: string): string | undefined {
-  const value = besideGraph(lab).events[path];
-  return value === undefined || value === null ? undefined : value ? "True" : "False";
 }

@@ -5,6 +5,7 @@ import { type Command, type EditorView, keymap, showTooltip, type Tooltip } from
 import type { ReferencesView } from "../protocol";
 import type { Lab } from "../session/store";
 import { h } from "../ui/dom";
+import { editing } from "../ui/editing";
 import { select } from "./cursor";
 import { placeOf, spanOf } from "./places";
 
@@ -45,22 +46,10 @@ export async function rename(view: EditorView, lab: Lab, offset: number): Promis
     view.focus();
   };
   const create = () => {
-    const error = h("span", { class: "lrp-error", role: "alert" });
-    const input = h("input", {
-      class: "lrp-input",
-      value: found.name,
-      spellcheck: "false",
-      "aria-label": `New name of ${found.kind} ${found.name}`,
-      onkeydown: async (event: KeyboardEvent) => {
-        if (event.key === "Escape") close();
-        if (event.key !== "Enter") return;
-        event.preventDefault();
-        const { kind, path } = found;
-        const refusal = await lab.pen?.draw({ act: "rename", kind, path, to: input.value.trim() });
-        if (refusal) error.textContent = refusal;
-        else close();
-      },
-    });
+    const { kind, path, name } = found;
+    const draw = async (text: string) =>
+      (await lab.pen?.draw({ act: "rename", kind, path, to: text.trim() })) ?? null;
+    const { input, error } = editing(name, `New name of ${kind} ${name}`, draw, close);
     const places = `${found.references.length} ${found.references.length === 1 ? "place" : "places"}`;
     const dom = h("div", { class: "lrp-rename" }, input, h("span", { class: "lrp-faint" }, places), error);
     return {

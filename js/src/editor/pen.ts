@@ -10,7 +10,7 @@ import type { EditorView } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
 import type { DrawRequest, ElementKind } from "../protocol";
 import type { Lab } from "../session/store";
-import { spanOf } from "./places";
+import { changesOf } from "./places";
 
 /** One act on the graph, without what the message adds. */
 export type Act = Omit<DrawRequest, "view" | "id" | "type" | "text">;
@@ -67,7 +67,7 @@ export class Pen {
       const reply = await this.lab.ask({ type: "draw", text: view.state.sliceDoc(), ...act });
       if (reply.error) return reply.error;
       if (view.state.doc !== doc) continue;
-      const changes = (reply.edits ?? []).map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
+      const changes = changesOf(doc, reply.edits);
       if (!changes.length) return null;
       const { kind, path } = act;
       first();

@@ -4,7 +4,7 @@
  */
 
 import type { Text } from "@codemirror/state";
-import type { TextRange } from "../protocol";
+import type { TextEdit, TextRange } from "../protocol";
 
 export interface Span {
   from: number;
@@ -27,6 +27,11 @@ export function offsetAt(doc: Text, line: number, column: number): number {
 export function spanOf(doc: Text, range: TextRange): Span {
   const from = offsetAt(doc, range.line, range.column);
   return { from, to: Math.max(from, offsetAt(doc, range.end_line, range.end_column)) };
+}
+
+/** The edits of the kernel as changes of a text. */
+export function changesOf(doc: Text, edits: readonly TextEdit[] = []): (Span & { insert: string })[] {
+  return edits.map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
 }
 
 /** Line and column of an offset. */

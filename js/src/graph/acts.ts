@@ -3,14 +3,11 @@
 import type { Act, Pen } from "../editor/pen";
 import { nameOf, parentOf } from "../language/paths";
 import type { Lab } from "../session/store";
-import type { MenuItem } from "../ui/menu";
+import { item, type MenuItem } from "../ui/menu";
+import type { Point } from "../ui/point";
+import type { Drawn } from "./elements";
 import { type Entry, openField } from "./field";
 import { showMachine } from "./shown";
-
-export interface Point {
-  x: number;
-  y: number;
-}
 
 const TRIGGER = "event, n > 3, 2 s, or eps";
 
@@ -162,72 +159,54 @@ export class Acts {
     });
   }
 
+  of({ kind, path }: Drawn, at: Point): MenuItem[] {
+    return kind === "state" ? this.ofState(path, at) : this.ofTransition(path, at);
+  }
+
   ofState(path: string, at: Point): MenuItem[] {
     const machine = parentOf(path);
     const others = this.statesOf(machine).filter((name) => name !== nameOf(path));
     const inside = machine.includes("/");
-    const action = (keyword: string, title: string) => ({
-      label: `${title}…`,
-      action: `draw-${keyword}`,
-      run: () => this.form(at, "state", path, title, { label: title, placeholder: "Python" }, keyword),
-    });
+    const action = (keyword: string, title: string) =>
+      item(`${title}…`, `draw-${keyword}`, () =>
+        this.form(at, "state", path, title, { label: title, placeholder: "Python" }, keyword),
+      );
     return [
-      {
-        label: "New transition…",
-        action: "draw-transition",
-        hint: "T",
-        run: () => this.newTransition(at, path, ""),
-      },
+      item("New transition…", "draw-transition", () => this.newTransition(at, path, ""), { hint: "T" }),
       action("onentry", "On entry"),
       action("running", "While active"),
       action("onexit", "On exit"),
-      { label: "New machine inside…", action: "draw-inside", run: () => this.newMachine(at, path) },
-      {
-        label: "Start here",
-        action: "draw-start",
-        run: () => void this.draw({ act: "start", kind: "state", path }),
-      },
-      {
-        label: "Move into…",
-        action: "draw-nest",
-        disabled: !others.length,
-        run: () => this.other(at, "Move into", { act: "nest", kind: "state", path }, others),
-      },
+      item("New machine inside…", "draw-inside", () => this.newMachine(at, path)),
+      item("Start here", "draw-start", () => void this.draw({ act: "start", kind: "state", path })),
+      item(
+        "Move into…",
+        "draw-nest",
+        () => this.other(at, "Move into", { act: "nest", kind: "state", path }, others),
+        { disabled: !others.length },
+      ),
       ...(inside
         ? [
-            {
-              label: `Move out of ${nameOf(parentOf(machine))}`,
-              action: "draw-unnest",
-              run: () => void this.draw({ act: "unnest", kind: "state", path }),
-            },
+            item(
+              `Move out of ${nameOf(parentOf(machine))}`,
+              "draw-unnest",
+              () => void this.draw({ act: "unnest", kind: "state", path }),
+            ),
           ]
         : []),
-      { label: "Delete", action: "draw-delete", hint: "Del", run: () => void this.delete("state", path) },
+      item("Delete", "draw-delete", () => void this.delete({ kind: "state", path }), { hint: "Del" }),
     ];
   }
 
   ofTransition(path: string, at: Point): MenuItem[] {
     const names = this.statesOf(path.slice(0, path.indexOf(":")));
-    const lead = (act: "source" | "destination", label: string) => ({
-      label: `${label}…`,
-      action: `draw-${act}`,
-      run: () => this.other(at, label, { act, kind: "transition", path }, names),
-    });
+    const lead = (act: "source" | "destination", label: string) =>
+      item(`${label}…`, `draw-${act}`, () => this.other(at, label, { act, kind: "transition", path }, names));
     return [
-      { label: "Edit…", action: "draw-change", hint: "F2", run: () => this.change(at, path) },
+      item("Edit…", "draw-change", () => this.change(at, path), { hint: "F2" }),
       lead("source", "From another state"),
       lead("destination", "To another state"),
-      {
-        label: "Reverse",
-        action: "draw-reverse",
-        run: () => void this.draw({ act: "reverse", kind: "transition", path }),
-      },
-      {
-        label: "Delete",
-        action: "draw-delete",
-        hint: "Del",
-        run: () => void this.delete("transition", path),
-      },
+      item("Reverse", "draw-reverse", () => void this.draw({ act: "reverse", kind: "transition", path })),
+      item("Delete", "draw-delete", () => void this.delete({ kind: "transition", path }), { hint: "Del" }),
     ];
   }
 
@@ -236,32 +215,29 @@ export class Acts {
     const { machine } = this;
     const ofMachine = machine
       ? [
-          { label: "Rename machine…", action: "draw-rename", run: () => this.rename(at, "machine", machine) },
-          {
-            label: "Delete machine",
-            action: "draw-delete",
-            run: () => void this.draw({ act: "delete", kind: "machine", path: machine }),
-          },
+          item("Rename machine…", "draw-rename", () => this.rename(at, "machine", machine)),
+          item(
+            "Delete machine",
+            "draw-delete",
+            () => void this.draw({ act: "delete", kind: "machine", path: machine }),
+          ),
         ]
       : [];
     return [
-      { label: "New state…", action: "draw-state", hint: "N", run: () => this.newState(at, place) },
-      { label: "New variable…", action: "draw-var", run: () => this.named(at, "var", "Value") },
-      { label: "New event…", action: "draw-event", run: () => this.named(at, "event", "Condition") },
-      { label: "New machine…", action: "draw-machine", run: () => this.newMachine(at, "") },
-      {
-        label: "Other form…",
-        action: "draw-form",
-        run: () =>
-          this.form(
-            at,
-            "machine",
-            "",
-            "Other form",
-            { label: "Form", placeholder: "onpause [robot.stop()]" },
-            "",
-          ),
-      },
+      item("New state…", "draw-state", () => this.newState(at, place), { hint: "N" }),
+      item("New variable…", "draw-var", () => this.named(at, "var", "Value")),
+      item("New event…", "draw-event", () => this.named(at, "event", "Condition")),
+      item("New machine…", "draw-machine", () => this.newMachine(at, "")),
+      item("Other form…", "draw-form", () =>
+        this.form(
+          at,
+          "machine",
+          "",
+          "Other form",
+          { label: "Form", placeholder: "onpause [robot.stop()]" },
+          "",
+        ),
+      ),
       ...(ofMachine.length ? [null, ...ofMachine] : []),
     ];
   }
@@ -280,7 +256,13 @@ export class Acts {
     });
   }
 
-  delete(kind: "state" | "transition", path: string): Promise<string | null> {
+  /** Write the name of a state, or a transition, in another way. */
+  edit({ kind, path }: Drawn, at: Point): void {
+    if (kind === "state") this.rename(at, kind, path);
+    else this.change(at, path);
+  }
+
+  delete({ kind, path }: Drawn): Promise<string | null> {
     return this.draw({ act: "delete", kind, path });
   }
 }

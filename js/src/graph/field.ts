@@ -1,7 +1,10 @@
 /** A small form in the graph: a name or a trigger is written where it is drawn. */
 
 import { freshId, h, prose } from "../ui/dom";
+import { type Point, placeInSight } from "../ui/point";
 import { openPopup } from "../ui/popup";
+
+const EDGE = 6; // px between the form and the edge of what can be seen
 
 export interface Entry {
   label: string;
@@ -24,7 +27,7 @@ export interface Field {
 }
 
 /** Open a form at a point of the window, inside `host`; Enter applies it, Escape and a press elsewhere close it. */
-export function openField(host: HTMLElement, at: { x: number; y: number }, field: Field): void {
+export function openField(host: HTMLElement, at: Point, field: Field): void {
   const error = h("p", { class: "lrp-error", role: "alert" });
   const inputs = field.entries.map((entry) => input(entry));
   const check = field.check ? h("input", { type: "checkbox" }) : null;
@@ -61,11 +64,7 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
     h("button", { type: "submit", class: "lrp-button lrp-primary lrp-field-apply" }, "OK"),
   );
   const close = openPopup(host, form, field.closed);
-  const frame = host.getBoundingClientRect();
-  const left = Math.min(at.x - frame.left, frame.width - form.offsetWidth - 6);
-  const top = Math.min(at.y - frame.top, frame.height - form.offsetHeight - 6);
-  form.style.left = `${Math.max(4, left)}px`;
-  form.style.top = `${Math.max(4, top)}px`;
+  placeInSight(host, form, at, EDGE);
   const first = inputs[0]!.control;
   first.focus({ preventScroll: true });
   const { cursor } = field.entries[0]!;

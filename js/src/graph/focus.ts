@@ -1,9 +1,7 @@
 /** Keyboard navigation in the drawing: one tab stop; arrows move to the nearest element in that direction. */
 
-interface Point {
-  x: number;
-  y: number;
-}
+import { consume } from "../ui/dom";
+import type { Point } from "../ui/point";
 
 const WAYS: Record<string, Point> = {
   ArrowRight: { x: 1, y: 0 },
@@ -58,8 +56,7 @@ export function walkWithArrows(svg: SVGSVGElement, reveal: (element: SVGGElement
     const others = elements().filter((element) => element !== current);
     const next = current ? others[nearest(centre(current), others.map(centre), event.key)] : others[0];
     if (!next) return;
-    event.preventDefault();
-    event.stopPropagation();
+    consume(event);
     focus(next);
   });
 }

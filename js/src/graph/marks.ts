@@ -6,17 +6,14 @@
 import type { CountAndTick } from "../protocol";
 import { inGraph, type LabState } from "../session/state";
 import { setAttribute } from "../ui/dom";
+import { glow } from "../ui/timers";
 import type { Layers } from "./draw";
-
-/** How long a visit or a firing stays visible (ms); at least 150, whatever the rate. */
-export const AFTERGLOW = 450;
 
 export class Marks {
   private entered: Record<string, CountAndTick> = {};
   private fired: Record<string, CountAndTick> = {};
   private machine = "";
   private tick = 0;
-  private readonly timers = new Map<Element, ReturnType<typeof setTimeout>>();
 
   constructor(
     private readonly layers: Layers,
@@ -34,7 +31,7 @@ export class Marks {
       const active = lit.includes(path);
       setAttribute(node, "data-active", active);
       setAttribute(node, "aria-current", active ? "true" : null);
-      if (!fresh && !active && this.grown(entered[path], this.entered[path])) this.glow(node);
+      if (!fresh && !active && this.grown(entered[path], this.entered[path])) glow(node);
       setAttribute(node, "data-chosen", path === state.chosen);
     }
     const ages = agesOf(fired);
@@ -45,7 +42,7 @@ export class Marks {
       setAttribute(part, "data-fired", ages.get(id) === 0);
       if (!isArrow) continue;
       setAttribute(part, "aria-description", ages.get(id) === 0 ? "fired last" : null);
-      if (!fresh && this.grown(fired[id], this.fired[id])) this.glow(part);
+      if (!fresh && this.grown(fired[id], this.fired[id])) glow(part);
       setAttribute(part, "style", `--lrp-age: ${ages.get(id) ?? 0}`);
     }
     this.entered = entered;
@@ -56,16 +53,6 @@ export class Marks {
   /** Whether something happened since the last update; a renamed element keeps its count. */
   private grown(now: CountAndTick | undefined, before: CountAndTick | undefined): boolean {
     return before ? (now?.[0] ?? 0) > before[0] : (now?.[1] ?? 0) > this.tick;
-  }
-
-  private glow(element: Element): void {
-    clearTimeout(this.timers.get(element));
-    element.setAttribute("data-glow", "");
-    const end = () => {
-      element.removeAttribute("data-glow");
-      this.timers.delete(element);
-    };
-    this.timers.set(element, setTimeout(end, AFTERGLOW));
   }
 }
 

@@ -7,20 +7,18 @@
 import type { Pen } from "../editor/pen";
 import { nameOf, parentOf } from "../language/paths";
 import type { Lab } from "../session/store";
-import { focusLab, s, setAttribute } from "../ui/dom";
+import { consume, focusLab, s, setAttribute } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { openMenu } from "../ui/menu";
+import { middleOf, type Point, pointOf } from "../ui/point";
 import { focusedAround } from "../ui/root";
-import { Acts, type Point } from "./acts";
+import { Acts } from "./acts";
+import { drawnAt } from "./elements";
 
 const NEAR = 7; // px from the border of a state that count as the border
 const HANDLE = 6; // px, radius of the end of a selected transition
 
 type End = "source" | "destination";
-
-export interface Pencil {
-  acts: Acts;
-}
 
 /** `put` pins a state to a place. */
 export function attachPencil(
@@ -29,7 +27,7 @@ export function attachPencil(
   root: SVGGElement,
   pen: Pen,
   put: (path: string, x: number, y: number) => void,
-): Pencil {
+): Acts {
   const host = svg.parentElement!;
   const acts = new Acts(lab, pen, host);
   const layer = s("g", { class: "lrp-layer-pencil" });
@@ -50,7 +48,6 @@ export function attachPencil(
     const matrix = drawing.getScreenCTM();
     return matrix ? new DOMPoint(x, y).matrixTransform(matrix) : { x, y };
   };
-  const at = (event: MouseEvent): Point => ({ x: event.clientX, y: event.clientY });
   /** All states, the topmost first. */
   const boxes = () => [...root.querySelectorAll<SVGGElement>(".lrp-state")].reverse();
   const frameOf = (node: Element) => (node.querySelector(".lrp-box") ?? node).getBoundingClientRect();
@@ -78,7 +75,7 @@ export function attachPencil(
     const target = event.target as Element;
     return (
       !target.closest?.("[data-of], .lrp-state, .lrp-handle, .lrp-field, button, select") &&
-      !stateAt(at(event))
+      !stateAt(pointOf(event))
     );
   };
 
@@ -146,16 +143,16 @@ export function attachPencil(
   };
   const follow = (event: PointerEvent, move: (now: Point) => void, end: (last: Point | null) => void) =>
     trackDrag(svg, event, {
-      move: (now) => move(at(now)),
+      move: (now) => move(pointOf(now)),
       end(last, moved) {
         mark(null);
-        end(last && moved ? at(last) : null);
+        end(last && moved ? pointOf(last) : null);
       },
     });
 
   const drawTransition = (event: PointerEvent, node: SVGGElement) => {
     const source = pathOf(node);
-    const from = at(event);
+    const from = pointOf(event);
     follow(
       event,
       (now) => {
@@ -229,11 +226,11 @@ export function attachPencil(
     (event) => {
       if (event.button !== 0) return;
       const handle = (event.target as Element).closest(".lrp-handle");
-      const border = handle ? null : borderAt(at(event));
+      const border = handle ? null : borderAt(pointOf(event));
       if (handle) dragEnd(event, handle);
       else if (border) drawTransition(event, border);
       else {
-        const node = stateAt(at(event));
+        const node = stateAt(pointOf(event));
         if (node && isReal(node)) watchNesting(event, node);
         return;
       }
@@ -243,7 +240,7 @@ export function attachPencil(
     true,
   );
   svg.addEventListener("pointermove", (event) => {
-    if (!event.buttons) svg.toggleAttribute("data-border", Boolean(borderAt(at(event))));
+    if (!event.buttons) svg.toggleAttribute("data-border", Boolean(borderAt(pointOf(event))));
   });
 
   /* ---------------------------------------------------------------- double clicks, menu, keys */
@@ -251,13 +248,13 @@ export function attachPencil(
   host.addEventListener(
     "dblclick",
     (event) => {
-      const target = event.target as Element;
-      const arrow = target.closest?.("[data-of]")?.getAttribute("data-of");
-      const node = stateAt(at(event));
-      if (arrow) acts.change(at(event), arrow);
-      else if (node && isReal(node) && !node.querySelector(".lrp-nested")) {
-        acts.rename(at(event), "state", pathOf(node));
-      } else if (isFree(event)) acts.newState(at(event), inside(at(event)));
+      const it = drawnAt(event.target);
+      const at = pointOf(event);
+      const node = stateAt(at);
+      if (it?.kind === "transition") acts.edit(it, at);
+      else if (node && isReal(node) && !node.querySelector(".lrp-nested"))
+        acts.edit({ kind: "state", path: pathOf(node) }, at);
+      else if (isFree(event)) acts.newState(at, inside(at));
       else return;
       event.stopImmediatePropagation();
       event.preventDefault();
@@ -266,27 +263,19 @@ export function attachPencil(
   );
   host.addEventListener("contextmenu", (event) => {
     if (event.button !== 2 || !isFree(event)) return;
-    event.preventDefault();
-    event.stopPropagation();
-    openMenu(lab.root, at(event), acts.ofSpace(at(event), inside(at(event))), "State graph");
+    consume(event);
+    openMenu(lab.root, pointOf(event), acts.ofSpace(pointOf(event), inside(pointOf(event))), "State graph");
   });
   svg.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const node = (event.target as Element).closest(".lrp-state, .lrp-transition");
-    const isDelete = event.key === "Delete" || event.key === "Backspace";
-    const state = node?.getAttribute("data-lrp-state");
-    const arrow = node?.getAttribute("data-of");
-    const frame = (node ?? svg).getBoundingClientRect();
-    const point = { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 };
-    if (event.key === "n") acts.newState(point);
-    else if (event.key === "t" && state) acts.newTransition(point, state, "");
-    else if (event.key === "F2" && state) acts.rename(point, "state", state);
-    else if (event.key === "F2" && arrow) acts.change(point, arrow);
-    else if (isDelete && state) void acts.delete("state", state);
-    else if (isDelete && arrow) void acts.delete("transition", arrow);
+    const it = drawnAt(event.target);
+    const at = middleOf((event.target as Element).closest(".lrp-state, .lrp-transition") ?? svg);
+    if (event.key === "n") acts.newState(at);
+    else if (event.key === "t" && it?.kind === "state") acts.newTransition(at, it.path, "");
+    else if (event.key === "F2" && it) acts.edit(it, at);
+    else if ((event.key === "Delete" || event.key === "Backspace") && it) void acts.delete(it);
     else return;
-    event.preventDefault();
-    event.stopPropagation();
+    consume(event);
   });
-  return { acts };
+  return acts;
 }

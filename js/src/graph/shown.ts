@@ -8,7 +8,7 @@ import { ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import { DRAWN } from "../editor/pen";
 import { outlineOf } from "../language/lrp";
 import type { Lab, Store } from "../session/store";
-import { button } from "../ui/button";
+import { iconButton } from "../ui/button";
 import { isOn, keepOn } from "../ui/kept";
 import { isDrawnIn } from "./inside";
 
@@ -24,12 +24,12 @@ export function showMachine(store: Store, path: string): void {
 /** The switch in the toolbar of the graph; its position is kept for other labs and after a reload. */
 export function cursorSwitch(store: Store): HTMLButtonElement {
   const follows = () => store.state.follow === "cursor";
-  const element = button({
-    icon: "cursor",
-    title: "Follow the cursor: show the machine in which it is",
-    action: "follow-cursor",
-    onclick: () => store.set("follow", follows() ? "nothing" : "cursor"),
-  });
+  const element = iconButton(
+    "cursor",
+    "Follow the cursor: show the machine in which it is",
+    "follow-cursor",
+    () => store.set("follow", follows() ? "nothing" : "cursor"),
+  );
   if (isOn(KEPT, false)) store.set("follow", "cursor");
   store.watch(["follow"], () => {
     element.setAttribute("aria-pressed", String(follows()));

@@ -1,22 +1,24 @@
 /** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
 import { nameOf, parentOf } from "../language/paths";
-import { breakpointItems } from "../parts/breakpoints";
 import { looked, showLock } from "../parts/study";
 import { askWhy } from "../parts/why";
 import type { GraphMode, Layout, StateShape } from "../protocol";
 import { inGraph } from "../session/state";
 import type { Lab } from "../session/store";
-import { button, panel } from "../ui/button";
-import { h, s, setAttribute } from "../ui/dom";
+import { button, iconButton, panel } from "../ui/button";
+import { consume, h, s, setAttribute } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
-import { type MenuItem, openMenu } from "../ui/menu";
+import { item, menuButton, openMenu } from "../ui/menu";
 import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
+import { middleOf, type Point, pointOf } from "../ui/point";
+import { calledAfter } from "../ui/timers";
 import { AutoFit } from "./autofit";
 import { type Box, Camera } from "./camera";
 import { drawDots } from "./dots";
 import { Dragging } from "./drag";
 import { draw, makeLayers } from "./draw";
+import { type Drawn, drawnAt, menuOf } from "./elements";
 import { keepOneTabStop, walkWithArrows } from "./focus";
 import { layoutsIn } from "./inside";
 import { Marks } from "./marks";
@@ -124,36 +126,28 @@ export function graphView(lab: Lab): HTMLElement {
       kind === "svg" ? new Blob([picture], { type: "image/svg+xml" }) : pngOfSvg(picture, contents());
     void savePicture(`${store.state.machine.replaceAll("/", "-")}.${kind}`, file, lab.notify);
   };
-  const more = button({
-    icon: "more",
-    title: "More for the graph",
-    action: "graph-menu",
-    "aria-haspopup": "menu",
-    onclick: () => {
-      const { left, bottom } = more.getBoundingClientRect();
+  const more = menuButton(
+    lab.root,
+    { title: "More for the graph", action: "graph-menu" },
+    "State graph",
+    () => {
       const disabled = !shown;
-      openMenu(
-        lab.root,
-        { x: left, y: bottom + 4 },
-        [
-          {
-            label: "Nested machines inside their states",
-            action: "nest",
-            checked: isNested(),
-            disabled: !store.state.program.machines.some(({ parent }) => parent),
-            run: () => void lab.act({ do: "nest", on: !isNested() }),
-          },
-          null,
-          { label: "Zoom in", action: "menu-zoom-in", disabled, run: () => zoom(1.25) },
-          { label: "Zoom out", action: "menu-zoom-out", disabled, run: () => zoom(1 / 1.25) },
-          null,
-          { label: "Save as SVG", action: "save-svg", disabled, run: () => save("svg") },
-          { label: "Save as PNG", action: "save-png", disabled, run: () => save("png") },
-        ],
-        "State graph",
-      );
+      return [
+        item(
+          "Nested machines inside their states",
+          "nest",
+          () => void lab.act({ do: "nest", on: !isNested() }),
+          { checked: isNested(), disabled: !store.state.program.machines.some(({ parent }) => parent) },
+        ),
+        null,
+        item("Zoom in", "menu-zoom-in", () => zoom(1.25), { disabled }),
+        item("Zoom out", "menu-zoom-out", () => zoom(1 / 1.25), { disabled }),
+        null,
+        item("Save as SVG", "save-svg", () => save("svg"), { disabled }),
+        item("Save as PNG", "save-png", () => save("png"), { disabled }),
+      ];
     },
-  });
+  );
   const { element } = panel(
     "graph",
     "State graph",
@@ -168,16 +162,16 @@ export function graphView(lab: Lab): HTMLElement {
         },
       }),
       modes,
-      button({
-        icon: "arrange",
-        title: "Lay out all states again",
-        action: "arrange",
-        onclick: () => void lab.act({ do: "arrange", path: store.state.machine }),
-      }),
+      iconButton(
+        "arrange",
+        "Lay out all states again",
+        "arrange",
+        () => void lab.act({ do: "arrange", path: store.state.machine }),
+      ),
       cursorSwitch(store),
-      button({ icon: "minus", title: "Zoom out", action: "zoom-out", onclick: () => zoom(1 / 1.25) }),
-      button({ icon: "plus", title: "Zoom in", action: "zoom-in", onclick: () => zoom(1.25) }),
-      button({ icon: "fit", title: "Show all", action: "zoom-fit", onclick: whole }),
+      iconButton("minus", "Zoom out", "zoom-out", () => zoom(1 / 1.25)),
+      iconButton("plus", "Zoom in", "zoom-in", () => zoom(1.25)),
+      iconButton("fit", "Show all", "zoom-fit", whole),
       more,
     ],
     h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab)),
@@ -193,14 +187,11 @@ export function graphView(lab: Lab): HTMLElement {
   });
   store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen", "settings"], marks.update);
   store.watch(["breakpoints"], () => drawDots(layers.root, store.state));
-  let isWaiting = false;
+  const follow = calledAfter(ACTIVE_FOR, () => {
+    if (store.state.follow === "active") fitting.reveal(focus);
+  });
   store.watch(["lit", "follow"], () => {
-    if (isWaiting || store.state.follow !== "active" || mode() !== "live") return;
-    isWaiting = true;
-    setTimeout(() => {
-      isWaiting = false;
-      if (store.state.follow === "active") fitting.reveal(focus);
-    }, ACTIVE_FOR);
+    if (store.state.follow === "active" && mode() === "live") follow();
   });
   let resizing: ReturnType<typeof setTimeout> | undefined;
   new ResizeObserver(() => {
@@ -215,16 +206,16 @@ export function graphView(lab: Lab): HTMLElement {
 
   /* ---------------------------------------------------------------- zoom, pan, drag */
 
-  const local = (event: { clientX: number; clientY: number }) => {
+  const local = ({ x, y }: Point): Point => {
     const frame = svg.getBoundingClientRect();
-    return { x: event.clientX - frame.left, y: event.clientY - frame.top };
+    return { x: x - frame.left, y: y - frame.top };
   };
   svg.addEventListener(
     "wheel",
     (event) => {
       if (!event.ctrlKey && !event.metaKey) return;
       event.preventDefault();
-      const { x, y } = local(event);
+      const { x, y } = local(pointOf(event));
       fitting.stop();
       camera.zoom(Math.exp(-event.deltaY * 0.002), x, y);
       place();
@@ -240,7 +231,7 @@ export function graphView(lab: Lab): HTMLElement {
   svg.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     const node = (event.target as Element).closest<SVGGElement>("[data-lrp-state]");
-    let last = local(event);
+    let last = local(pointOf(event));
     const { x, y, scale } = camera;
     trackDrag(svg, event, {
       begin() {
@@ -248,7 +239,7 @@ export function graphView(lab: Lab): HTMLElement {
         if (node) dragging.begin(node);
       },
       move(now) {
-        const point = local(now);
+        const point = local(pointOf(now));
         const [dx, dy] = [point.x - last.x, point.y - last.y];
         if (node) dragging.move(dx / camera.scale, dy / camera.scale, now.timeStamp);
         else {
@@ -271,74 +262,53 @@ export function graphView(lab: Lab): HTMLElement {
 
   /* ---------------------------------------------------------------- choose, open, menu */
 
-  const hit = (target: EventTarget | null) => {
-    const from = target as Element;
-    const arrow = from.closest?.("[data-of]")?.getAttribute("data-of");
-    const state = from.closest?.(".lrp-state.lrp-state")?.getAttribute("data-lrp-state");
-    return { arrow: arrow ?? null, state: state ?? null };
-  };
-  const open = (path: string) => {
+  const open = ({ kind, path }: Drawn) => {
     const shapes = drawn.flatMap(({ states }) => states);
-    const inner = shapes.find((shape) => shape.id === path)?.machines[0];
+    const inner = kind === "state" && shapes.find((shape) => shape.id === path)?.machines[0];
     if (inner) showMachine(store, `${path}/${inner}`);
   };
-  const choose = (target: EventTarget | null) => {
-    const { arrow, state } = hit(target);
-    const chosen = arrow ?? state;
-    if (!chosen) return;
-    store.set("chosen", chosen);
-    lab.goTo(arrow ? "transition" : "state", chosen);
+  const choose = ({ kind, path }: Drawn) => {
+    store.set("chosen", path);
+    lab.goTo(kind, path);
   };
-  const menu = (target: EventTarget | null, at: { x: number; y: number }) => {
-    const { arrow, state } = hit(target);
-    const acts = pencil?.acts;
-    if (arrow) {
-      const items = [...transitionMenu(lab, arrow, at), null, ...(acts?.ofTransition(arrow, at) ?? [])];
-      openMenu(lab.root, at, items, `Transition ${arrow}`);
-    } else if (state)
-      openMenu(
-        lab.root,
-        at,
-        [...stateMenu(lab, state, at, () => open(state)), null, ...(acts?.ofState(state, at) ?? [])],
-        `State ${state}`,
-      );
-    return Boolean(arrow ?? state);
+  const openMenuOf = (it: Drawn, at: Point) => {
+    const drawing = acts?.of(it, at) ?? [];
+    const title = `${it.kind === "state" ? "State" : "Transition"} ${it.path}`;
+    openMenu(lab.root, at, [...menuOf(lab, it, at, () => open(it)), null, ...drawing], title);
   };
-  svg.addEventListener("click", (event) => choose(event.target));
-  svg.addEventListener("dblclick", (event) => {
-    const { state } = hit(event.target);
-    if (state) open(state);
+  /** Let an event act on the state or transition that it is about. */
+  const on = <K extends "click" | "dblclick" | "contextmenu" | "keydown">(
+    name: K,
+    act: (it: Drawn, event: SVGElementEventMap[K]) => unknown,
+  ) =>
+    svg.addEventListener(name, (event) => {
+      const it = drawnAt(event.target);
+      if (it && act(it, event)) consume(event);
+    });
+  on("click", choose);
+  on("dblclick", open);
+  on("contextmenu", (it, event) => {
+    if (event.button !== 2 && event.detail === 0) return false; // by key: see below
+    openMenuOf(it, pointOf(event));
+    return true;
   });
-  svg.addEventListener("contextmenu", (event) => {
-    if (event.button !== 2 && event.detail === 0) return; // by key: see below
-    if (menu(event.target, { x: event.clientX, y: event.clientY })) {
-      event.preventDefault();
-      event.stopPropagation();
-    }
-  });
-  svg.addEventListener("keydown", (event) => {
-    const target = event.target as Element;
-    const frame = target.getBoundingClientRect();
-    if (event.key === "Enter" && event.shiftKey) open(hit(target).state ?? "");
-    else if (event.key === "Enter" || event.key === " ") choose(target);
-    else if (event.key === "?") {
-      const { arrow, state } = hit(target);
-      const at = { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 };
-      if (arrow ?? state) askWhy(lab, arrow ? "transition" : "state", (arrow ?? state)!, at);
-    } else if (event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey) || event.key === "m") {
-      menu(target, { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 });
-    } else return;
-    event.preventDefault();
-    event.stopPropagation();
+  on("keydown", (it, { key, shiftKey, target }) => {
+    const at = middleOf(target as Element);
+    if (key === "Enter" && shiftKey) open(it);
+    else if (key === "Enter" || key === " ") choose(it);
+    else if (key === "?") askWhy(lab, it.kind, it.path, at);
+    else if (key === "ContextMenu" || (key === "F10" && shiftKey) || key === "m") openMenuOf(it, at);
+    else return false;
+    return true;
   });
   walkWithArrows(svg, (focused) => {
     const { left, top, width, height } = focused.getBoundingClientRect();
-    const corner = local({ clientX: left, clientY: top });
+    const corner = local({ x: left, y: top });
     const [x, y] = camera.inside(corner.x, corner.y);
     const box = { x, y, width: width / camera.scale, height: height / camera.scale };
     fitting.reveal(() => box, true);
   });
-  const pencil =
+  const acts =
     lab.pen && attachPencil(lab, svg, layers.root, lab.pen, (path, x, y) => dragging.put(path, x, y));
   return element;
 }
@@ -362,32 +332,4 @@ function emptyNote(lab: Lab): HTMLElement {
     note.hidden = lab.store.state.program.machines.length > 0;
   });
   return note;
-}
-
-type Point = { x: number; y: number };
-
-export function stateMenu(lab: Lab, path: string, at: Point, open: () => void): (MenuItem | null)[] {
-  const nested = lab.store.state.program.machines.some((machine) => machine.parent === path);
-  return [
-    { label: "Transition here", action: "transition", run: () => void lab.act({ do: "transition", path }) },
-    { label: "Teleport here", action: "teleport", run: () => void lab.act({ do: "teleport", path }) },
-    { label: "Why?", action: "why", run: () => askWhy(lab, "state", path, at), hint: "?" },
-    ...breakpointItems(lab, "state", path),
-    null,
-    { label: "Open nested machine", action: "open", run: open, disabled: !nested, hint: "⇧⏎" },
-    { label: "Inspect", action: "inspect", run: () => lab.inspect("state", path) },
-    { label: "Go to source", action: "source", run: () => lab.goTo("state", path), hint: "⏎" },
-    { label: "Rename…", action: "rename", run: () => lab.rename("state", path) },
-  ];
-}
-
-export function transitionMenu(lab: Lab, path: string, at: Point): (MenuItem | null)[] {
-  return [
-    { label: "Fire now", action: "fire", run: () => void lab.act({ do: "fire", path }) },
-    { label: "Why not?", action: "why", run: () => askWhy(lab, "transition", path, at), hint: "?" },
-    ...breakpointItems(lab, "transition", path),
-    null,
-    { label: "Inspect", action: "inspect", run: () => lab.inspect("transition", path) },
-    { label: "Go to source", action: "source", run: () => lab.goTo("transition", path), hint: "⏎" },
-  ];
 }

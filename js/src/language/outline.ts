@@ -5,6 +5,7 @@
 
 import type { SyntaxNode, Tree } from "@lezer/common";
 import type { ElementKind } from "../protocol";
+import { isIn, parentOf } from "./paths";
 
 export interface Item {
   kind: ElementKind;
@@ -51,21 +52,14 @@ export class Outline {
 
   /** Elements of a kind that the scope of a machine path sees, inner before outer. */
   inScope(kind: "variable" | "event", scope: string): Item[] {
-    const seen = this.items.filter(
-      (item) => item.kind === kind && `${scope}/`.startsWith(parentOf(item.path)),
-    );
+    const seen = this.items.filter((item) => item.kind === kind && isIn(scope, parentOf(item.path)));
     return seen.sort((a, b) => b.path.split("/").length - a.path.split("/").length);
   }
 
   /** The states of one machine. */
   statesOf(machine: string): Item[] {
-    return this.items.filter((item) => item.kind === "state" && parentOf(item.path) === `${machine}/`);
+    return this.items.filter((item) => item.kind === "state" && item.path === `${machine}/${item.name}`);
   }
-}
-
-/** The parent of a path, with its slash: `a/b/` of `a/b/c`, nothing of `c`. */
-export function parentOf(path: string): string {
-  return path.slice(0, path.lastIndexOf("/") + 1);
 }
 
 export function outline(tree: Tree, read: Read): Outline {
@@ -87,15 +81,8 @@ function collect(parent: SyntaxNode, prefix: string, read: Read, items: Item[]):
     if (kind && definition) {
       const name = read(definition.from, definition.to);
       const path = prefix + name;
-      items.push({
-        kind,
-        path,
-        name,
-        from: node.from,
-        to: node.to,
-        nameFrom: definition.from,
-        nameTo: definition.to,
-      });
+      const [nameFrom, nameTo] = [definition.from, definition.to];
+      items.push({ kind, path, name, from: node.from, to: node.to, nameFrom, nameTo });
       if (kind === "machine" || kind === "state") collect(node, `${path}/`, read, items);
     }
   }

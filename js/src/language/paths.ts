@@ -7,3 +7,6 @@ export const parentOf = (path: string) => path.slice(0, Math.max(0, path.lastInd
 export const transitionAt = (path: string) => path && `${parentOf(path)}:${nameOf(path)}`;
 
 export const nameOf = (path: string) => path.slice(path.lastIndexOf("/") + 1);
+
+/** Whether a path is another one, or that of something in it. */
+export const isIn = (path: string, around: string) => !around || `${path}/`.startsWith(`${around}/`);

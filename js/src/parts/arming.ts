@@ -2,8 +2,9 @@
 
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
-import { openCard, type Point } from "../ui/card";
+import { openCard } from "../ui/card";
 import { h, setProse } from "../ui/dom";
+import type { Point } from "../ui/point";
 
 /** Ask, beside a point of the window; the robot is armed when the answer is yes. */
 export function askToArm(lab: Lab, at: Point): void {

@@ -3,8 +3,8 @@
 import type { BreakpointView } from "../protocol";
 import type { Act } from "../session/connection";
 import type { Lab } from "../session/store";
-import { button } from "../ui/button";
-import { freshId, h, prose, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
+import { iconButton, linkButton } from "../ui/button";
+import { freshId, h, reconcile, setAttribute, setHidden, setProse, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 import { ELEMENT_OF } from "./breakpoints";
 
@@ -58,9 +58,7 @@ function item(lab: Lab, number: string): HTMLElement {
         void act({ do: "change_breakpoint", number: Number(number), after: Number(after.value) });
     },
   });
-  const go = h("button", {
-    type: "button",
-    class: "lrp-link",
+  const go = linkButton("", {
     onclick: () => {
       const { kind, path } = current() ?? {};
       const noun = kind && ELEMENT_OF[kind];
@@ -74,12 +72,12 @@ function item(lab: Lab, number: string): HTMLElement {
     go,
     h("span", { class: "lrp-faint" }),
     h("label", { class: "lrp-faint" }, "from hit ", after, " onwards"),
-    button({
-      icon: "remove",
-      title: `Remove breakpoint ${number}`,
-      action: "remove-breakpoint",
-      onclick: () => void lab.act({ do: "remove_breakpoint", number: Number(number) }),
-    }),
+    iconButton(
+      "remove",
+      `Remove breakpoint ${number}`,
+      "remove-breakpoint",
+      () => void lab.act({ do: "remove_breakpoint", number: Number(number) }),
+    ),
     h("p", { class: "lrp-error", role: "status" }),
   );
 }
@@ -98,8 +96,7 @@ function update(element: Element, [number, each]: Entry): void {
   );
   const after = element.querySelector<HTMLInputElement>('input[type="number"]')!;
   if (!hasFocus(after)) after.value = String(each.after);
-  if (problem!.textContent !== each.problem.replaceAll("`", ""))
-    problem!.replaceChildren(...prose(each.problem));
+  setProse(problem!, each.problem);
   setHidden(problem as HTMLElement, !each.problem);
 }
 
@@ -117,7 +114,7 @@ function conditionForm(lab: Lab): HTMLElement {
   });
   const add = h("button", { type: "submit", class: "lrp-button", "data-lrp-action": "add-condition" }, "Add");
   const show = (sentence: string | null) => {
-    error.replaceChildren(...prose(sentence ?? ""));
+    setProse(error, sentence ?? "");
     setHidden(error, !sentence);
     setAttribute(field, "aria-invalid", sentence ? "true" : null);
   };

@@ -2,11 +2,11 @@
 
 import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";
-import { button, setSwitch, toggle } from "../ui/button";
-import { below } from "../ui/card";
-import { h, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
+import { button, iconButton, setSwitch, toggle } from "../ui/button";
+import { h, setAttribute, setChoices, setHidden, setText, unmarked } from "../ui/dom";
 import { icon } from "../ui/icons";
-import { openMenu } from "../ui/menu";
+import { menuButton } from "../ui/menu";
+import { below } from "../ui/point";
 import { askToArm } from "./arming";
 import { type Choices, labMenu } from "./menu";
 import { showReach, whyLate } from "./reach";
@@ -31,13 +31,8 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
         do: store.state.status === "running" || store.state.status === "hung" ? "pause" : "run",
       }),
   });
-  const step = button({ icon: "step", title: "Step: exactly one tick", action: "step", onclick: go("step") });
-  const back = button({
-    icon: "step_back",
-    title: "Step back by one tick",
-    action: "step-back",
-    onclick: go("step_back"),
-  });
+  const step = iconButton("step", "Step: exactly one tick", "step", go("step"));
+  const back = iconButton("step_back", "Step back by one tick", "step-back", go("step_back"));
   const reset = button({
     icon: "reset",
     label: "Reset",
@@ -57,16 +52,7 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
     showReach(stop, store.state, "Stop robot", STOPS);
     setAttribute(run, "title", whyLate(store.state) || RUNS);
   });
-  const more = button({
-    icon: "more",
-    title: "More",
-    action: "menu",
-    "aria-haspopup": "menu",
-    onclick: () => {
-      const frame = more.getBoundingClientRect();
-      openMenu(lab.root, { x: frame.left, y: frame.bottom + 4 }, labMenu(lab, choices), "Lab");
-    },
-  });
+  const more = menuButton(lab.root, { title: "More", action: "menu" }, "Lab", () => labMenu(lab, choices));
   const hold = toggle("Hold edits", HOLDS, "hold", (on) => void lab.act({ do: "hold", on }));
   store.watch(["settings"], () => {
     const { settings } = store.state;
@@ -196,8 +182,10 @@ function bridgeChip(lab: Lab): HTMLElement {
   store.watch(["bridge", "choices", "snapshot"], () => {
     const { bridge, choices } = store.state;
     const names = choices.bridges.includes(bridge.name) ? choices.bridges : [bridge.name, ...choices.bridges];
-    select.replaceChildren(
-      ...names.map((name) => h("option", { value: name, selected: name === bridge.name }, name)),
+    setChoices(
+      select,
+      names.map((name) => [name, name] as const),
+      bridge.name,
     );
     setAttribute(dot, "data-status", bridge.status);
     setAttribute(chip, "title", `${bridge.status}${bridge.sentence ? `: ${unmarked(bridge.sentence)}` : ""}`);

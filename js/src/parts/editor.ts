@@ -3,7 +3,7 @@
 import type { Editor } from "../editor/editor";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, prose, setAttribute, unmarked } from "../ui/dom";
+import { h, setAttribute, setProse, unmarked } from "../ui/dom";
 
 export function editorPanel(lab: Lab, editor: Editor): HTMLElement {
   const host = h("div", { class: "lrp-editor" }, editor.view.dom);
@@ -38,7 +38,7 @@ function verdict(lab: Lab): HTMLElement {
     }
     setAttribute(line, "data-state", state);
     setAttribute(line, "title", unmarked(words));
-    line.replaceChildren(...prose(words));
+    setProse(line, words);
   });
   return line;
 }

@@ -2,8 +2,9 @@
 
 import type { ExplanationView } from "../protocol";
 import type { Lab } from "../session/store";
-import { below, openCard, type Point } from "../ui/card";
+import { openCard } from "../ui/card";
 import { h, prose } from "../ui/dom";
+import { below, type Point } from "../ui/point";
 import { looked } from "./study";
 
 /** A code as a button that explains it. */

@@ -1,7 +1,7 @@
 /** The last line of the lab: notes, which grow upward over the page and push nothing; the restarts; the status. */
 
 import type { Lab } from "../session/store";
-import { h, prose, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
+import { h, setAttribute, setHidden, setProse, setText, unmarked } from "../ui/dom";
 import { ELEMENT_OF } from "./breakpoints";
 import { notes } from "./notes";
 import { restarts } from "./restarts";
@@ -45,9 +45,8 @@ function pausedBy(lab: Lab): HTMLElement {
     const { paused_by: hit, breakpoints } = store.state;
     setHidden(go, !hit);
     go.disabled = !(hit && breakpoints[hit.number]?.line);
-    if (!hit || words.dataset.text === hit.text) return;
-    words.dataset.text = hit.text;
-    words.replaceChildren(...prose(hit.text));
+    if (!hit) return;
+    setProse(words, hit.text);
     setAttribute(go, "title", unmarked(hit.text));
   });
   return place;

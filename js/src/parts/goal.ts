@@ -3,7 +3,7 @@
 import type { AttemptView, CheckView, CriterionView, GoalView, OutlineView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, prose, reconcile, s, setAttribute, setText } from "../ui/dom";
+import { h, reconcile, s, setAttribute, setChoices, setProse, setText } from "../ui/dom";
 import { GOALLESS } from "../ui/layout";
 
 type Attempts = Readonly<Record<string, AttemptView>>;
@@ -60,11 +60,17 @@ export function goalView(lab: Lab): HTMLElement {
     if (!goal) return;
     setText(heading, `Goal: ${goal.name}`);
     setAttribute(heading, "title", goal.name); // which may be cut off
-    showProse(task, goal.task);
-    showProse(note, goal.note);
+    setProse(task, goal.task);
+    setProse(note, goal.note);
     note.hidden = !goal.note;
     watched.hidden = !goal.check;
-    showWorlds(world, goal);
+    const names = numbered(goal.worlds);
+    setChoices(
+      world,
+      names.map((name, at) => [String(at), name] as const),
+      String(goal.world),
+    );
+    world.hidden = names.length < 2;
     checked.update(goal, attempts);
   });
   store.watch(["criteria", "goal"], () =>
@@ -83,16 +89,8 @@ function updateCriterion(item: Element, { sentence, state, reason }: CriterionVi
   setAttribute(item, "data-state", state);
   setAttribute(item, "aria-label", `${sentence}, ${STATES[state]}: ${reason}`);
   const [what, why] = [...item.children] as [Element, Element];
-  showProse(what, sentence);
-  showProse(why, reason);
-}
-
-function showWorlds(select: HTMLSelectElement, { worlds, world }: GoalView): void {
-  const names = numbered(worlds);
-  if (select.options.length !== worlds.length || names.some((name, at) => select.options[at]?.text !== name))
-    select.replaceChildren(...names.map((name) => h("option", {}, name)));
-  select.selectedIndex = world;
-  select.hidden = worlds.length < 2;
+  setProse(what, sentence);
+  setProse(why, reason);
 }
 
 /** The names of the worlds; several of the same name get a number. */
@@ -103,12 +101,6 @@ export function numbered(worlds: readonly { name: string }[]): string[] {
       ? name
       : `${name} ${worlds.slice(0, at + 1).filter((each) => each.name === name).length}`;
   });
-}
-
-function showProse(element: Element, sentence: string): void {
-  if (element.getAttribute("data-prose") === sentence) return;
-  element.setAttribute("data-prose", sentence);
-  element.replaceChildren(...prose(sentence));
 }
 
 /** The last check: progress, result, one card for each run, hints. */
@@ -135,7 +127,7 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, a
       bar.hidden = !check.busy;
       bar.max = check.total;
       bar.value = check.done;
-      showProse(result, resultOf(check, goal.points, attempts));
+      setProse(result, resultOf(check, goal.points, attempts));
       setAttribute(result, "data-state", check.busy ? null : check.passed ? "met" : "failed");
       reconcile(
         runs,
@@ -151,7 +143,7 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, a
         goal.hints,
         (text) => text,
         () => h("li", { class: "lrp-hint" }),
-        showProse,
+        setProse,
       );
       if (goal.hints.length > given) bringIntoView(hints.lastElementChild, element.parentElement);
       given = goal.hints.length;
@@ -216,7 +208,7 @@ function updateRun(card: Element, attempt: AttemptView, goal: GoalView, attempts
   const name = `${numbered(goal.worlds)[attempt.world]}${seeds ? `, seed ${attempt.seed}` : ""}`;
   const [title, why] = [...text.children] as [Element, Element];
   setText(title, `${name}: ${attempt.passed ? "passed" : "not yet"}`);
-  showProse(why, attempt.passed ? "" : `${attempt.failed}: ${attempt.reason}`);
+  setProse(why, attempt.passed ? "" : `${attempt.failed}: ${attempt.reason}`);
   show.hidden = !attempt.shows;
   setAttribute(show, "aria-label", `Show the run: ${name}`);
   drawRun(picture, goal.worlds[attempt.world]!, attempt.path);

@@ -1,8 +1,9 @@
 /** The inspector of an element or a value: structure, source, members; live while it is open. Paper: §6.5. */
 
 import type { ElementKind, Facet, InspectView } from "../protocol";
+import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
-import { button } from "../ui/button";
+import { iconButton, linkButton } from "../ui/button";
 import { h, reconcile, returnFocus, setHidden, setText } from "../ui/dom";
 import { focusedAround } from "../ui/root";
 import { partInSight } from "../ui/sight";
@@ -21,8 +22,7 @@ export interface Inspector {
 export function inspector(lab: Lab): Inspector {
   const { store } = lab;
   let into: string[] = [];
-  let asked = 0;
-  let asking = false;
+  let asked = Number.NEGATIVE_INFINITY; // when, in ms
   let before: Element | null = null;
   const title = h("div", { class: "lrp-title" });
   const way = h("nav", { class: "lrp-way", "aria-label": "Path into the value" });
@@ -56,11 +56,7 @@ export function inspector(lab: Lab): Inspector {
       "header",
       { class: "lrp-head" },
       title,
-      h(
-        "div",
-        { class: "lrp-tools" },
-        button({ icon: "close", title: "Close", action: "close-inspector", onclick: close }),
-      ),
+      h("div", { class: "lrp-tools" }, iconButton("close", "Close", "close-inspector", close)),
     ),
     way,
     body,
@@ -68,30 +64,34 @@ export function inspector(lab: Lab): Inspector {
   const enter = (steps: string[]) => {
     into = steps;
     element.focus({ preventScroll: true }); // what was pressed will be gone
-    void ask();
+    askNow();
   };
   const { element: known, show } = facts(enter);
   body.append(known);
-  const ask = async () => {
-    const subject = store.state.inspected;
-    const steps = into;
-    if (!subject || asking) return;
-    asking = true;
-    asked = performance.now();
-    const reply = await lab.ask({ type: "inspect", ...subject, into: steps });
-    asking = false;
-    if (subject !== store.state.inspected || steps !== into) return void ask();
-    setText(title, subject.path ? `${subject.kind} ${subject.path}` : subject.kind);
-    showWay(way, steps, enter);
-    if (reply.inspect) show(reply.inspect, steps);
-    else setText(error, reply.error ?? "Nothing is known about this.");
-    setHidden(error, Boolean(reply.inspect));
-    setHidden(known, !reply.inspect);
+  const ask = newest(
+    lab.closed,
+    () => asked + INTERVAL,
+    async () => {
+      const subject = store.state.inspected;
+      const steps = into;
+      if (!subject) return;
+      asked = performance.now();
+      const reply = await lab.ask({ type: "inspect", ...subject, into: steps });
+      if (subject !== store.state.inspected || steps !== into) return; // which is asked for
+      setText(title, subject.path ? `${subject.kind} ${subject.path}` : subject.kind);
+      showWay(way, steps, enter);
+      if (reply.inspect) show(reply.inspect, steps);
+      else setText(error, reply.error ?? "Nothing is known about this.");
+      setHidden(error, Boolean(reply.inspect));
+      setHidden(known, !reply.inspect);
+    },
+  );
+  const askNow = () => {
+    asked = Number.NEGATIVE_INFINITY;
+    ask();
   };
-  store.watch(["tick", "program"], () => {
-    if (performance.now() - asked > INTERVAL) void ask();
-  });
-  store.watch(["inspected"], () => void ask());
+  store.watch(["tick", "program"], ask);
+  store.watch(["inspected"], askNow);
   return {
     element,
     open(kind, path) {
@@ -116,9 +116,7 @@ function showWay(way: HTMLElement, into: string[], enter: (into: string[]) => vo
   if (way.dataset.at === steps.join("\0")) return;
   way.dataset.at = steps.join("\0");
   way.replaceChildren(
-    ...steps.map((step, depth) =>
-      h("button", { type: "button", class: "lrp-link", onclick: () => enter(into.slice(0, depth)) }, step),
-    ),
+    ...steps.map((step, depth) => linkButton(step, { onclick: () => enter(into.slice(0, depth)) })),
   );
 }
 
@@ -139,8 +137,7 @@ function facts(enter: (into: string[]) => void) {
       [...view.facets.entries()],
       ([index, { label, deep }]) => JSON.stringify([into, index, label, deep]),
       ([, { step, label, deep }]) => {
-        const open = () => enter([...into, step]);
-        const name = deep ? h("button", { type: "button", class: "lrp-link", onclick: open }, label) : label;
+        const name = deep ? linkButton(label, { onclick: () => enter([...into, step]) }) : label;
         const [value, kind] = [h("code", {}), h("span", { class: "lrp-faint" })];
         return h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, value, kind));
       },

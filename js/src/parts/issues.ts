@@ -2,7 +2,7 @@
 
 import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
 import type { Lab } from "../session/store";
-import { button, panel, setSwitch, toggle } from "../ui/button";
+import { button, linkButton, panel, setSwitch, toggle } from "../ui/button";
 import { h, prose, reconcile, setAttribute, setText } from "../ui/dom";
 import { breakpointList } from "./breakpointlist";
 import { codeButton } from "./explain";
@@ -105,20 +105,15 @@ function make(lab: Lab, entry: Entry): HTMLElement {
 
 function debugButton(lab: Lab, item: Element): HTMLButtonElement {
   const { state } = lab.store;
-  return h(
-    "button",
-    {
-      type: "button",
-      class: "lrp-link lrp-debug",
-      title: "Open a debugger at the last occurrence, in a cell below",
-      "data-lrp-action": "debug",
-      onclick: () => {
-        const { line, column } = current.get(item)?.issue?.range ?? {};
-        if (line) lab.runBelow(`${state.debugger} ${line}:${column} ${state.name}`);
-      },
+  return linkButton("Debug", {
+    class: "lrp-link lrp-debug",
+    title: "Open a debugger at the last occurrence, in a cell below",
+    "data-lrp-action": "debug",
+    onclick: () => {
+      const { line, column } = current.get(item)?.issue?.range ?? {};
+      if (line) lab.runBelow(`${state.debugger} ${line}:${column} ${state.name}`);
     },
-    "Debug",
-  );
+  });
 }
 
 /** The entry that each element of the list shows. */

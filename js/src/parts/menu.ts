@@ -2,7 +2,7 @@
 
 import type { Lab } from "../session/store";
 import { type Layout, type Panels, WITHHELD } from "../ui/layout";
-import type { MenuItem } from "../ui/menu";
+import { item, type MenuItem } from "../ui/menu";
 import { askWhy } from "./why";
 
 interface Choice {
@@ -35,52 +35,43 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
         .filter(([name, panel]) => !panel.hasAttribute(WITHHELD) || (name === "graph" && !settings.lock))
         .map(([name, panel]) => {
           const shown = !panel.hidden && !panel.hasAttribute(WITHHELD);
-          return {
-            label: `Show ${name}`,
-            action: `panel-${name}`,
-            checked: shown,
-            run: () => {
+          return item(
+            `Show ${name}`,
+            `panel-${name}`,
+            () => {
               layout.show(name as keyof Panels, !shown);
               if (panel.hasAttribute(WITHHELD)) void lab.act({ do: "graph", mode: "live" });
             },
-          };
+            { checked: shown },
+          );
         })
     : [];
-  const programs = known.programs.map((name) => ({
-    label: `Open ${name}…`,
-    action: `load-${name}`,
-    run: () => choices.open(name),
-  }));
+  const programs = known.programs.map((name) =>
+    item(`Open ${name}…`, `load-${name}`, () => choices.open(name)),
+  );
   return [
-    { label: "Save…", action: "save", run: choices.save },
-    { label: "Versions…", action: "versions", run: choices.versions },
+    item("Save…", "save", choices.save),
+    item("Versions…", "versions", choices.versions),
     ...choices.cell(),
-    {
-      label: "Why does the robot do this?",
-      action: "why-robot",
-      run: () => {
-        const { left, top } = lab.root.getBoundingClientRect();
-        askWhy(lab, "robot", "", { x: left, y: top });
-      },
-    },
+    item("Why does the robot do this?", "why-robot", () => {
+      const { left, top } = lab.root.getBoundingClientRect();
+      askWhy(lab, "robot", "", { x: left, y: top });
+    }),
     null,
-    {
-      label: "Keep running when the active state is edited",
-      action: "keep",
-      checked: keep,
-      run: () => void lab.act({ do: "on_active_edit", name: keep ? "restart" : "keep" }),
-    },
+    item(
+      "Keep running when the active state is edited",
+      "keep",
+      () => void lab.act({ do: "on_active_edit", name: keep ? "restart" : "keep" }),
+      { checked: keep },
+    ),
     ...choices.text(),
     null,
-    {
-      label: "Fill the window",
-      action: "fill",
+    item("Fill the window", "fill", () => fills.show(!fills.shown()), {
       checked: fills.shown(),
       hint: "⇧F9",
-      run: () => fills.show(!fills.shown()),
-    },
+    }),
     ...panels,
-    ...(layout ? [{ label: "Reset panel sizes", action: "usual-sizes", run: choices.resetSizes }] : []),
+    ...(layout ? [item("Reset panel sizes", "usual-sizes", choices.resetSizes)] : []),
     ...(programs.length ? [null, ...programs] : []),
   ];
 }

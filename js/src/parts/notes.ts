@@ -6,7 +6,8 @@ import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { copyText } from "../ui/clipboard";
 import { differentLines, drawDifference, scrollToDifference, summaryOf } from "../ui/difference";
-import { h, prose, setHidden, setText, unmarked } from "../ui/dom";
+import { h, prose, setHidden, setProse, setText, unmarked } from "../ui/dom";
+import { calledAfter } from "../ui/timers";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
   const ofSession = h(
@@ -53,9 +54,7 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
       lost: "The kernel has not answered for 3 seconds. This view is out of date; your text is kept.",
       dead: "The kernel was restarted or shut down. Run the cell again to continue; your text is kept.",
     }[link as string];
-    words.replaceChildren(
-      ...prose(sentence ?? (reason || "The session is closed. Run the cell again to continue.")),
-    );
+    setProse(words, sentence ?? (reason || "The session is closed. Run the cell again to continue."));
   });
   return note;
 }
@@ -73,7 +72,7 @@ export function hungNote(lab: Lab): HTMLElement {
     const { hung, reason } = lab.store.state;
     setHidden(note, !hung);
     interrupt.hidden = !hung || hung.held;
-    if (hung) words.replaceChildren(...prose(reason));
+    if (hung) setProse(words, reason);
   });
   return note;
 }
@@ -88,7 +87,7 @@ export function robotNote(lab: Lab): HTMLElement {
     const headings: Record<string, string> = { lost: "Robot lost", stale: "Robot data too old" };
     setHidden(note, !(status in headings));
     setText(heading, headings[status] ?? "");
-    words.replaceChildren(...prose(note.hidden ? "" : sentence));
+    setProse(words, note.hidden ? "" : sentence);
   });
   return note;
 }
@@ -99,7 +98,7 @@ export function unstartedNote(lab: Lab): HTMLElement {
   lab.store.watch(["status", "reason", "tick"], () => {
     const { status, reason, tick } = lab.store.state;
     setHidden(note, !(status === "paused" && tick === 0 && reason));
-    if (!note.hidden) words.replaceChildren(...prose(reason));
+    if (!note.hidden) setProse(words, reason);
   });
   return note;
 }
@@ -172,7 +171,7 @@ function conflictNote(lab: Lab, present: () => string): HTMLElement {
     const { conflict } = lab.store.state;
     setHidden(note, !conflict);
     if (!conflict) return;
-    words.replaceChildren(...prose(conflict.sentence));
+    setProse(words, conflict.sentence);
     use.replaceChildren(conflict.use);
     keep.replaceChildren(conflict.keep);
     const lines = differentLines(present(), conflict.text);
@@ -186,7 +185,6 @@ const PAUSE = 1000; // ms
 
 export function announcer(lab: Lab): HTMLElement {
   const region = h("div", { class: "lrp-hidden", "aria-live": "polite", role: "status" });
-  let isWaiting = false;
   let announced = "";
   const speak = () => {
     const { status, reason } = lab.store.state;
@@ -201,13 +199,6 @@ export function announcer(lab: Lab): HTMLElement {
     const words = `${status === "running" ? "" : `${status}. `}${why}${states.length ? `In ${states.join(" and ")}` : ""}`;
     if (words !== announced) region.textContent = announced = words;
   };
-  lab.store.watch(["active", "status"], () => {
-    if (isWaiting) return;
-    isWaiting = true;
-    setTimeout(() => {
-      isWaiting = false;
-      speak();
-    }, PAUSE);
-  });
+  lab.store.watch(["active", "status"], calledAfter(PAUSE, speak));
   return region;
 }

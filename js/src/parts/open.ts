@@ -1,7 +1,7 @@
 /** Ask before another program replaces the text and the name of the lab. */
 
 import type { Lab } from "../session/store";
-import { h, prose } from "../ui/dom";
+import { h, setProse } from "../ui/dom";
 import { noteForm } from "./form";
 
 /** `open` opens a bundled program, at once if there is no text to replace. */
@@ -22,7 +22,7 @@ export function openForm(
       wanted = name;
       if (!text().trim()) return void load();
       const sentence = `Replace \`${lab.store.state.name}\` with \`${name}\`? Its text stays under Versions….`;
-      question.replaceChildren(...prose(sentence));
+      setProse(question, sentence);
       form.show();
       ok.focus();
     },

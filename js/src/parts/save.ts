@@ -1,7 +1,7 @@
 /** Save the program, or its world, under a chosen name; ask before another file is replaced. */
 
 import type { Lab } from "../session/store";
-import { h, prose } from "../ui/dom";
+import { h, setProse } from "../ui/dom";
 import { noteForm } from "./form";
 
 /** `what` is part of the names of the buttons. */
@@ -29,14 +29,14 @@ export function saveForm(
   );
   const ask = (on: boolean) => {
     replace.hidden = !on;
-    error.textContent = on ? "This file exists and was not written by this lab." : "";
+    setProse(error, on ? "This file exists and was not written by this lab." : "");
     if (on) replace.focus();
   };
   const save = async (replacing: boolean) => {
     const name = input.value.trim();
     const reply = await lab.ask({ type: what === "file" ? "save" : "save_world", name, replace: replacing });
     ask(reply.exists ?? false);
-    if (reply.error) error.replaceChildren(...prose(reply.error));
+    if (reply.error) setProse(error, reply.error);
     else if (!reply.exists) {
       form.close();
       lab.notify(`Saved as \`${name}\`.`);

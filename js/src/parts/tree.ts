@@ -7,7 +7,7 @@ import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { panel, setSwitch, toggle } from "../ui/button";
 import { setName } from "../ui/cut";
-import { h, reconcile, setAttribute, setHidden } from "../ui/dom";
+import { consume, h, reconcile, setAttribute, setHidden } from "../ui/dom";
 
 export function treeView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -68,8 +68,7 @@ export function treeView(lab: Lab): HTMLElement {
       showMachine(store, next.dataset.lrpMachine!);
       next.focus();
     } else return;
-    event.preventDefault();
-    event.stopPropagation();
+    consume(event);
   });
   return element;
 }

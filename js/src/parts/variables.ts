@@ -1,12 +1,13 @@
 /** The variables in scope of the machine shown, live, grouped by machine, changed in place. Paper: §6.5. */
 
-import { AFTERGLOW } from "../graph/marks";
-import { nameOf } from "../language/paths";
+import { isIn, nameOf } from "../language/paths";
 import type { OutdatedView } from "../protocol";
 import type { Lab } from "../session/store";
-import { button, panel } from "../ui/button";
+import { button, iconButton, linkButton, panel } from "../ui/button";
 import { h, prose, reconcile, s, setAttribute, setHidden, setText } from "../ui/dom";
+import { editing } from "../ui/editing";
 import { hasFocus } from "../ui/root";
+import { glow } from "../ui/timers";
 
 interface Group {
   machine: string;
@@ -70,7 +71,7 @@ export function groupsInScope(
   machine: string,
 ): Group[] {
   const inside = program.machines
-    .filter(({ path }) => `${machine}/`.startsWith(`${path}/`))
+    .filter(({ path }) => isIn(machine, path))
     .map(({ path, variables }) => ({ machine: path, variables }))
     .reverse();
   return [...inside, { machine: "", variables: program.variables }].filter(
@@ -85,7 +86,6 @@ class Row {
   private readonly computed = h("div", { class: "lrp-variable-computed", hidden: true });
   private outdated: OutdatedView | undefined;
   private text: string | undefined;
-  private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly lab: Lab,
@@ -98,12 +98,7 @@ class Row {
       title: "Change",
       onclick: () => this.edit(),
     });
-    const inspect = button({
-      icon: "search",
-      title: `Inspect ${name}`,
-      action: "inspect",
-      onclick: () => lab.inspect("variable", path),
-    });
+    const inspect = iconButton("search", `Inspect ${name}`, "inspect", () => lab.inspect("variable", path));
     const source = h(
       "button",
       {
@@ -129,7 +124,7 @@ class Row {
     const value = this.lab.store.state.variables[this.path];
     this.updateOutdated();
     const [text, number] = value ?? [];
-    if (text !== undefined && this.text !== undefined && text !== this.text) this.glow();
+    if (text !== undefined && this.text !== undefined && text !== this.text) glow(this.element);
     if (value || this.text !== undefined) this.spark.add(number ?? null);
     this.text = text;
     setText(this.value, text ?? "—");
@@ -149,50 +144,19 @@ class Row {
     setHidden(this.computed, !outdated);
     if (!outdated) return;
     const { computed, initial } = outdated;
-    const again = h(
-      "button",
-      {
-        type: "button",
-        class: "lrp-link",
-        "data-lrp-action": "compute",
-        title: `Assign the present value of ${initial}`,
-        onclick: () => void this.lab.act({ do: "set_variable", path: this.path, expression: initial }, true),
-      },
-      "Recompute",
-    );
+    const again = linkButton("Recompute", {
+      "data-lrp-action": "compute",
+      title: `Assign the present value of ${initial}`,
+      onclick: () => void this.assign(initial),
+    });
     this.computed.replaceChildren(...prose(computed), " ", ...(initial ? [again] : []));
   }
 
-  private glow(): void {
-    this.element.setAttribute("data-glow", "");
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.element.removeAttribute("data-glow"), AFTERGLOW);
+  private assign(expression: string): Promise<string | null> {
+    return this.lab.act({ do: "set_variable", path: this.path, expression }, true);
   }
 
   private edit(): void {
-    const error = h("div", { class: "lrp-error", role: "alert" });
-    const name = nameOf(this.path);
-    const input = h("input", {
-      class: "lrp-input",
-      value: this.text ?? "",
-      spellcheck: "false",
-      "aria-label": `New value of ${name}, a Python expression`,
-      onkeydown: async (event: KeyboardEvent) => {
-        if (event.key === "Escape") close();
-        if (event.key !== "Enter") return;
-        event.preventDefault();
-        const refusal = await this.lab.act(
-          { do: "set_variable", path: this.path, expression: input.value },
-          true,
-        );
-        setAttribute(input, "aria-invalid", refusal ? "true" : null);
-        error.replaceChildren(...prose(refusal ?? ""));
-        if (!refusal) close();
-      },
-      onblur: () => {
-        if (!error.textContent) close();
-      },
-    });
     let open = true;
     const close = () => {
       if (!open) return;
@@ -202,6 +166,11 @@ class Row {
       input.replaceWith(this.value);
       if (focused) this.value.focus();
     };
+    const name = `New value of ${nameOf(this.path)}, a Python expression`;
+    const { input, error } = editing(this.text ?? "", name, (text) => this.assign(text), close);
+    input.addEventListener("blur", () => {
+      if (!error.textContent) close();
+    });
     this.value.replaceWith(input);
     this.element.append(error);
     input.focus();

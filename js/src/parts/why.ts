@@ -3,8 +3,9 @@
 import type { ElementKind, WhyView } from "../protocol";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
-import { openCard, type Point } from "../ui/card";
-import { h, prose } from "../ui/dom";
+import { openCard } from "../ui/card";
+import { h, setProse } from "../ui/dom";
+import type { Point } from "../ui/point";
 import { codeButton } from "./explain";
 import { looked } from "./study";
 
@@ -34,7 +35,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: Point): vo
     if (content === shown) return;
     if (shown) sentence.removeAttribute("role"); // only the first answer is read out by itself
     shown = content;
-    sentence.replaceChildren(...prose(why.sentence));
+    setProse(sentence, why.sentence);
     lines.replaceChildren(
       ...why.lines.map(({ line, text }) => {
         const range = { line, column: 1, end_line: line, end_column: 1 };
@@ -51,7 +52,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: Point): vo
   const fail = (error: string) => {
     shown = "";
     when.textContent = "";
-    sentence.replaceChildren(...prose(error));
+    setProse(sentence, error);
     lines.replaceChildren();
     meaning.replaceChildren();
     delete card.dataset.code;

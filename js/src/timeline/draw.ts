@@ -6,12 +6,10 @@
 import { nameOf } from "../language/paths";
 import type { HappeningKind } from "../protocol";
 import { s, unmarked } from "../ui/dom";
+import type { Style } from "../world/palette";
 import type { Lane, Mark, Plotted, Segment } from "./happened";
-
-export interface Span {
-  from: number; // s
-  to: number;
-}
+import { PLOT, plotOf } from "./plots";
+import { named, nearestX, type Scale, ticksOf, timeText, xOf } from "./scale";
 
 /** `isOpenLoop`: the recorded readings of a real robot were fed, whatever was commanded. */
 interface Other {
@@ -21,35 +19,28 @@ interface Other {
   isOpenLoop: boolean;
 }
 
-export interface Drawing {
-  span: Span;
+export interface Drawing extends Scale {
   /** The part that can be seen, in px from the top. */
   sight: { top: number; bottom: number };
   /** The end of the known run, in seconds: visits that last are drawn up to here. */
   now: number;
-  /** px of the part in which time passes: what is left of it holds names. */
-  left: number;
-  width: number;
   lanes: readonly Lane[];
   marks: readonly Mark[];
   plots: readonly [string, Plotted][];
   /** The lanes of another course, and where it differs first. */
   other: Other | null;
-  styleOf(state: string): { color: string; dash: number[] };
+  styleOf(state: string): Style;
 }
 
 export const AXIS = 16; // px
 const MARKS = 14;
 const LANE = 18;
 const BAR = LANE - 4;
-const PLOT = 40;
 const LANES = 2; // for which there is room
 const NARROW = 8; // px of a visit at which nobody can aim: all of a lane are drawn together
 const GAP = 3;
 const MOST_WORDS = 10; // marks in one place that are named
 const LETTER = 6; // px, about
-const LABEL = 10; // px that the name of a threshold is high
-const ROUND = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
   edit: "M-3 4V1L1-3l3 3-4 4zM-4 5h8v1h-8z",
   restart: "M0-4a4 4 0 1 1-3.800 2.700l1.400.5A2.500 2.500 0 1 0 0-2.500V0l-3.500-3.200L0-6z",
@@ -77,22 +68,9 @@ export function roomFor({ lanes, plots, other }: Pick<Drawing, "lanes" | "plots"
   );
 }
 
-/** Times at which the axis has a number. */
-export function ticksOf({ from, to }: Span, width: number): number[] {
-  const least = ((to - from) / Math.max(1, width)) * 64;
-  const step = ROUND.find((each) => each >= least) ?? Math.ceil(least / 600) * 600;
-  const ticks = [];
-  for (let index = Math.ceil(from / step); index * step <= to; index++) ticks.push(index * step);
-  return ticks;
-}
-
 /** The lane at so many px from the top; null between and below the recorded ones. */
 export function laneAt({ lanes }: Drawing, y: number): Lane | null {
   return lanes[Math.floor((y - AXIS - MARKS) / LANE)] ?? null;
-}
-
-export function xOf({ span, left, width }: Drawing, time: number): number {
-  return left + ((time - span.from) / (span.to - span.from)) * width;
 }
 
 /** Redraw everything. */
@@ -157,14 +135,6 @@ function wordsOf({ divergence, end, isOpenLoop }: Other): string {
   return `with the edit${isOpenLoop ? " (open loop: the readings are the recorded ones)" : ""}: ${words}`;
 }
 
-function timeText(time: number, isFine: boolean): string {
-  const seconds = isFine ? time.toFixed(1) : String(Math.round(time));
-  if (time < 60) return `${seconds} s`;
-  const minutes = Math.floor(Number(seconds) / 60);
-  const rest = Number(seconds) - 60 * minutes;
-  return `${minutes}:${(isFine ? rest.toFixed(1) : String(rest)).padStart(isFine ? 4 : 2, "0")}`;
-}
-
 function marksOf(drawing: Drawing, y: number): Node[] {
   const { left, width, marks } = drawing;
   const shown: Node[] = [];
@@ -211,14 +181,14 @@ function laneOf(
   now: number,
   isOther: boolean,
 ): Node[] {
-  const { left, width, span, styleOf } = drawing;
+  const { left, span, styleOf } = drawing;
   const parts: Node[] = [named(nameOf(machine), machine, y, LANE, left, depth)];
   const narrow = new Map<string, string>(); // by colour
   let blurred = Number.NEGATIVE_INFINITY; // up to where visits too short to see were drawn
   for (const segment of segments) {
     if (segment.end < span.from || segment.begin > span.to) continue;
-    const from = Math.max(left, xOf(drawing, segment.begin));
-    const to = Math.min(left + width, xOf(drawing, Math.min(segment.end, now, span.to)));
+    const from = nearestX(drawing, segment.begin);
+    const to = nearestX(drawing, Math.min(segment.end, now));
     if (to - from < 1 && to <= blurred) continue;
     blurred = Math.max(blurred, from + 1);
     const style = styleOf(segment.state);
@@ -248,7 +218,7 @@ function visit(
   x: number,
   width: number,
   y: number,
-  { color, dash }: { color: string; dash: number[] },
+  { color, dash }: Style,
   isOther: boolean,
 ): Node {
   const { lane, state, by, text, tick, begin, end } = segment;
@@ -278,141 +248,4 @@ function visit(
     s("rect", { width: 2, height: BAR, fill: color }),
     width >= LETTER * nameOf(state).length + 10 && s("text", { x: 6, y: BAR - 4 }, nameOf(state)),
   );
-}
-
-/** A name in the left column; what is too long is cut. */
-function named(text: string, title: string, y: number, height: number, left: number, depth = 0): Node {
-  const x = 8 + 8 * depth;
-  return s(
-    "svg",
-    { x, y, width: Math.max(0, left - x - 4), height },
-    s("title", {}, title),
-    s("text", { class: "lrp-timeline-name", x: 0, y: Math.min(height, LANE) - 5 }, text),
-  );
-}
-
-/** A number with as many digits as fit beside a plot. */
-function rounded(number: number): string {
-  return String(Number(number.toPrecision(4)));
-}
-
-/** The name of what is plotted, as short as it can be read. */
-export function shortOf(name: string): string {
-  return name.startsWith("robot.") ? name.slice("robot.".length) : nameOf(name);
-}
-
-function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): Node[] {
-  const { left, width, span } = drawing;
-  const parts: Node[] = [
-    named(shortOf(name), name, y, PLOT, left),
-    s("rect", { class: "lrp-timeline-plot", "data-lrp-plot": name, x: left, y, width, height: PLOT }),
-  ];
-  const { times, values, thresholds } = plotted;
-  const first = Math.max(0, times.findIndex((time) => time >= span.from) - 1);
-  const after = times.findIndex((time) => time > span.to);
-  const range: [number, number] = [first, after < 0 ? times.length : after + 1];
-  if (plotted.kind === "truth") {
-    for (const [from, to] of runsOf(times, values, range, drawing)) {
-      if (to > from)
-        parts.push(
-          s("rect", {
-            class: "lrp-timeline-truth",
-            x: from,
-            y: y + PLOT / 3,
-            width: to - from,
-            height: PLOT / 3,
-          }),
-        );
-    }
-    return parts;
-  }
-  const seen = [values, ...thresholds.values()]
-    .flatMap((each) => each.slice(...range))
-    .filter((value): value is number => value !== null);
-  if (!seen.length) return parts;
-  const low = seen.reduce((a, b) => Math.min(a, b));
-  const high = seen.reduce((a, b) => Math.max(a, b));
-  const yOf = (value: number) => y + PLOT - 4 - ((value - low) / (high - low || 1)) * (PLOT - 8);
-  parts.push(
-    s(
-      "text",
-      { class: "lrp-timeline-range", x: 8, y: y + PLOT - 6 },
-      low === high ? rounded(low) : `${rounded(low)} to ${rounded(high)}`,
-    ),
-  );
-  const line = (samples: (number | null)[]) => pathOf(times, samples, range, drawing, yOf);
-  const free = Array.from({ length: PLOT / LABEL }, (_, row) => y + (row + 1) * LABEL - 1); // rows for names
-  for (const [text, samples] of thresholds) {
-    const last = samples.slice(...range).findLast((value) => value !== null);
-    parts.push(s("path", { class: "lrp-timeline-threshold", d: line(samples) }, s("title", {}, text)));
-    if (last === undefined || last === null) continue;
-    const near = (base: number) => Math.abs(base - LABEL / 2 - yOf(last));
-    const [at] = free.sort((a, b) => near(a) - near(b)).splice(0, 1);
-    if (at === undefined) continue; // its line has a title
-    parts.push(s("text", { class: "lrp-timeline-limit", x: left + width - 4, y: at }, text));
-  }
-  parts.push(s("path", { class: "lrp-timeline-curve", d: line(values) }));
-  return parts;
-}
-
-/** A line through samples; of those that are drawn in the same px, the first and last, the least and greatest. */
-function pathOf(
-  times: number[],
-  samples: (number | null)[],
-  [from, to]: [number, number],
-  drawing: Drawing,
-  yOf: (value: number) => number,
-): string {
-  const { left, width } = drawing;
-  let path = "";
-  let pen = "M";
-  let column: { x: number; values: number[] } | null = null;
-  const flush = () => {
-    if (!column) return;
-    const { x, values } = column;
-    for (const value of values) {
-      path += `${pen}${x.toFixed(1)} ${yOf(value).toFixed(1)}`;
-      pen = "L";
-    }
-    column = null;
-  };
-  for (let index = from; index < to && index < times.length; index++) {
-    const value = samples[index];
-    if (value === null || value === undefined) {
-      flush();
-      pen = "M";
-      continue;
-    }
-    const x = Math.min(left + width, Math.max(left, xOf(drawing, times[index]!)));
-    if (column && x - column.x < 1) {
-      const [first = value, low = first, high = first] = column.values;
-      column.values = [first, Math.min(low, value), Math.max(high, value), value];
-    } else {
-      flush();
-      column = { x, values: [value] };
-    }
-  }
-  flush();
-  return path;
-}
-
-/** Where a truth value holds: from and to, in px. */
-function* runsOf(
-  times: number[],
-  values: (number | null)[],
-  [from, to]: [number, number],
-  drawing: Drawing,
-): Generator<[number, number]> {
-  const { left, width } = drawing;
-  let since: number | null = null;
-  const x = (index: number) =>
-    Math.min(left + width, Math.max(left, xOf(drawing, times[Math.min(index, times.length - 1)]!)));
-  for (let index = from; index < to && index < times.length; index++) {
-    if (values[index] && since === null) since = x(index);
-    if (!values[index] && since !== null) {
-      yield [since, x(index)];
-      since = null;
-    }
-  }
-  if (since !== null) yield [since, x(to)];
 }

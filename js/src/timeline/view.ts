@@ -5,15 +5,19 @@ import { looked } from "../parts/study";
 import { askWhy } from "../parts/why";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
-import { button } from "../ui/button";
-import { h, s, setAttribute, setHidden } from "../ui/dom";
+import { button, iconButton } from "../ui/button";
+import { consume, h, s, setAttribute, setHidden } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { isOn, keep, keepOn, kept } from "../ui/kept";
-import { type MenuItem, openMenu } from "../ui/menu";
+import { item, type MenuItem, openMenu } from "../ui/menu";
+import { type Point, pointOf } from "../ui/point";
 import { trailStyles } from "../world/legend";
-import { type Drawing, draw, heightOf, laneAt, roomFor, type Span, shortOf } from "./draw";
+import { type Drawing, draw, heightOf, laneAt, roomFor } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking, type Moment } from "./looking";
+import { rounded, shortOf } from "./plots";
+import { nearestX, timeOf } from "./scale";
+import { TimeWindow } from "./window";
 
 /** The colours of the trail; the stylesheet lightens them in the dark. */
 const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
@@ -24,9 +28,6 @@ const NEWS_AFTER = 500; // ms between an answer and the next question
 const ALL_AFTER = 1000; // ms, where the page itself sees nothing new: what was done by hand, commands
 const CALM = 300; // ms after an edit: first it is applied and drawn
 const NARROW = 700; // px of a lab in which the timeline is closed at first
-const USUAL = 30; // s that the window shows
-const SHORTEST = 1;
-const LONGEST = 3600;
 const OPEN = "timeline";
 const PLOTS = "plots:";
 const NEAR = 4; // px
@@ -37,8 +38,6 @@ const STILL = 1500; // ms
 export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const { store } = lab;
   let happened = new Happened();
-  let seconds = USUAL;
-  let end: number | null = null; // of the window; null: it follows the present
   let plots: string[] = [];
   let answered = Number.NEGATIVE_INFINITY; // when, in ms
   let drawn = Number.NEGATIVE_INFINITY;
@@ -47,6 +46,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let drawing: Drawing | null = null;
   let styleOf = trailStyles(store.state.program, COLORS);
   let stillUntil = 0; // nothing moves away under a pointer that is aiming
+  const shown = new TimeWindow(store, () => now());
   let later: ReturnType<typeof setTimeout> | undefined;
 
   const svg = s("svg", { class: "lrp-timeline-drawing", "aria-hidden": "true" });
@@ -67,25 +67,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     "aria-haspopup": "menu",
     onclick: () => plotMenu(),
   });
-  const zoomOut = button({
-    icon: "minus",
-    title: "Zoom out",
-    action: "timeline-out",
-    onclick: () => zoom(2),
-  });
-  const zoomIn = button({
-    icon: "plus",
-    title: "Zoom in",
-    action: "timeline-in",
-    onclick: () => zoom(0.5),
-  });
+  const zoomOut = iconButton("minus", "Zoom out", "timeline-out", () => zoom(2));
+  const zoomIn = iconButton("plus", "Zoom in", "timeline-in", () => zoom(0.5));
   const tools = h("div", { class: "lrp-tools" }, more, zoomOut, zoomIn);
-  const opener = button({
-    icon: "right",
-    title: "Open or close the timeline",
-    action: "timeline",
-    onclick: () => open(body.hidden, true),
-  });
+  const opener = iconButton("right", "Open or close the timeline", "timeline", () => open(body.hidden, true));
   const title = h("div", { class: "lrp-title" }, "Timeline");
   const element = h(
     "section",
@@ -138,15 +123,6 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   /* ---------------------------------------------------------------- drawing */
 
-  /** The last moment that the window shows: of the present, or of what would happen after an edit. */
-  const latest = () => {
-    const { whatIf, looking: moment } = store.state;
-    return Math.max(now(), (moment && whatIf?.end) ?? 0) + seconds * 0.02;
-  };
-  const span = (): Span => {
-    const to = end ?? latest();
-    return { from: Math.max(0, to - seconds), to: Math.max(to, seconds) };
-  };
   const redraw = () => {
     const whole = area.clientWidth;
     if (body.hidden || !whole) return;
@@ -154,7 +130,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const { whatIf, looking: moment } = store.state;
     const { scrollTop, clientHeight } = body;
     drawing = {
-      span: span(),
+      span: shown.span,
       sight: { top: scrollTop - MARGIN, bottom: scrollTop + clientHeight + MARGIN },
       left,
       width: whole - left - 14,
@@ -187,8 +163,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const moment = store.state.looking;
     const { wanted } = looking;
     const at = (wanted && "time" in wanted ? wanted.time : moment?.time) ?? now();
-    const { from, to } = drawing.span;
-    const x = drawing.left + ((Math.min(to, Math.max(from, at)) - from) / (to - from)) * drawing.width;
+    const x = nearestX(drawing, at);
     playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
     playhead.toggleAttribute("data-past", isPast());
     const isRight = x > drawing.left + drawing.width / 2;
@@ -207,37 +182,14 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
         const plotted = happened.plots.get(name);
         const value = plotted ? valueAt(plotted, time) : null;
         if (value === null || !plotted) return "";
-        const text =
-          plotted.kind === "truth" ? (value ? "True" : "False") : String(Number(value.toPrecision(4)));
+        const text = plotted.kind === "truth" ? (value ? "True" : "False") : rounded(value);
         return ` · ${shortOf(name)} ${text}`;
       })
       .join("");
 
-  /** End the window at a time; at the present, it follows that. */
-  const endAt = (time: number) => {
-    end = time >= latest() && !store.state.looking ? null : Math.min(time, latest());
+  const zoom = (factor: number, moment?: number) => {
+    shown.zoom(factor, moment);
     redraw();
-  };
-  /** Show a longer or shorter time; one moment stays where it is, the one looked at if no other is meant. */
-  const zoom = (factor: number, moment = store.state.looking?.time) => {
-    const { from, to } = span();
-    const fixed = moment ?? (end === null ? to : (from + to) / 2);
-    const share = (to - fixed) / (to - from);
-    seconds = Math.min(LONGEST, Math.max(SHORTEST, seconds * factor));
-    endAt(fixed + share * seconds);
-  };
-  const pan = (by: number) => endAt(Math.max(Math.min(seconds, latest()), span().to + by));
-  /** Keep the moment looked at in the window, and the window where it is. */
-  const hold = () => {
-    const moment = store.state.looking;
-    if (!moment) {
-      end = null;
-      return;
-    }
-    const { from, to } = span();
-    end = to;
-    if (moment.time < from) end = moment.time + seconds * 0.9;
-    else if (moment.time > to) end = moment.time + seconds * 0.1;
   };
 
   /* ---------------------------------------------------------------- pointer and keys */
@@ -245,9 +197,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   /** The time at the pointer, in seconds. */
   const timeAt = ({ clientX }: MouseEvent): number => {
     if (!drawing) return 0;
-    const { from, to } = drawing.span;
-    const x = clientX - area.getBoundingClientRect().left - drawing.left;
-    return from + (x / drawing.width) * (to - from);
+    return timeOf(drawing, clientX - area.getBoundingClientRect().left);
   };
   const isAtName = ({ clientX }: MouseEvent) =>
     clientX < area.getBoundingClientRect().left + (drawing?.left ?? 0) - NEAR;
@@ -260,13 +210,13 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   };
   /** Show a moment; the window stands still from now on. Resolves to whether it is shown. */
   const look = async (moment: Moment) => {
-    end ??= span().to;
+    shown.stop();
     const isShown = await looking.at(moment);
     if (!isShown && !store.state.looking) returnToNow();
     return isShown;
   };
   const returnToNow = () => {
-    end = null;
+    shown.follow();
     looking.back();
     redraw();
   };
@@ -291,7 +241,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
           if (isPast()) returnToNow();
         } else if (moved) return;
         else if (mark) void look({ tick: Number(mark.getAttribute("data-tick")) });
-        else if (border) void whyFired(border, { x: last.clientX, y: last.clientY });
+        else if (border) void whyFired(border, pointOf(last));
         else go(last);
       },
     });
@@ -311,41 +261,32 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     if (!visit?.by || Math.abs(visit.begin - time) > near) return null;
     return Math.min(visit.end, now()) - visit.begin > 3 * near ? visit : null;
   };
-  const whyFired = async ({ tick, by }: Segment, at: { x: number; y: number }) => {
+  const whyFired = async ({ tick, by }: Segment, at: Point) => {
     if (await look({ tick })) askWhy(lab, "transition", by, at);
   };
   area.addEventListener("contextmenu", (event) => {
     const time = Math.min(happened.end, timeAt(event));
     const visit = isAtName(event) ? null : visitAt(event, time);
     if (!visit) return;
-    event.preventDefault();
-    event.stopPropagation();
-    const at = { x: event.clientX, y: event.clientY };
+    consume(event);
+    const at = pointOf(event);
     openMenu(lab.root, at, menuOf(visit, time, at), `Visit of ${nameOf(visit.state)}`);
   });
-  const menuOf = (visit: Segment, time: number, at: { x: number; y: number }): MenuItem[] => {
+  const menuOf = (visit: Segment, time: number, at: Point): MenuItem[] => {
     const { state, by, tick } = visit;
     const name = nameOf(state);
     const next = happened.after(visit);
     return [
-      { label: `Why ${name}?`, action: "why-visit", run: () => void whyState(state, time, at) },
-      {
-        label: `Why was ${name} entered?`,
-        action: "why-begin",
-        disabled: !by,
-        run: () => void whyFired(visit, at),
-      },
-      {
-        label: `Why was ${name} left?`,
-        action: "why-end",
+      item(`Why ${name}?`, "why-visit", () => void whyState(state, time, at)),
+      item(`Why was ${name} entered?`, "why-begin", () => void whyFired(visit, at), { disabled: !by }),
+      item(`Why was ${name} left?`, "why-end", () => next && void whyFired(next, at), {
         disabled: !next?.by,
-        run: () => next && void whyFired(next, at),
-      },
-      { label: `Look at the entry of ${name}`, action: "look", run: () => void look({ tick }) },
-      { label: `Go to the source of ${name}`, action: "source", run: () => lab.goTo("state", state) },
+      }),
+      item(`Look at the entry of ${name}`, "look", () => void look({ tick })),
+      item(`Go to the source of ${name}`, "source", () => lab.goTo("state", state)),
     ];
   };
-  const whyState = async (state: string, time: number, at: { x: number; y: number }) => {
+  const whyState = async (state: string, time: number, at: Point) => {
     if (await look({ time })) askWhy(lab, "state", state, at);
   };
   area.addEventListener(
@@ -353,7 +294,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     (event) => {
       if (event.ctrlKey || event.metaKey) zoom(Math.exp(event.deltaY * 0.002), timeAt(event));
       else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
-        pan(((event.deltaX || event.deltaY) / (drawing?.width ?? 1)) * seconds);
+        shown.pan((event.deltaX || event.deltaY) / (drawing?.width ?? 1));
+        redraw();
       } else return;
       event.preventDefault();
     },
@@ -382,8 +324,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     else if (key === "-") zoom(2);
     else if (key === "Enter" || key === "?") whyMenu();
     else return;
-    event.preventDefault();
-    event.stopPropagation();
+    consume(event);
   });
   const step = (tick: number) => {
     if (tick > (isPast() ? happened.last : store.state.tick)) {
@@ -404,18 +345,15 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   };
   const plotMenu = () => {
     const { left, top } = more.getBoundingClientRect();
-    const items = [...new Set([...plots, ...happened.names])].map((name) => ({
-      label: name,
-      action: `plot-${name}`,
-      checked: plots.includes(name),
-      run: () => choose(plots.includes(name) ? plots.filter((each) => each !== name) : [...plots, name]),
-    }));
-    const none = {
-      label: "No numeric values to plot yet",
-      action: "plot-none",
-      disabled: true,
-      run: () => {},
-    };
+    const items = [...new Set([...plots, ...happened.names])].map((name) =>
+      item(
+        name,
+        `plot-${name}`,
+        () => choose(plots.includes(name) ? plots.filter((each) => each !== name) : [...plots, name]),
+        { checked: plots.includes(name) },
+      ),
+    );
+    const none = item("No numeric values to plot yet", "plot-none", () => {}, { disabled: true });
     openMenu(lab.root, { x: left, y: top }, items.length ? items : [none], "Plots");
   };
   const choose = (names: string[]) => {
@@ -450,14 +388,13 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     if (!moment || bridge.hardware) ask(); // a simulation stands still while its past is shown
   });
   store.watch(["looking"], () => {
-    hold();
-    const { from, to } = span();
+    shown.hold();
+    const { from, to } = shown.span;
     if (drawing?.span.from === from && drawing.span.to === to) point();
     else redraw();
   });
   store.watch(["whatIf"], () => {
-    const { whatIf, looking: moment } = store.state;
-    if (whatIf && moment && whatIf.end > span().to) end = Math.min(latest(), moment.time + seconds * 0.9);
+    shown.makeRoom();
     redraw();
   });
   store.watch(["program"], () => {

@@ -13,7 +13,7 @@ export interface Division {
   share: number;
   /** The same for the panel of a real robot, which holds more than the picture of a world. */
   robotShare?: number;
-  parts: [Plan, Plan];
+  parts: readonly [Plan, Plan];
 }
 
 /** A rectangle, in percent of the whole. */
@@ -58,8 +58,12 @@ export function arrange(
       return;
     }
     const share = shareOf(part);
-    const [before, after] = divided(box, part.axis, share);
-    arrangement.bars.push({ division: part, share, around: box, box: edge(after, part.axis) });
+    const [begin, length] =
+      part.axis === "columns" ? (["left", "width"] as const) : (["top", "height"] as const);
+    const size = (box[length] * share) / 100;
+    const before = { ...box, [length]: size };
+    const after = { ...box, [begin]: box[begin] + size, [length]: box[length] - size };
+    arrangement.bars.push({ division: part, share, around: box, box: { ...after, [length]: 0 } });
     place(first, before);
     place(second, after);
   };
@@ -69,24 +73,4 @@ export function arrange(
 
 function panelsOf(plan: Plan): string[] {
   return typeof plan === "string" ? [plan] : plan.parts.flatMap(panelsOf);
-}
-
-function divided(box: Box, axis: Division["axis"], share: number): [Box, Box] {
-  const { left, top, width, height } = box;
-  if (axis === "columns") {
-    const first = (width * share) / 100;
-    return [
-      { ...box, width: first },
-      { ...box, left: left + first, width: width - first },
-    ];
-  }
-  const first = (height * share) / 100;
-  return [
-    { ...box, height: first },
-    { ...box, top: top + first, height: height - first },
-  ];
-}
-
-function edge(after: Box, axis: Division["axis"]): Box {
-  return axis === "columns" ? { ...after, width: 0 } : { ...after, height: 0 };
 }

@@ -3,7 +3,7 @@
 import { type Attributes, h } from "./dom";
 import { type IconName, icon } from "./icons";
 
-interface ButtonOptions extends Record<string, unknown> {
+export interface ButtonOptions extends Record<string, unknown> {
   icon?: IconName;
   /** Shown beside the icon; without it the title is the label. */
   label?: string;
@@ -31,6 +31,21 @@ export function button({
     name && icon(name),
     label && h("span", { class: "lrp-button-label" }, label),
   );
+}
+
+/** A button that shows an icon alone. */
+export function iconButton(
+  icon: IconName,
+  title: string,
+  action: string,
+  onclick: () => void,
+): HTMLButtonElement {
+  return button({ icon, title, action, onclick });
+}
+
+/** A button that looks like a link: what is shown leads on. */
+export function linkButton(words: string, attributes: Attributes): HTMLButtonElement {
+  return h("button", { type: "button", class: "lrp-link", ...attributes }, words);
 }
 
 /** A switch: a button with a state. Set it with `setSwitch`. */

@@ -78,6 +78,27 @@ export function returnFocus(before: Element | null, inLab: Element): void {
   if (!focused || focused === document.body) focusLab(inLab);
 }
 
+/** An event is handled: neither the browser nor the notebook acts on it. */
+export function consume(event: Event): void {
+  event.preventDefault();
+  event.stopPropagation();
+}
+
+/**
+ * Offer choices, given by their values and in words, of which one is chosen. While they are the same, an open list
+ * is not disturbed.
+ */
+export function setChoices(
+  select: HTMLSelectElement,
+  choices: readonly (readonly [value: string, words: string])[],
+  chosen: string,
+): void {
+  const old = [...select.options].map(({ value, text }) => [value, text]);
+  if (JSON.stringify(old) !== JSON.stringify(choices))
+    select.replaceChildren(...choices.map(([value, words]) => h("option", { value }, words)));
+  select.value = chosen;
+}
+
 /** An id that no other element of the page has: each lab is a module of its own. */
 export function freshId(): string {
   return `lrp-${Math.random().toString(36).slice(2)}`;
@@ -141,8 +162,8 @@ export function prose(sentence: string): (HTMLElement | string)[] {
 }
 
 /** Show a sentence with its code marked, unless it is shown already. */
-export function setProse(element: HTMLElement, sentence: string): void {
-  if (element.dataset.sentence === sentence) return;
-  element.dataset.sentence = sentence;
+export function setProse(element: Element, sentence: string): void {
+  if (element.getAttribute("data-sentence") === sentence) return;
+  element.setAttribute("data-sentence", sentence);
   element.replaceChildren(...prose(sentence));
 }

@@ -1,22 +1,44 @@
-/** What the browser keeps of its user's choices, for all labs: sizes, hidden panels, switches. */
+/** What the browser keeps, under names; a page without storage forgets. */
 
-const KEY = (name: string) => `lrp-kept:${name}`;
+/** The names in a storage that begin with a prefix. */
+export class Kept {
+  constructor(
+    private readonly storage: () => Storage, // without it, the access itself fails
+    private readonly prefix: string,
+  ) {}
 
-export function keep(name: string, value: string): void {
-  try {
-    localStorage.setItem(KEY(name), value);
-  } catch {
-    // a page without storage forgets
+  get(name: string): string | null {
+    return this.use((storage) => storage.getItem(this.prefix + name)) ?? null;
+  }
+
+  set(name: string, value: string): void {
+    this.use((storage) => storage.setItem(this.prefix + name, value));
+  }
+
+  remove(concerns: (name: string) => boolean): void {
+    const { prefix } = this;
+    this.use((storage) => {
+      for (const key of Object.keys(storage))
+        if (key.startsWith(prefix) && concerns(key.slice(prefix.length))) storage.removeItem(key);
+    });
+  }
+
+  private use<T>(act: (storage: Storage) => T): T | undefined {
+    try {
+      return act(this.storage());
+    } catch {
+      return; // there is none, or it is full
+    }
   }
 }
 
-export function kept(name: string): string | null {
-  try {
-    return localStorage.getItem(KEY(name));
-  } catch {
-    return null;
-  }
-}
+/** The user's choices, for all labs: sizes, hidden panels, switches. */
+const choices = new Kept(() => localStorage, "lrp-kept:");
+
+export const keep = (name: string, value: string) => choices.set(name, value);
+export const kept = (name: string) => choices.get(name);
+export const forget = (name: string) => choices.remove((other) => other === name);
+export const forgetAll = (concerns: (name: string) => boolean) => choices.remove(concerns);
 
 /** Whether a switch is on; `usual` until the user has chosen. */
 export function isOn(name: string, usual: boolean): boolean {
@@ -26,17 +48,4 @@ export function isOn(name: string, usual: boolean): boolean {
 
 export function keepOn(name: string, on: boolean): void {
   keep(name, on ? "on" : "off");
-}
-
-export function forget(name: string): void {
-  forgetAll((other) => other === name);
-}
-
-export function forgetAll(concerns: (name: string) => boolean): void {
-  try {
-    for (const key of Object.keys(localStorage))
-      if (key.startsWith(KEY("")) && concerns(key.slice(KEY("").length))) localStorage.removeItem(key);
-  } catch {
-    // there was nothing
-  }
 }

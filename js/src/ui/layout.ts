@@ -3,117 +3,11 @@
  * browser. No panel moves in the document, so none loses its focus or where it was scrolled to.
  */
 
-import { arrange, type Division, type Plan } from "./boxes";
+import { arrange, type Division } from "./boxes";
 import { h, setAttribute } from "./dom";
 import { forget, forgetAll, keep, kept } from "./kept";
+import { planFor } from "./plans";
 import { put, splitter } from "./splitter";
-
-const lists: Plan = {
-  name: "lists",
-  label: "Height of the variables",
-  axis: "rows",
-  share: 62,
-  parts: ["variables", "issues"],
-};
-const three: Plan = {
-  name: "three",
-  label: "Width of the world",
-  axis: "columns",
-  share: 60,
-  parts: [
-    {
-      name: "three-editor",
-      label: "Width of the editor",
-      axis: "columns",
-      share: 55,
-      parts: ["editor", "machines"],
-    },
-    {
-      name: "three-world",
-      label: "Height of the world",
-      axis: "rows",
-      share: 50,
-      robotShare: 68,
-      parts: ["world", lists],
-    },
-  ],
-};
-/** The two pictures above the texts: a robot can be seen where a third column would leave no room for it. */
-const two: Plan = {
-  name: "two",
-  label: "Width of the world",
-  axis: "columns",
-  share: 39,
-  parts: [
-    { name: "two-graph", label: "Height of the graph", axis: "rows", share: 55, parts: ["machines", lists] },
-    {
-      name: "two-world",
-      label: "Height of the world",
-      axis: "rows",
-      share: 44,
-      robotShare: 58,
-      parts: ["world", "editor"],
-    },
-  ],
-};
-
-/** A challenge: what is to be done and the world at the left, the program at the right. */
-const goalWide: Plan = {
-  name: "goal-wide",
-  label: "Width of the world",
-  axis: "columns",
-  share: 42,
-  parts: [
-    { name: "goal", label: "Height of the goal", axis: "rows", share: 42, parts: ["goal", "world"] },
-    {
-      name: "goal-editor",
-      label: "Height of the editor",
-      axis: "rows",
-      share: 56,
-      parts: [
-        "editor",
-        {
-          name: "goal-graph",
-          label: "Width of the graph",
-          axis: "columns",
-          share: 62,
-          parts: ["machines", lists],
-        },
-      ],
-    },
-  ],
-};
-const goalNarrow: Plan = {
-  name: "goal-narrow",
-  label: "Width of the world",
-  axis: "columns",
-  share: 46,
-  parts: [
-    { name: "goal", label: "Height of the goal", axis: "rows", share: 42, parts: ["goal", "world"] },
-    {
-      name: "goal-program",
-      label: "Height of the editor",
-      axis: "rows",
-      share: 50,
-      parts: [
-        "editor",
-        {
-          name: "goal-lists",
-          label: "Height of the graph",
-          axis: "rows",
-          share: 60,
-          parts: ["machines", lists],
-        },
-      ],
-    },
-  ],
-};
-
-/** The plan for a width in px; null: panels one below the other, as high as they need to be. */
-function planFor(width: number, hasGoal: boolean): Plan | null {
-  if (hasGoal) return width >= 1150 ? goalWide : width >= 750 ? goalNarrow : null;
-  return width >= 1350 ? three : width >= 750 ? two : null;
-}
 
 const HIDDEN = "hidden-";
 const SHARE = "share-";

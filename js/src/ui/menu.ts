@@ -1,6 +1,8 @@
 /** A context menu, opened by right click, key or button and operated with arrows, Enter and Escape. */
 
-import { h } from "./dom";
+import { type ButtonOptions, button } from "./button";
+import { consume, h } from "./dom";
+import { below, type Point, placeInSight } from "./point";
 import { openPopup } from "./popup";
 import { focusedAround } from "./root";
 import { partInSight } from "./sight";
@@ -17,12 +19,17 @@ export interface MenuItem {
   hint?: string;
 }
 
-export function openMenu(
-  root: HTMLElement,
-  at: { x: number; y: number },
-  items: (MenuItem | null)[],
+/** An item by what it says, its name in the page for tests and themes, and what it does. */
+export function item(
   label: string,
-): void {
+  action: string,
+  run: () => void,
+  more: Pick<MenuItem, "disabled" | "checked" | "hint"> = {},
+): MenuItem {
+  return { label, action, run, ...more };
+}
+
+export function openMenu(root: HTMLElement, at: Point, items: (MenuItem | null)[], label: string): void {
   const menu = h("div", { class: "lrp-menu", role: "menu", "aria-label": label });
   for (const item of items) {
     if (!item) {
@@ -67,16 +74,27 @@ export function openMenu(
       entries.find((entry, i) => i > index && entry.textContent?.toLowerCase().startsWith(letter))?.focus();
       return;
     } else return;
-    event.preventDefault();
-    event.stopPropagation();
+    consume(event);
   });
   const close = openPopup(root, menu);
-  const frame = root.getBoundingClientRect();
   const { top, bottom } = partInSight(root);
   menu.style.maxHeight = `${Math.max(LEAST, bottom - top - 2 * EDGE)}px`;
-  const left = Math.min(at.x - frame.left, frame.width - menu.offsetWidth - EDGE);
-  const highest = Math.min(at.y - frame.top, bottom - menu.offsetHeight - EDGE);
-  menu.style.left = `${Math.max(EDGE, left)}px`;
-  menu.style.top = `${Math.max(top + EDGE, highest)}px`;
+  placeInSight(root, menu, at, EDGE);
   entries[0]?.focus({ preventScroll: true });
+}
+
+/** A button that opens a menu below it. */
+export function menuButton(
+  root: HTMLElement,
+  options: ButtonOptions,
+  label: string,
+  items: () => (MenuItem | null)[],
+): HTMLButtonElement {
+  const element = button({
+    icon: "more",
+    "aria-haspopup": "menu",
+    onclick: () => openMenu(root, below(element, EDGE), items(), label),
+    ...options,
+  });
+  return element;
 }

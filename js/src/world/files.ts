@@ -10,20 +10,12 @@ export function savePng(lab: Lab, stage: Stage): Promise<void> {
   return savePicture(`${nameOf(lab)}.png`, stage.image(), lab.notify);
 }
 
-/** Save a drawing of the whole world, which can be enlarged without loss. */
-export async function saveSvg(lab: Lab): Promise<void> {
-  const { svg, error } = await lab.ask({ type: "world_picture" });
+/** Save a drawing of the whole world, which can be enlarged without loss, or of how it moved, as far as it is remembered. */
+export async function saveDrawing(lab: Lab, type: "world_picture" | "world_animation"): Promise<void> {
+  const { svg, error } = await lab.ask({ type });
+  const name = `${nameOf(lab)}${type === "world_animation" ? "-run" : ""}.svg`;
   if (error) lab.notify(error);
-  else if (svg)
-    await savePicture(`${nameOf(lab)}.svg`, new Blob([svg], { type: "image/svg+xml" }), lab.notify);
-}
-
-/** Save how the world moved, as far as it is remembered, as a drawing that moves. */
-export async function saveAnimation(lab: Lab): Promise<void> {
-  const { svg, error } = await lab.ask({ type: "world_animation" });
-  if (error) lab.notify(error);
-  else if (svg)
-    await savePicture(`${nameOf(lab)}-run.svg`, new Blob([svg], { type: "image/svg+xml" }), lab.notify);
+  else if (svg) await savePicture(name, new Blob([svg], { type: "image/svg+xml" }), lab.notify);
 }
 
 function nameOf(lab: Lab): string {

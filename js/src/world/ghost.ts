@@ -1,11 +1,13 @@
 /** How another run goes: the path of the robot in it, and a ghost of the robot at its end. */
 
 import type { Course, Point, Pose, SolidView, WhatIf } from "../protocol";
+import { type Brush, fillAndOutline, paintAt, setDash, traceDisc } from "./brush";
 import type { FullWorld } from "./complete";
-import { ofRobot, type Palette, shade, traceSolid } from "./paint";
+import { traceSolid } from "./paint";
+import { ofRobot, type Palette, shade } from "./palette";
 import type { Snapshot } from "./poses";
+import { paintHeading } from "./robot";
 
-type Canvas = CanvasRenderingContext2D;
 /** Poses with their times: (time, x, y, theta). */
 type Way = readonly (readonly number[])[];
 
@@ -49,94 +51,79 @@ export function courseColors(palette: Palette): { changed: string; recorded: str
  * Paint how it goes from now on: of each robot the changed course dashed, with a ghost at its end, the recorded one
  * plain; and the outlines of solids that will be elsewhere.
  */
-export function paintGhost(
-  c: Canvas,
-  world: FullWorld,
-  whatIf: WhatIf,
-  now: Snapshot,
-  palette: Palette,
-  pixels: number,
-): void {
+export function paintGhost(brush: Brush, world: FullWorld, whatIf: WhatIf, now: Snapshot): void {
+  const { c, palette } = brush;
   const { changed, recorded, divergence } = whatIf;
   const colors = courseColors(palette);
   c.save();
   c.lineJoin = "round";
   for (const [index, pose] of changed.solids) {
     const [solid, before] = [world.solids[index], now.solids[index]];
-    if (solid && before && isElsewhere(before, pose)) paintSolid(c, solid, pose, palette, pixels);
+    if (solid && before && isElsewhere(before, pose)) paintSolid(brush, solid, pose);
   }
   c.lineCap = "butt";
   world.robots.forEach(({ radius }, i) => {
     const wayOf = (course: Course) => (i ? (Object.values(course.others)[i - 1] ?? []) : course.way);
     const next = ahead(wayOf(changed), now.time);
     const other = divergence ? ahead(wayOf(recorded), now.time) : [];
-    for (const way of [other, next]) paintWay(c, way, palette.halo, 7 / pixels);
-    paintWay(c, other, colors.recorded, 3 / pixels);
-    c.setLineDash([6 / pixels, 4 / pixels]); // the recorded one is seen in between, where it is the same way
-    paintWay(c, next, colors.changed, 3 / pixels);
-    c.setLineDash([]);
+    for (const way of [other, next]) paintWay(brush, way, palette.halo, 7);
+    paintWay(brush, other, colors.recorded, 3);
+    setDash(brush, 6, 4); // the recorded one is seen in between, where it is the same way
+    paintWay(brush, next, colors.changed, 3);
+    setDash(brush);
     const [first, last] = [next[0], next.at(-1)];
-    if (first && last && isElsewhere(first, last)) paintRobot(c, last, radius, ofRobot(palette, i), pixels);
+    if (first && last && isElsewhere(first, last))
+      paintRobot({ ...brush, palette: ofRobot(palette, i) }, last, radius);
   });
   c.restore();
 }
 
 /** Paint where the two courses part. */
-export function paintParting(c: Canvas, whatIf: WhatIf, palette: Palette, pixels: number): void {
+export function paintParting({ c, palette, pixels }: Brush, whatIf: WhatIf): void {
   const parting = partingOf(whatIf);
   if (!parting) return;
-  c.beginPath();
-  c.arc(...parting, DOT / pixels, 0, 2 * Math.PI);
-  c.fillStyle = courseColors(palette).changed;
-  c.strokeStyle = palette.halo;
-  c.lineWidth = 2.5 / pixels;
-  c.fill();
-  c.stroke();
+  traceDisc(c, ...parting, DOT / pixels);
+  fillAndOutline(c, courseColors(palette).changed, palette.halo, 2.5 / pixels);
 }
 
 function isElsewhere(a: Pose, b: Pose): boolean {
   return Math.hypot(b[0] - a[0], b[1] - a[1]) > STILL || Math.abs(b[2] - a[2]) > STILL;
 }
 
-function paintWay(c: Canvas, poses: readonly Pose[], color: string, width: number): void {
+/** `width` is in px. */
+function paintWay({ c, pixels }: Brush, poses: readonly Pose[], color: string, width: number): void {
   c.beginPath();
   for (const [x, y] of poses) c.lineTo(x, y);
   c.strokeStyle = color;
-  c.lineWidth = width;
+  c.lineWidth = width / pixels;
   c.stroke();
 }
 
-function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette, pixels: number): void {
-  c.save();
-  traceSolid(c, solid, pose);
+/** Draw the path in the colour of the changed course. */
+function outline({ c, palette, pixels }: Brush): void {
+  c.globalAlpha = 0.75;
   c.strokeStyle = courseColors(palette).changed;
-  c.globalAlpha = 0.75;
   c.lineWidth = Math.max(0.006, 2 / pixels);
-  c.setLineDash([6 / pixels, 4 / pixels]);
   c.stroke();
-  c.restore();
 }
 
-function paintRobot(c: Canvas, [x, y, theta]: Pose, r: number, palette: Palette, pixels: number): void {
-  const color = courseColors(palette).changed;
-  c.save();
-  c.translate(x, y);
-  c.rotate(theta);
-  c.beginPath();
-  c.arc(0, 0, r, 0, 2 * Math.PI);
-  c.globalAlpha = 0.45;
-  c.fillStyle = palette.robot;
-  c.fill();
-  c.globalAlpha = 0.75;
-  c.strokeStyle = color;
-  c.lineWidth = Math.max(0.006, 2 / pixels);
-  c.stroke();
-  c.beginPath();
-  c.moveTo(0.62 * r, 0);
-  c.lineTo(0.12 * r, 0.34 * r);
-  c.lineTo(0.12 * r, -0.34 * r);
-  c.closePath();
-  c.fillStyle = color;
-  c.fill();
-  c.restore();
+function paintSolid(brush: Brush, solid: SolidView, pose: Pose): void {
+  const { c } = brush;
+  paintAt(c, pose, () => {
+    traceSolid(c, solid);
+    setDash(brush, 6, 4);
+    outline(brush);
+  });
+}
+
+function paintRobot(brush: Brush, pose: Pose, r: number): void {
+  const { c, palette } = brush;
+  paintAt(c, pose, () => {
+    traceDisc(c, 0, 0, r);
+    c.globalAlpha = 0.45;
+    c.fillStyle = palette.robot;
+    c.fill();
+    outline(brush);
+    paintHeading(c, r, courseColors(palette).changed);
+  });
 }

@@ -4,6 +4,7 @@ import { nameOf } from "../language/paths";
 import type { Point, ProgramView } from "../protocol";
 import { h, reconcile, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
 import { courseColors, partingOf } from "./ghost";
+import type { Style } from "./palette";
 import type { Stage } from "./stage";
 
 export const REACH = 9; // px from the trail
@@ -35,10 +36,7 @@ function numbersOf(program: ProgramView): Map<string, number> {
  * The colours in the order of the program; once they are used up, they come again with a dash. The states in
  * which machines run are striped: they are seen where no machine runs in them.
  */
-export function trailStyles(
-  program: ProgramView,
-  colors: readonly string[],
-): (state: string) => { color: string; dash: number[] } {
+export function trailStyles(program: ProgramView, colors: readonly string[]): (state: string) => Style {
   const order = numbersOf(program);
   const states = program.machines.flatMap((machine) => machine.states);
   const outer = new Set(states.flatMap(({ path, machines }) => (machines.length ? [path] : [])));
@@ -51,13 +49,7 @@ export function trailStyles(
   };
 }
 
-export interface Legend {
-  element: HTMLElement;
-  tip: HTMLElement;
-  refresh(): void;
-}
-
-export function legend(stage: Stage): Legend {
+export function legend(stage: Stage) {
   const element = h("ul", { class: "lrp-legend", "aria-label": "Colours of the trail" });
   const tip = h("div", { class: "lrp-tip", hidden: true, "aria-hidden": "true" });
   let shown = "";
@@ -74,7 +66,7 @@ export function legend(stage: Stage): Legend {
   return {
     element,
     tip,
-    refresh() {
+    refresh(): void {
       const entries = entriesOf(stage);
       const key = JSON.stringify(entries);
       if (key === shown) return;

@@ -1,12 +1,9 @@
 /** What lies over a world for the person who watches or edits it: grid, trail, scale bar, what is selected. */
 
-import type { Palette } from "./paint";
-import { write } from "./paint";
-import type { Grip, Shape, Thing } from "./things";
-import { handlesOf } from "./things";
+import { type Brush, fillAndOutline, paintAt, setDash, traceBox, traceDisc, write } from "./brush";
+import type { Style } from "./palette";
+import { type Grip, handlesOf, type Shape, type Thing } from "./things";
 import type { Trail, TrailPoint } from "./trail";
-
-type Canvas = CanvasRenderingContext2D;
 
 /** Lines every so many metres, the wider the less is magnified; fine ones are at least this far apart. */
 const GRID = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50, 100];
@@ -23,13 +20,7 @@ export function gridStep(pixels: number): number {
   return GRID.find((metres) => metres * pixels >= APART) ?? GRID.at(-1)!;
 }
 
-/** A grid; the context is in metres, `pixels` make one. */
-export function paintGrid(
-  c: Canvas,
-  [width, height]: [number, number],
-  palette: Palette,
-  pixels: number,
-): void {
+export function paintGrid({ c, palette, pixels }: Brush, [width, height]: [number, number]): void {
   const step = gridStep(pixels);
   c.strokeStyle = palette.grid;
   c.lineWidth = 1 / pixels;
@@ -52,7 +43,8 @@ export function barLength(pixels: number): number {
 }
 
 /** A scale bar at the lower left, with the width of the grid; the context is in pixels, y down. */
-export function paintBar(c: Canvas, height: number, palette: Palette, pixels: number, grid: boolean): void {
+export function paintBar(brush: Brush, height: number, grid: boolean): void {
+  const { c, palette, pixels } = brush;
   const length = barLength(pixels);
   const [left, base, long] = [10.5, height - 10.5, length * pixels];
   c.fillStyle = palette.paper;
@@ -72,9 +64,10 @@ export function paintBar(c: Canvas, height: number, palette: Palette, pixels: nu
   c.stroke();
   c.save();
   c.scale(1, -1); // `write` turns y up
-  write(c, metres(length), left + long / 2, 10 - base, 12, palette.ink, "center", palette.font);
-  const width = `grid ${metres(gridStep(pixels))}`;
-  if (grid) write(c, width, left + long + 14, 6 - base, 12, palette.ink, "left", palette.font);
+  const words = (text: string, x: number, y: number, align: CanvasTextAlign) =>
+    write(brush, text, [x, y - base], 12, palette.ink, { align, halo: false });
+  words(metres(length), left + long / 2, 10, "center");
+  if (grid) words(`grid ${metres(gridStep(pixels))}`, left + long + 14, 6, "left");
   c.restore();
 }
 
@@ -83,21 +76,18 @@ export function metres(length: number): string {
   return length < 1 ? `${Math.round(length * 100)} cm` : `${length} m`;
 }
 
-type Style = (state: string) => { color: string; dash: number[] };
-
 const widths = (pixels: number) => [Math.max(0.014, 4 / pixels), Math.max(0.024, 7 / pixels)] as const;
 
 /** The faint part of a trail: from one point to another, given by their indices. Each state has a colour. */
 export function paintFaintTrail(
-  c: Canvas,
+  brush: Brush,
   trail: Trail,
   [first, end]: [number, number],
   alpha: number,
-  style: Style,
-  palette: Palette,
-  pixels: number,
+  styleOf: (state: string) => Style,
 ): void {
   if (first >= end) return;
+  const { c, palette, pixels } = brush;
   const [width, wide] = widths(pixels);
   const all = trail.lines(first, end);
   const trace = (lines: Iterable<TrailPoint[]>) => {
@@ -116,28 +106,23 @@ export function paintFaintTrail(
   trace([...all.values()].flat());
   c.lineWidth = width;
   for (const [state, lines] of all) {
-    const { color, dash } = style(state);
+    const { color, dash } = styleOf(state);
     c.strokeStyle = color;
-    c.setLineDash(dash.map((length) => length / pixels));
+    setDash(brush, ...dash);
     trace(lines);
   }
   c.restore();
 }
 
 /** The part of a trail that fades: newer pieces are opaque, older ones as faint as all before them. */
-export function paintTrail(
-  c: Canvas,
-  trail: Trail,
-  now: number,
-  style: Style,
-  palette: Palette,
-  pixels: number,
-): void {
+export function paintTrail(brush: Brush, trail: Trail, now: number, styleOf: (state: string) => Style): void {
+  const { c, palette, pixels } = brush;
   c.save();
   c.lineCap = "butt";
   const [width, wide] = widths(pixels);
   const pieces = trail.pieces(now);
-  const stroke = (thick: number, from: TrailPoint, to: TrailPoint) => {
+  const stroke = ({ from, to, share }: (typeof pieces)[number], thick: number) => {
+    c.globalAlpha = OLDER + (1 - OLDER) * share;
     c.lineWidth = thick;
     c.beginPath();
     c.moveTo(from.x, from.y);
@@ -145,70 +130,49 @@ export function paintTrail(
     c.stroke();
   };
   c.strokeStyle = palette.halo;
-  for (const { from, to, share } of pieces) {
-    c.globalAlpha = OLDER + (1 - OLDER) * share;
-    stroke(wide, from, to);
-  }
+  for (const piece of pieces) stroke(piece, wide);
   let along = 0; // the pattern of dashes runs on from piece to piece
-  for (const { from, to, share } of pieces) {
-    const { color, dash } = style(to.state);
+  for (const piece of pieces) {
+    const { from, to } = piece;
+    const { color, dash } = styleOf(to.state);
     c.strokeStyle = color;
-    c.globalAlpha = OLDER + (1 - OLDER) * share;
-    c.setLineDash(dash.map((length) => length / pixels));
+    setDash(brush, ...dash);
     c.lineDashOffset = along;
     along += Math.hypot(to.x - from.x, to.y - from.y);
-    stroke(width, from, to);
+    stroke(piece, width);
   }
   c.restore();
 }
 
-/** The outline of a shape. */
-export function paintOutline(
-  c: Canvas,
-  shape: Shape,
-  palette: Palette,
-  pixels: number,
-  dashed = false,
-): void {
-  c.save();
-  c.translate(shape.x, shape.y);
-  c.rotate(shape.angle);
-  c.beginPath();
-  if (shape.box) c.rect(-shape.box[0] / 2, -shape.box[1] / 2, ...shape.box);
-  else c.arc(0, 0, shape.radius ?? 0, 0, 2 * Math.PI);
-  c.strokeStyle = palette.accent;
-  c.lineWidth = 2 / pixels;
-  if (dashed) c.setLineDash([5 / pixels, 4 / pixels]);
-  c.stroke();
-  c.restore();
+/** The outline of a shape; `dash` in px. */
+export function paintOutline(brush: Brush, { x, y, angle, box, radius = 0 }: Shape, ...dash: number[]): void {
+  const { c, palette, pixels } = brush;
+  paintAt(c, [x, y, angle], () => {
+    if (box) traceBox(c, [0, 0, ...box]);
+    else traceDisc(c, 0, 0, radius);
+    c.strokeStyle = palette.accent;
+    c.lineWidth = 2 / pixels;
+    setDash(brush, ...dash);
+    c.stroke();
+  });
 }
 
 /** A selected thing: its outline and its handles, squares to resize and a disc to turn. */
-export function paintSelection(
-  c: Canvas,
-  thing: Thing,
-  shape: Shape,
-  palette: Palette,
-  pixels: number,
-): void {
-  paintOutline(c, shape, palette, pixels);
+export function paintSelection(brush: Brush, thing: Thing, shape: Shape): void {
+  const { c, palette, pixels } = brush;
+  paintOutline(brush, shape);
   const half = HANDLE / pixels;
   for (const { grip, at } of handlesOf(thing, shape, pixels)) {
-    c.beginPath();
     if (grip === "turn") {
+      c.beginPath();
       c.moveTo(shape.x, shape.y);
       c.lineTo(...at);
       c.strokeStyle = palette.accent;
       c.lineWidth = 1.5 / pixels;
       c.stroke();
-      c.beginPath();
-      c.arc(...at, half, 0, 2 * Math.PI);
-    } else c.rect(at[0] - half, at[1] - half, 2 * half, 2 * half);
-    c.fillStyle = palette.paper;
-    c.fill();
-    c.strokeStyle = palette.accent;
-    c.lineWidth = 2 / pixels;
-    c.stroke();
+      traceDisc(c, ...at, half);
+    } else traceBox(c, [...at, 2 * half, 2 * half]);
+    fillAndOutline(c, palette.paper, palette.accent, 2 / pixels);
   }
 }
 

@@ -1,18 +1,13 @@
 /** A strip about what is selected in the world: its name, whether it can be pushed, and how to remove it. */
 
-import { button } from "../ui/button";
+import { button, iconButton } from "../ui/button";
 import { h, setHidden, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 import { PUSH, type WorldEdits } from "./edits";
 import type { Stage } from "./stage";
 import type { Shape, Thing } from "./things";
 
-export interface Properties {
-  element: HTMLElement;
-  refresh(): void;
-}
-
-export function properties(stage: Stage, edits: () => WorldEdits): Properties {
+export function properties(stage: Stage, edits: () => WorldEdits) {
   const kind = h("span", { class: "lrp-thing-kind", "aria-live": "polite" });
   const name = h("input", {
     class: "lrp-input",
@@ -36,32 +31,24 @@ export function properties(stage: Stage, edits: () => WorldEdits): Properties {
     action: "start-here",
     onclick: () => edits().startHere(),
   });
-  const remove = button({
-    icon: "remove",
-    title: "Remove (Delete)",
-    action: "thing-remove",
-    onclick: () => {
-      edits().remove();
-      stage.canvas.focus({ preventScroll: true });
-    },
+  const remove = iconButton("remove", "Remove (Delete)", "thing-remove", () => {
+    edits().remove();
+    stage.canvas.focus({ preventScroll: true });
   });
   const element = h("div", { class: "lrp-thing", hidden: true }, kind, name, solid, start, remove);
   let shown: Thing | null = null;
 
-  function shapeNow(): Shape | null {
-    return shown && stage.shape(shown);
-  }
   function rename(): void {
     if (shown?.kind === "zone") edits().rename(shown.name, name.value.trim());
     else change();
   }
   function change(): void {
-    const shape = shapeNow();
+    const shape = shown && stage.shape(shown);
     if (shown?.kind === "solid" && shape)
       edits().putSolid(shown.index, shape, { push: push.checked ? PUSH : null, name: name.value.trim() });
   }
   function reshape(): void {
-    const shape = shapeNow();
+    const shape = shown && stage.shape(shown);
     if (shown?.kind !== "solid" || !shape) return;
     const { box, radius = 0, ...place } = shape;
     const other: Shape = box
@@ -72,7 +59,7 @@ export function properties(stage: Stage, edits: () => WorldEdits): Properties {
 
   return {
     element,
-    refresh() {
+    refresh(): void {
       const { selected, world } = stage;
       shown = selected;
       const isSolid = selected?.kind === "solid";

@@ -2,6 +2,7 @@
 
 import type { Point, StrokeView, WhatIf, WorldView } from "../protocol";
 import { pngOf } from "../ui/picture";
+import type { Brush } from "./brush";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
 import { paintGhost, paintParting } from "./ghost";
 import {
@@ -14,8 +15,10 @@ import {
   paintSelection,
   paintTrail,
 } from "./overlay";
-import { ofRobot, type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
+import { paintFloor, paintMovers, paintStroke } from "./paint";
+import { ofRobot, type Palette, type Style } from "./palette";
 import { between, firstPoses, type Snapshot } from "./poses";
+import { paintStart } from "./robot";
 import { keyOf, type Shape, shapeOf, type Thing } from "./things";
 import { FADES, Trail } from "./trail";
 import { Viewport } from "./viewport";
@@ -48,8 +51,7 @@ export class Stage {
   isPast = false;
   /** Another course than that of the robot. */
   whatIf: WhatIf | null = null;
-  /** The colour and dash of a state's trail. */
-  styleOf: (state: string) => { color: string; dash: number[] } = () => ({ color: "gray", dash: [] });
+  styleOf: (state: string) => Style = () => ({ color: "gray", dash: [] });
   /** Called when another part of the world may be shown, or the robot no longer followed. */
   viewed = () => {};
   /** The shapes that things will have, by thing, until the kernel has answered all edits. */
@@ -123,7 +125,7 @@ export class Stage {
       return;
     }
     this.viewport.transform(c, this.ratio);
-    for (const stroke of fresh) paintStroke(c, stroke, this.palette);
+    for (const stroke of fresh) paintStroke({ c, palette: this.palette }, stroke);
     this.wake();
   }
 
@@ -277,29 +279,29 @@ export class Stage {
 
   private paintOver(c: CanvasRenderingContext2D, world: FullWorld, current: Snapshot): void {
     const { viewport, palette, selected, outline } = this;
-    const pixels = viewport.scale;
+    const brush: Brush = { c, palette, pixels: viewport.scale };
     viewport.transform(c, this.ratio);
     if (this.showsTrail) {
       for (const { trail, style } of this.trails) {
         const range: [number, number] = [trail.after(this.settled), trail.after(current.time - FADES)];
-        paintFaintTrail(c, trail, range, OLDER, style, palette, pixels);
-        paintTrail(c, trail, current.time, style, palette, pixels);
+        paintFaintTrail(brush, trail, range, OLDER, style);
+        paintTrail(brush, trail, current.time, style);
       }
     }
-    if (this.sketch) paintStroke(c, this.sketch, palette);
-    if (this.whatIf) paintGhost(c, world, this.whatIf, current, palette, pixels);
+    if (this.sketch) paintStroke(brush, this.sketch);
+    if (this.whatIf) paintGhost(brush, world, this.whatIf, current);
     world.robots.forEach(({ pose, radius }, i) => {
       const [x, y] = current.robots[i]?.pose ?? pose;
-      const colours = ofRobot(palette, i);
-      if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY) paintStart(c, pose, radius, colours, pixels);
+      if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY)
+        paintStart({ ...brush, palette: ofRobot(palette, i) }, pose, radius);
     });
-    paintMovers(c, world, current, palette, pixels);
-    if (this.whatIf) paintParting(c, this.whatIf, palette, pixels);
+    paintMovers(brush, world, current);
+    if (this.whatIf) paintParting(brush, this.whatIf);
     const shape = selected && this.shape(selected);
-    if (selected && shape) paintSelection(c, selected, shape, palette, pixels);
-    if (outline) paintOutline(c, outline, palette, pixels, true);
+    if (selected && shape) paintSelection(brush, selected, shape);
+    if (outline) paintOutline(brush, outline, 5, 4);
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    paintBar(c, this.canvas.height / this.ratio, palette, pixels, this.grid);
+    paintBar(brush, this.canvas.height / this.ratio, this.grid);
   }
 
   /** Paint the faint trail with the floor, which is rare: it may be long. */
@@ -320,15 +322,14 @@ export class Stage {
     c.clearRect(0, 0, this.floor.width, this.floor.height);
     if (!this.world) return;
     this.viewport.transform(c, this.ratio);
-    paintFloor(c, this.world, this.ink, this.palette, this.viewport.scale);
-    if (this.grid) paintGrid(c, this.world.size, this.palette, this.viewport.scale);
-    if (!this.showsTrail) return;
     const { settled, palette } = this;
+    const brush: Brush = { c, palette, pixels: this.viewport.scale };
+    paintFloor(brush, this.world, this.ink);
+    if (this.grid) paintGrid(brush, this.world.size);
+    if (!this.showsTrail) return;
     for (const { trail, style } of this.trails) {
-      const faint = (first: number, end: number, alpha: number) =>
-        paintFaintTrail(c, trail, [first, end], alpha, style, palette, this.viewport.scale);
-      faint(trail.after(settled + FADES), trail.points.length, LATER);
-      faint(0, trail.after(settled), OLDER);
+      paintFaintTrail(brush, trail, [trail.after(settled + FADES), trail.points.length], LATER, style);
+      paintFaintTrail(brush, trail, [0, trail.after(settled)], OLDER, style);
     }
   }
 }

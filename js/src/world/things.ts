@@ -36,21 +36,22 @@ export function same(one: Thing | null, other: Thing | null): boolean {
 export function shapeOf(world: FullWorld, now: Snapshot, thing: Thing): Shape | null {
   if (thing.kind === "zone") {
     const { box, circle } = world.zones[thing.name] ?? {};
-    const [x = 0, y = 0, ...size] = box ?? circle ?? [];
-    return box || circle ? { x, y, angle: 0, ...sized(box ? size : undefined, size[0]) } : null;
+    const [x = 0, y = 0] = box ?? circle ?? [];
+    return box || circle ? { x, y, angle: 0, ...sized(box, circle) } : null;
   }
   if (thing.kind === "solid") {
     const [solid, pose] = [world.solids[thing.index], now.solids[thing.index]];
-    if (!solid || !pose) return null;
-    return { x: pose[0], y: pose[1], angle: pose[2], ...sized(solid.box?.slice(2), solid.circle?.[2]) };
+    return solid && pose
+      ? { x: pose[0], y: pose[1], angle: pose[2], ...sized(solid.box, solid.circle) }
+      : null;
   }
   const robot = world.robots[thing.index];
   const pose = thing.kind === "robot" ? now.robots[thing.index]?.pose : robot?.pose;
   return robot && pose ? { x: pose[0], y: pose[1], angle: pose[2], radius: robot.radius } : null;
 }
 
-function sized(box: number[] | undefined, radius: number | undefined): Pick<Shape, "box" | "radius"> {
-  return box ? { box: [box[0] ?? 0, box[1] ?? 0] } : { radius: radius ?? 0 };
+function sized(box?: number[], circle?: number[]): Pick<Shape, "box" | "radius"> {
+  return box ? { box: [box[2] ?? 0, box[3] ?? 0] } : { radius: circle?.[2] ?? 0 };
 }
 
 /** The things of a world, those that lie above others first. */
@@ -79,7 +80,8 @@ export function thingAt(world: FullWorld, now: Snapshot, point: Point, grip: num
   );
 }
 
-function covers(shape: Shape, point: Point, grip: number): boolean {
+/** Whether a shape, made so many metres larger all around, covers a point. */
+export function covers(shape: Shape, point: Point, grip: number): boolean {
   const [along, aside] = within(shape, point);
   if (!shape.box) return Math.hypot(along, aside) <= (shape.radius ?? 0) + grip;
   return Math.abs(along) <= shape.box[0] / 2 + grip && Math.abs(aside) <= shape.box[1] / 2 + grip;

@@ -1,12 +1,13 @@
 /** Pointer and keyboard in the world: select, move, turn, resize, place, draw, erase, look around. */
 
 import type { Point } from "../protocol";
+import { consume } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import type { Placed, WorldEdits } from "./edits";
 import { REACH } from "./legend";
 import { gripAt } from "./overlay";
 import type { Stage } from "./stage";
-import { dragged, drawn, type Grip, type Shape, type Thing, thingAt } from "./things";
+import { covers, dragged, drawn, type Grip, type Shape, type Thing, thingAt } from "./things";
 
 export type Tool = "move" | "draw" | "erase" | Placed;
 
@@ -129,11 +130,11 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   }
 
   /** The smallest zone around a point: a click into it selects it. */
-  function zoneAround([x, y]: Point): Thing | null {
+  function zoneAround(point: Point): Thing | null {
     const around = Object.keys(stage.world?.zones ?? {})
       .map((name): Thing => ({ kind: "zone", name }))
       .map((thing) => ({ thing, shape: stage.shape(thing) }))
-      .filter(({ shape }) => shape && reaches(shape, x, y));
+      .filter(({ shape }) => shape && covers(shape, point, 0));
     const size = ({ shape }: (typeof around)[number]) => shape!.radius ?? Math.max(...shape!.box!) / 2;
     return around.sort((one, other) => size(one) - size(other))[0]?.thing ?? null;
   }
@@ -229,8 +230,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   canvas.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || !stage.world) return;
     if (!pressed(event.key, event.shiftKey)) return;
-    event.preventDefault();
-    event.stopPropagation();
+    consume(event);
   });
 
   /** What a key does; false for keys that are not the world's. */
@@ -254,9 +254,4 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     } else return false;
     return true;
   }
-}
-
-function reaches(shape: Shape, x: number, y: number): boolean {
-  if (!shape.box) return Math.hypot(x - shape.x, y - shape.y) <= (shape.radius ?? 0);
-  return Math.abs(x - shape.x) <= shape.box[0] / 2 && Math.abs(y - shape.y) <= shape.box[1] / 2;
 }

@@ -6,14 +6,15 @@ import type { FromKernel } from "../protocol";
 import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import type { Looking } from "../timeline/looking";
-import { button, panel } from "../ui/button";
-import { h, setAttribute, setProse, setText } from "../ui/dom";
+import { button, iconButton, panel } from "../ui/button";
+import { consume, h, setAttribute, setChoices, setProse, setText } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
-import { type MenuItem, openMenu } from "../ui/menu";
+import { item, type MenuItem, menuButton } from "../ui/menu";
+import { below } from "../ui/point";
 import { WorldEdits } from "./edits";
-import { openWorld, saveAnimation, savePng, saveSvg } from "./files";
+import { openWorld, saveDrawing, savePng } from "./files";
 import { legend, trailStyles } from "./legend";
-import type { Palette } from "./paint";
+import { paletteIn } from "./palette";
 import { bridgePanel } from "./panel";
 import { readPoses } from "./poses";
 import { Preview } from "./preview";
@@ -43,19 +44,13 @@ const LABEL =
 
 export function worldView(lab: Lab, looking: Looking): WorldPart {
   const { store } = lab;
-  const stage = new Stage(() => palette(lab.root));
+  const stage = new Stage(() => paletteIn(lab.root));
   const { canvas } = stage;
   stage.grid = isOn("world-grid", false);
   stage.showsTrail = isOn("world-trail", true);
   stage.viewport.alwaysFollows = isOn("world-follow", false);
-  for (const [name, value] of Object.entries({
-    class: "lrp-canvas",
-    tabindex: "0",
-    role: "application",
-    "aria-label": LABEL,
-  })) {
-    canvas.setAttribute(name, value);
-  }
+  const named = { class: "lrp-canvas", tabindex: "0", role: "application", "aria-label": LABEL };
+  for (const [name, value] of Object.entries(named)) canvas.setAttribute(name, value);
 
   const strip = properties(stage, () => edits);
   const edits = new WorldEdits(stage, lab, looking, strip.refresh);
@@ -102,18 +97,8 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     "data-lrp-action": "world",
     onchange: () => void lab.act({ do: "world", name: worlds.value }).then(listWorlds),
   });
-  const undo = button({
-    icon: "undo",
-    title: "Undo in the world (Ctrl+Z)",
-    action: "world-undo",
-    onclick: () => edits.undo(),
-  });
-  const redo = button({
-    icon: "redo",
-    title: "Redo in the world (Ctrl+Shift+Z)",
-    action: "world-redo",
-    onclick: () => edits.redo(),
-  });
+  const undo = iconButton("undo", "Undo in the world (Ctrl+Z)", "world-undo", () => edits.undo());
+  const redo = iconButton("redo", "Redo in the world (Ctrl+Shift+Z)", "world-redo", () => edits.redo());
   const follow = button({
     icon: "follow",
     title: "Follow the robot (F)",
@@ -122,67 +107,52 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     onclick: () => box.follow(),
   });
   stage.viewed = () => follow.setAttribute("aria-pressed", String(stage.follows));
-  const more = button({
-    icon: "more",
-    title: "More about the world",
-    action: "world-menu",
-    "aria-haspopup": "menu",
-    onclick: () => {
-      const { left, bottom } = more.getBoundingClientRect();
-      openMenu(lab.root, { x: left, y: bottom + 2 }, menu(), "World");
-    },
-  });
+  const about = { title: "More about the world", action: "world-menu" };
+  const more = menuButton(lab.root, about, "World", () => menu());
   const save = saveForm(lab, "world-file", () => `${store.state.world?.name || "my"}-edited.world.json`);
 
   function menu(): (MenuItem | null)[] {
     return [
-      { label: "Grid", action: "grid", checked: stage.grid, hint: "G", run: box.grid },
-      {
-        label: "Trail",
-        action: "trail",
-        checked: stage.showsTrail,
-        run: () => {
+      item("Grid", "grid", box.grid, { checked: stage.grid, hint: "G" }),
+      item(
+        "Trail",
+        "trail",
+        () => {
           stage.showsTrail = !stage.showsTrail;
           keepOn("world-trail", stage.showsTrail);
           colours.refresh();
           stage.repaint();
         },
-      },
+        { checked: stage.showsTrail },
+      ),
       ...(store.state.settings.quiet
         ? []
         : [
-            {
-              label: "Preview after an edit",
-              action: "preview",
-              checked: preview.on,
-              run: () => {
+            item(
+              "Preview after an edit",
+              "preview",
+              () => {
                 preview.on = !preview.on;
                 keepOn("world-preview", preview.on);
               },
-            },
+              { checked: preview.on },
+            ),
           ]),
       null,
-      {
-        label: "Why does the robot do this?",
-        action: "why-robot",
-        run: () => {
-          const { left, bottom } = more.getBoundingClientRect();
-          askWhy(lab, "robot", "", { x: left, y: bottom });
-        },
-      },
-      { label: "Start here", action: "start-at-robot", run: () => edits.startHere() },
-      {
-        label: "Undo all edits of this world",
-        action: "world-original",
-        disabled: !store.state.world?.edited,
-        run: () => void lab.act({ do: "reset_world", drawings: true }),
-      },
+      item("Why does the robot do this?", "why-robot", () => askWhy(lab, "robot", "", below(more))),
+      item("Start here", "start-at-robot", () => edits.startHere()),
+      item(
+        "Undo all edits of this world",
+        "world-original",
+        () => void lab.act({ do: "reset_world", drawings: true }),
+        { disabled: !store.state.world?.edited },
+      ),
       null,
-      { label: "Save world…", action: "save-world", run: save.open },
-      { label: "Open world…", action: "open-world", run: () => openWorld(lab) },
-      { label: "Save picture (PNG)", action: "world-png", run: () => void savePng(lab, stage) },
-      { label: "Save drawing (SVG)", action: "world-svg", run: () => void saveSvg(lab) },
-      { label: "Save animation (SVG)", action: "world-animation", run: () => void saveAnimation(lab) },
+      item("Save world…", "save-world", save.open),
+      item("Open world…", "open-world", () => openWorld(lab)),
+      item("Save picture (PNG)", "world-png", () => void savePng(lab, stage)),
+      item("Save drawing (SVG)", "world-svg", () => void saveDrawing(lab, "world_picture")),
+      item("Save animation (SVG)", "world-animation", () => void saveDrawing(lab, "world_animation")),
     ];
   }
 
@@ -208,24 +178,9 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   const zoom = h(
     "span",
     { class: "lrp-group lrp-world-zoom", role: "group", "aria-label": "What is shown" },
-    button({
-      icon: "minus",
-      title: "Zoom out (-)",
-      action: "world-zoom-out",
-      onclick: () => stage.zoom(1 / 1.25),
-    }),
-    button({
-      icon: "plus",
-      title: "Zoom in (+)",
-      action: "world-zoom-in",
-      onclick: () => stage.zoom(1.25),
-    }),
-    button({
-      icon: "fit",
-      title: "Show all (0)",
-      action: "world-zoom-fit",
-      onclick: () => stage.showAll(),
-    }),
+    iconButton("minus", "Zoom out (-)", "world-zoom-out", () => stage.zoom(1 / 1.25)),
+    iconButton("plus", "Zoom in (+)", "world-zoom-in", () => stage.zoom(1.25)),
+    iconButton("fit", "Show all (0)", "world-zoom-fit", () => stage.showAll()),
     follow,
   );
   const collision = h("div", { class: "lrp-world-ahead", role: "status" });
@@ -237,22 +192,19 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     [
       worlds,
       edit,
-      button({
-        icon: "reset",
-        title: "Reset pose: return the robot to its start",
-        action: "reset-pose",
-        onclick: () => stage.world?.robots.forEach((_, index) => void lab.act({ do: "reset_pose", index })),
-      }),
-      button({
-        icon: "world",
-        title: "Reset world: robot and objects to their start, without trails",
-        action: "reset-world",
-        onclick: () => {
+      iconButton("reset", "Reset pose: return the robot to its start", "reset-pose", () =>
+        stage.world?.robots.forEach((_, index) => void lab.act({ do: "reset_pose", index })),
+      ),
+      iconButton(
+        "world",
+        "Reset world: robot and objects to their start, without trails",
+        "reset-world",
+        () => {
           stage.clearTrails();
           stage.repaint();
           void lab.act({ do: "reset_world" });
         },
-      }),
+      ),
       more,
     ],
     save.element,
@@ -268,8 +220,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     if (key.toLowerCase() === "z") (shiftKey ? redo : undo).click();
     else if (key.toLowerCase() === "y") redo.click();
     else return;
-    event.preventDefault();
-    event.stopPropagation();
+    consume(event);
   });
 
   store.watch(["world", "panel", "bridge", "snapshot"], () => {
@@ -324,15 +275,15 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       (file) => [file, file.replace(/\.world\.json$/, "")] as const,
     );
     const all =
-      names.some(([, name]) => name === current) || !current ? names : [[current, current], ...names];
-    worlds.replaceChildren(
-      ...all.map(([value = "", name = ""]) =>
-        h(
-          "option",
-          { value, selected: name === current },
-          name === current && edited ? `${name} (edited)` : name,
-        ),
-      ),
+      names.some(([, name]) => name === current) || !current
+        ? names
+        : [[current, current] as const, ...names];
+    const edits = (name: string) => (name === current && edited ? `${name} (edited)` : name);
+    const chosen = all.find(([, name]) => name === current)?.[0] ?? "";
+    setChoices(
+      worlds,
+      all.map(([value, name]) => [value, edits(name)] as const),
+      chosen,
     );
     worlds.hidden = !store.state.world || all.length < 2;
   };
@@ -369,46 +320,4 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       showTime();
     },
   };
-}
-
-/** The colours of the world. A canvas knows no `light-dark()`, so an element that has them says what they are. */
-function palette(root: HTMLElement): Palette {
-  const probe = h("span", { hidden: true });
-  root.append(probe);
-  const style = getComputedStyle(probe);
-  const color = (name: string) => {
-    probe.style.color = `var(--lrp-world-${name}, gray)`;
-    return style.color || "gray"; // none before the view is in a page
-  };
-  const colours = {
-    accent: color("accent"),
-    ink: color("ink"),
-    paper: color("paper"),
-    grid: color("grid"),
-    trail: [1, 2, 3, 4, 5, 6, 7, 8].map((number) => color(`trail-${number}`)),
-    outside: color("outside"),
-    edge: color("edge"),
-    solid: color("solid"),
-    pushable: color("pushable"),
-    moving: color("moving"),
-    solidEdge: color("solid-edge"),
-    zone: color("zone"),
-    robot: color("robot"),
-    robotEdge: color("robot-edge"),
-    mark: color("mark"),
-    others: [2, 3].map((number) => ({
-      robot: color(`robot-${number}`),
-      robotEdge: color(`robot-${number}-edge`),
-      mark: color(`mark-${number}`),
-    })),
-    bump: color("bump"),
-    lamp: color("lamp"),
-    ray: color("ray"),
-    text: color("text"),
-    halo: color("halo"),
-    dim: root.dataset.theme === "dark",
-    font: style.fontFamily || "sans-serif",
-  };
-  probe.remove();
-  return colours;
 }

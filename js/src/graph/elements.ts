@@ -1,0 +1,42 @@
+/** States and transitions where they are drawn: which one is meant, and what its menu offers. */
+
+import { breakpointItems } from "../parts/breakpoints";
+import { askWhy } from "../parts/why";
+import type { Lab } from "../session/store";
+import { item, type MenuItem } from "../ui/menu";
+import type { Point } from "../ui/point";
+
+export interface Drawn {
+  kind: "state" | "transition";
+  path: string;
+}
+
+/** The state or transition that an event is about; a label is part of its transition. */
+export function drawnAt(target: EventTarget | null): Drawn | null {
+  const from = target as Partial<Element>;
+  const arrow = from.closest?.("[data-of]")?.getAttribute("data-of");
+  const path = arrow ?? from.closest?.(".lrp-state")?.getAttribute("data-lrp-state");
+  return path ? { kind: arrow ? "transition" : "state", path } : null;
+}
+
+/** `open` shows the machine in a state. */
+export function menuOf(lab: Lab, { kind, path }: Drawn, at: Point, open: () => void): (MenuItem | null)[] {
+  const isState = kind === "state";
+  const nested = lab.store.state.program.machines.some(({ parent }) => parent === path);
+  const forState = (item: MenuItem) => (isState ? [item] : []);
+  return [
+    ...(isState
+      ? [
+          item("Transition here", "transition", () => void lab.act({ do: "transition", path })),
+          item("Teleport here", "teleport", () => void lab.act({ do: "teleport", path })),
+        ]
+      : [item("Fire now", "fire", () => void lab.act({ do: "fire", path }))]),
+    item(isState ? "Why?" : "Why not?", "why", () => askWhy(lab, kind, path, at), { hint: "?" }),
+    ...breakpointItems(lab, kind, path),
+    null,
+    ...forState(item("Open nested machine", "open", open, { disabled: !nested, hint: "⇧⏎" })),
+    item("Inspect", "inspect", () => lab.inspect(kind, path)),
+    item("Go to source", "source", () => lab.goTo(kind, path), { hint: "⏎" }),
+    ...forState(item("Rename…", "rename", () => lab.rename("state", path))),
+  ];
+}

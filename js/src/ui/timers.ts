@@ -1,0 +1,28 @@
+/** What happens some time after something else. */
+
+/** A function that calls back so many ms after it was called; calls in between change nothing. */
+export function calledAfter(ms: number, call: () => void): () => void {
+  let isDue = false;
+  return () => {
+    if (isDue) return;
+    isDue = true;
+    setTimeout(() => {
+      isDue = false;
+      call();
+    }, ms);
+  };
+}
+
+/** How long a visit, a firing or a new value stays visible (ms); at least 150, whatever the rate. */
+export const AFTERGLOW = 450;
+const glowing = new WeakMap<Element, ReturnType<typeof setTimeout>>();
+
+/** Let an element glow for a moment. */
+export function glow(element: Element): void {
+  clearTimeout(glowing.get(element));
+  element.setAttribute("data-glow", "");
+  glowing.set(
+    element,
+    setTimeout(() => element.removeAttribute("data-glow"), AFTERGLOW),
+  );
+}

@@ -1,0 +1,118 @@
+/** Paint a robot: its body, and what its sensors measure. */
+
+import type { Point, Pose } from "../protocol";
+import { addHeading, type Brush, fillAndOutline, paintAt, setDash, traceDisc, write } from "./brush";
+import type { FullRobot } from "./complete";
+import { shade } from "./palette";
+import type { RobotPose } from "./poses";
+
+/** Seen from two metres, on a projector: px at least. */
+export const TEXT = 13;
+export const FINE = 1.5;
+const RAY = 2.5;
+const SPOT = 5;
+
+/** The outline of a robot where it starts. */
+export function paintStart(brush: Brush, pose: Pose, r: number): void {
+  const { c, palette, pixels } = brush;
+  paintAt(c, pose, () => {
+    traceDisc(c, 0, 0, r);
+    addHeading(c, 0.7 * r, 0.1 * r, 0.4 * r);
+    c.strokeStyle = palette.robotEdge;
+    c.globalAlpha = 0.6;
+    c.lineWidth = Math.max(0.006, FINE / pixels);
+    setDash(brush, 3, 3);
+    c.stroke();
+  });
+}
+
+/** The mark on a robot that shows where it heads. */
+export function paintHeading(c: CanvasRenderingContext2D, r: number, color: string): void {
+  c.beginPath();
+  addHeading(c, 0.62 * r, 0.12 * r, 0.34 * r);
+  c.fillStyle = color;
+  c.fill();
+}
+
+export function paintRobot(brush: Brush, shape: FullRobot, robot: RobotPose): void {
+  const { c, palette, pixels } = brush;
+  const [x, y, theta] = robot.pose;
+  const r = shape.radius;
+  paintAt(c, robot.pose, () => {
+    c.fillStyle = palette.robotEdge; // wheels
+    c.fillRect(-0.32 * r, 0.82 * r, 0.64 * r, 0.26 * r);
+    c.fillRect(-0.32 * r, -1.08 * r, 0.64 * r, 0.26 * r);
+    traceDisc(c, 0, 0, r);
+    fillAndOutline(c, palette.robot, palette.robotEdge, 0.09 * r);
+    paintHeading(c, r, palette.mark);
+    if (shape.bumper) {
+      c.beginPath();
+      c.arc(0, 0, 1.1 * r, -0.9, 0.9);
+      c.lineWidth = robot.bumper ? 0.24 * r : 0.14 * r;
+      c.lineCap = "round";
+      c.strokeStyle = robot.bumper ? palette.bump : palette.robotEdge;
+      c.stroke();
+    }
+    if (robot.lamp) {
+      traceDisc(c, -0.5 * r, 0, 0.26 * r);
+      fillAndOutline(c, palette.lamp, palette.robotEdge, 0.06 * r);
+    }
+    shape.light.forEach((place, i) => {
+      const value = robot.lights[i];
+      traceDisc(c, ...place, Math.max(0.2 * r, SPOT / pixels));
+      const floor = isSeen(value) ? shade(value, palette) : "transparent";
+      fillAndOutline(c, floor, palette.bump, Math.max(0.08 * r, FINE / pixels));
+    });
+  });
+  shape.light.forEach((place, i) => {
+    const value = robot.lights[i];
+    if (!isSeen(value)) return;
+    const [lx, ly] = turned(place, theta);
+    const size = Math.max(0.6 * r, TEXT / pixels);
+    const [ox, oy] = turned([r + 0.8 * size, 0], theta);
+    write(brush, String(Math.round(value)), [x + lx + ox, y + ly + oy], size, palette.text);
+  });
+}
+
+/** The name of a robot, above it. */
+export function paintName(brush: Brush, { name, radius }: FullRobot, { pose: [x, y] }: RobotPose): void {
+  const size = Math.max(0.05, TEXT / brush.pixels);
+  write(brush, name, [x, y + radius + 0.9 * size], size, brush.palette.robotEdge);
+}
+
+export function paintRays(brush: Brush, { radius, distance }: FullRobot, robot: RobotPose): void {
+  paintAt(brush.c, robot.pose, () =>
+    distance.forEach(([angle, reach], i) => paintRay(brush, radius, angle, reach, robot.distances[i])),
+  );
+}
+
+function paintRay(brush: Brush, r: number, angle: number, reach: number, distance: number | undefined): void {
+  const { c, palette, pixels } = brush;
+  const seen = isSeen(distance);
+  const end = r + (seen ? distance : reach);
+  const [x, y] = [Math.cos(angle), Math.sin(angle)];
+  c.strokeStyle = palette.ray;
+  c.globalAlpha = seen ? 0.95 : 0.45;
+  c.lineWidth = Math.max(0.005, RAY / pixels);
+  setDash(brush, 6, 4);
+  c.beginPath();
+  c.moveTo(x * r, y * r);
+  c.lineTo(x * end, y * end);
+  c.stroke();
+  setDash(brush);
+  if (seen) {
+    traceDisc(c, x * end, y * end, Math.max(0.012, (2 * RAY) / pixels));
+    c.fillStyle = palette.ray;
+    c.fill();
+  }
+  c.globalAlpha = 1;
+}
+
+/** Whether a sensor measures anything. */
+function isSeen(value: number | undefined): value is number {
+  return value !== undefined && Number.isFinite(value);
+}
+
+function turned([x, y]: Point, theta: number): Point {
+  return [x * Math.cos(theta) - y * Math.sin(theta), x * Math.sin(theta) + y * Math.cos(theta)];
+}
