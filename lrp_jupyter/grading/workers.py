@@ -283,10 +283,8 @@ class _Worker:
         requests, endings, _ = self._pipes
         self.is_spent, line = True, b""
         self._begin()
-        with (
-            self._at_most(patience(request.limit)) as is_late,
-            suppress(OSError, ValueError),
-        ):  # it was closed
+        # an OSError: it has ended; a ValueError: it was closed
+        with self._at_most(patience(request.limit)) as is_late, suppress(OSError, ValueError):
             pickle.dump(tuple(request), requests)
             requests.flush()
             line = endings.readline(8 * LARGEST)  # of which a character may need six
