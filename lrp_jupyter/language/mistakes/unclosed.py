@@ -20,7 +20,9 @@ _BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[)")
 """Between two blocks; a subscript follows its value without a space."""
 _NOWHERE = re.compile(r"(?!)")
 _JOINED = re.compile(r"\"\"\s*\"\"|\"\"\w|[\w\])]\"\"")
-_LOADED = re.compile(r"(?<![\w.])[^\W\d]\w*(?!\w|\s*=[^=])")
+_LOADED = re.compile(r"(?<![\w.])(?<!for )[^\W\d]\w*(?!\w|\s*:?=[^=])")
+_BOUND = re.compile(r"\bfor (\w+)|(\w+) :?=(?!=)")
+_PREFIX = re.compile(r"\b[rbuftRBUFT]{1,2}(?=\"\")")
 
 
 def doubled(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
@@ -80,9 +82,8 @@ def quotes(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     if form.items[at].kind == "UNCLOSED":
         found = FORM_LINE.search(text, start)
         stop = found.start() if found else len(text)
-    limit, stop = min(stop, start + _LONGEST_STRING), min(stop, start + _LONGEST_BLOCK)
-    line = start
-    while line < limit:
+    line, stop = start, min(stop, start + _LONGEST_BLOCK)
+    while line < stop:
         last = min(line_end(text, line), stop)
         for quote in "\"'":
             odd = text.count(quote, line, last) % 2
@@ -112,6 +113,8 @@ def _quote(
         if end < 0 or not is_python(whole[1:end]):
             continue
         code, contents = _without_strings(whole[: end + 1])
+        code = _PREFIX.sub("", code)
+        known.update(map("".join, _BOUND.findall(code)))
         if known.issuperset(_LOADED.findall(code)) and not _JOINED.search(code):
             opening = text.rindex(quote, begin, at) if closes else at
             size = (at if closes else text.index(quote, at)) - opening

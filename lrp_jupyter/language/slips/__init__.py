@@ -97,7 +97,8 @@ def fault_of(error: SyntaxError, text: str, line: int = 1) -> Diagnosis:
     start = _offset(text, error.lineno, error.offset)
     end = max(_offset(text, error.end_lineno, error.end_offset), min(start + 1, len(text)))
     match = _WORD.match(text, start)
-    return Diagnosis(start, end, "LRP501", in_words(error.msg, match[0] if match else "", line))
+    code = "LRP514" if error.msg.startswith("unterminated") else "LRP501"
+    return Diagnosis(start, end, code, in_words(error.msg, match[0] if match else "", line))
 
 
 _WORD = re.compile(r"\w{1,40}|[^\s\w`]")

@@ -45,7 +45,7 @@ _ITEMS = frozenset("()[]{},")
 
 
 def strings(code: WrongBlock) -> Guesses:
-    """Strings without their first or second quote, or with one inside."""
+    """Strings with their own quote inside; for one that is missing, see `mistakes.unclosed`."""
     for index, token in enumerate(code.tokens):
         after = code.get(index + 1)
         if token.kind == "string" and after.kind == "name" and after.start == token.end:
@@ -64,36 +64,3 @@ def strings(code: WrongBlock) -> Guesses:
                     yield Guess(
                         "LRP514", message, token.start, last.start + 1, pair, _ITEMS.isdisjoint(whole)
                     )
-    for index, token in enumerate(code.tokens):
-        start = index - 1
-        if token.kind not in ("string", "open") or code.get(start).kind != "name":
-            continue
-        if code.get(start).end == token.start:  # a name does not touch the quote after it
-            while code.get(start - 1).kind == "name" and code.get(start - 1).line == token.line:
-                start -= 1
-            word, quote = code.tokens[start], token.text.lstrip("rbuftRBUFT")[:1]
-            message = f"This string has no quote at its beginning. Write `{quote}` before `{word.text}`."
-            edit = Edit(word.start, word.start, quote)
-            yield Guess("LRP514", message, word.start, token.start + 1, (edit,))
-    for token in code.tokens:
-        if token.kind != "open":
-            continue
-        quote = token.text.lstrip("rbuftRBUFT")[:1]
-        if token.text.lstrip("rbuftRBUFT")[:3] == quote * 3:
-            message = f"This string is not closed. Write `{quote * 3}` at its end."
-            end = len(code.text.rstrip())
-            yield Guess("LRP514", message, token.start, token.start + 3, (Edit(end, end, quote * 3),))
-            continue
-        content = token.text[1:]
-        bare = content.rstrip(" \t)]}:,;")
-        if bare[-1:] in ("'", '"') and bare[-1:] != quote:  # closed by the other kind of quote
-            end = token.start + 1 + len(bare)
-            message = f"A string ends with the quote that it begins with. Write `{quote}` here."
-            yield Guess("LRP514", message, token.start, end, (Edit(end - 1, end, quote),))
-        ends = [token.start + 1 + match.start() for match in re.finditer(r"\)(?=\s*;)", content)]
-        ends += [token.start + 1 + size for size in range(len(bare), len(content) + 1)]
-        is_certain = "," not in bare
-        for end in ends:
-            shown = code.piece(token.start + 1, end)
-            message = f"This string is not closed. Write `{quote}` after `{shown}`."
-            yield Guess("LRP514", message, token.start, end, (Edit(end, end, quote),), is_certain)
