@@ -7,44 +7,38 @@ what is wrong, then what to write; a message without one is quoted, with the lin
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 
 from lrp_jupyter.language.slips.code import OPENING
 
-_Words = str | Callable[[re.Match[str]], str]
 _LINE = re.compile(r"\bline (\d+)")
 _QUOTED = re.compile(r"'([^' ]+)'")
 
 PARTNERS = {"else": "if", "elif": "if", "except": "try", "finally": "try"}
 """What begins the statement that a keyword continues."""
-_KEYWORDS = {"function": "def", "class": "class", "with": "with", "match": "match"}
 
-_WORDS: tuple[tuple[str, _Words], ...] = (
+_EMPTY = "in {1} has nothing in it. Write what it does below it, further right."
+_WORDS = (
     (r"expected ':'", "A `:` is missing here. Insert it."),
     (r"unexpected indent", "This line begins too far right. Start it where the line above starts."),
     (
         r"unindent does not match",
         "This line begins where no line above begins. Start it below the line to which it belongs.",
     ),
-    (
-        r"expected an indented block after (.*?)(?: statement| definition|) on (line \d+)",
-        lambda found: (
-            f"The {_construct(found[1])} in {found[2]} has nothing in it. Write what it does below it, "
-            "further right."
-        ),
-    ),
+    (r"expected an indented block after '([\w*]+)'.* on (line \d+)", f"The `{{0}}` {_EMPTY}"),
+    (r"expected an indented block after function(.*) on (line \d+)", f"The `def` {_EMPTY}"),
+    (r"expected an indented block after class(.*) on (line \d+)", f"The `class` {_EMPTY}"),
     (
         r"inconsistent use of tabs",
         "This line begins with tabs and spaces. Use spaces only.",
     ),
     (
         r"'(.)' was never closed",
-        lambda found: f"This `{found[1]}` is not closed. Write its `{OPENING[found[1]]}`.",
+        "This `{0}` is not closed. Write its `{closing}`.",
     ),
-    (r"unmatched '(.)'", lambda found: f"Unmatched `{found[1]}`: nothing is open here. Remove it."),
+    (r"unmatched '(.)'", "Unmatched `{0}`: nothing is open here. Remove it."),
     (
         r"closing parenthesis '(.)' does not match opening parenthesis '(.)'",
-        lambda found: f"`{found[1]}` does not close `{found[2]}`. Write `{OPENING[found[2]]}`.",
+        "`{0}` does not close `{1}`. Write `{closing}`.",
     ),
     (r"unterminated (?:f-|t-)?string", "This string is not closed. Write its second quote."),
     (r"unterminated triple-quoted", "This string is not closed. Write its three quotes at the end."),
@@ -63,29 +57,29 @@ _WORDS: tuple[tuple[str, _Words], ...] = (
     ),
     (r"leading zeros", "A number does not begin with 0. Remove the zero."),
     (r"invalid (?:non-printable )?character", "Python does not know this character. Remove it."),
-    (r"'(break|continue)'", lambda found: f"`{found[1]}` works only in a `for` or `while`. Remove it."),
+    (r"'(break|continue)'", "`{0}` works only in a `for` or `while`. Remove it."),
     (
         r"positional argument follows keyword",
         "After an argument with a name, all others need one, too. Write `name=` before this one.",
     ),
     (
         r"keyword argument repeated: (\w+)",
-        lambda found: f"`{found[1]}` is passed twice. Remove one of the two.",
+        "`{0}` is passed twice. Remove one of the two.",
     ),
     (
         r"duplicate argument '(\w+)'",
-        lambda found: f"Two parameters have the name `{found[1]}`. Rename one of them.",
+        "Two parameters have the name `{0}`. Rename one of them.",
     ),
     (
         r"no binding for nonlocal '(\w+)'",
-        lambda found: (
-            f"There is no variable `{found[1]}` around this function. Remove the `nonlocal`, "
-            f"or declare `(var {found[1]} := [value])`."
+        (
+            "There is no variable `{0}` around this function. Remove the `nonlocal`, "
+            "or declare `(var {0} := [value])`."
         ),
     ),
     (
         r"name '(\w+)' is (?:assigned to|used prior to|used) (?:before )?(nonlocal|global)",
-        lambda found: f"`{found[1]}` is used before this `{found[2]}`. Put the `{found[2]}` first.",
+        "`{0}` is used before this `{1}`. Put the `{1}` first.",
     ),
     (r"unexpected character after line continuation", "Nothing may follow a `\\`. Remove it."),
     (
@@ -94,7 +88,7 @@ _WORDS: tuple[tuple[str, _Words], ...] = (
     ),
     (
         r"Missing parentheses in call to '(\w+)'",
-        lambda found: f"A call needs parentheses. Write `{found[1]}(…)`.",
+        "A call needs parentheses. Write `{0}(…)`.",
     ),
     (r"expected '\('", "A `(` is missing here. Write `()` after the name."),
     (r"forgot a comma", "Something is missing here. Write a comma or an operator between the two values."),
@@ -125,7 +119,7 @@ def in_words(message: str, found: str, line: int) -> str:
     message = _LINE.sub(lambda number: f"line {int(number[1]) + line - 1}", message)
     for pattern, words in _TABLE:
         if match := pattern.search(message):
-            return words if isinstance(words, str) else words(match)
+            return words.format(*match.groups(), closing=OPENING.get(("", *match.groups())[-1], ""))
     if message == "invalid syntax":
         if not found:
             return "Something is missing at the end of this line. Complete it."
@@ -136,12 +130,3 @@ def in_words(message: str, found: str, line: int) -> str:
         return f"Python does not expect `{found}` here. Correct it, or what comes before it."
     quoted = _QUOTED.sub(r"`\1`", message).rstrip(".")
     return f"This block is not valid Python: {quoted}. Correct it."
-
-
-def _construct(python: str) -> str:
-    """Return the construct that Python names: ``'if'`` or ``function``."""
-    return (
-        f"`{python.strip(chr(39))}`"
-        if python.startswith("'")
-        else f"`{_KEYWORDS.get(python.split()[0], python)}`"
-    )
