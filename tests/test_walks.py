@@ -2,12 +2,9 @@
 
 import re
 from collections import defaultdict
-from collections.abc import Callable
 from itertools import dropwhile
 from pathlib import Path
 
-import pytest
-from support.tables import every
 from support.trace import Call, traced
 from support.waiting import until
 
@@ -53,22 +50,20 @@ def after(leg: list[str], calls: list[Call]) -> list[str]:
     return list(dropwhile(lambda name: any(is_named(call, name) for call in rest), leg))
 
 
-@pytest.fixture(scope="module")
-def steps(tmp_path_factory) -> list[dict[int, list[Call]]]:
-    """The calls by thread while a letter is typed, and while a transition fires into a block that fails."""
-    with pytest.MonkeyPatch.context() as patch, traced() as calls:
-        patch.chdir(tmp_path_factory.mktemp("lab"))
+def lost(walk: str, calls: list[Call]) -> list[list[str]]:
+    """What is missing of each leg, in the thread that goes farthest."""
+    threads = defaultdict(list)
+    for call in calls:
+        threads[call.thread].append(call)
+    left = [min((after(leg, each) for each in threads.values()), key=len, default=leg) for leg in legs(walk)]
+    return [leg for leg in left if leg]
+
+
+def test_the_walks_are_the_ways_of_the_program(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with traced() as calls:
         lab = Lab(PROGRAM, bridge="sim", namespace={})
         lab.session.pause()
-
-        def calls_of(act: Callable[[], object]) -> dict[int, list[Call]]:
-            """The calls until the view was sent a frame that differs."""
-            mark, threads = len(calls), defaultdict(list)
-            act()
-            until(lambda: after(["difference", "View.send"], calls[mark:]) == [])
-            for call in calls[mark:]:
-                threads[call.thread].append(call)
-            return threads
 
         def page(**message: object) -> None:
             lab._handle_custom_msg({"json": packed({"view": "v", **message})}, [])
@@ -78,22 +73,20 @@ def steps(tmp_path_factory) -> list[dict[int, list[Call]]]:
             if message["type"] == "frame":
                 page(type="credit", frame=message["frame"])
 
-        patch.setattr(lab, "send", hear)
+        def walk(heading: str, mark: int) -> None:
+            until(lambda: not lost(heading, calls[mark:]), lambda: lost(heading, calls[mark:]))
+
+        monkeypatch.setattr(lab, "send", hear)
         page(type="hello", part="lab")
         until(lambda: after(["View.send"], calls) == [])
-        revision = lab._connection.texts.revision
-        typed = difference(PROGRAM, PROGRAM.replace("(state a)", "(state a) (state c)")).json()
-        steps = [
-            calls_of(lambda: page(type="text", seq=1, base=revision, updates=[typed])),
-            calls_of(lab.session.step),
-        ]
+        typed, *others = TOUR
+        mark, revision = len(calls), lab._connection.texts.revision
+        updates = [difference(PROGRAM, PROGRAM.replace("(state a)", "(state a) (state c)")).json()]
+        page(type="text", seq=1, base=revision, updates=updates)
+        walk(typed, mark)
+        mark = len(calls)
+        lab.session.step()
+        for each in others:
+            walk(each, mark)
         for connection in list(registry.running()):
             registry.forget(connection)
-    return steps
-
-
-@every("walk", TOUR)
-def test_a_walk_is_the_way_of_the_program(walk, steps):
-    threads = steps[walk != "A keystroke changes the graph"].values()
-    for leg in legs(walk):
-        assert min((after(leg, calls) for calls in threads), key=len) == []
