@@ -1,7 +1,10 @@
 import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
-import { blockEndIn } from "../src/language/blocks";
+import { blockEnd } from "../src/language/blocks";
 import { parser } from "../src/language/parser";
+
+const blockEndIn = (text: string, start: number) =>
+  blockEnd((offset) => (offset < text.length ? text.charCodeAt(offset) : -1), start);
 
 const CORPUS = new URL("../../tests/language/blocks.json", import.meta.url);
 

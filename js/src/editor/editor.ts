@@ -32,7 +32,7 @@ import { lrp, outlineOf } from "../language/lrp";
 import type { AnswerMessage, ElementKind, SnapshotMessage, TextRange, UpdateView } from "../protocol";
 import type { Connection, Typed, Typist } from "../session/connection";
 import type { Lab } from "../session/store";
-import { isOn, keepOn } from "../ui/kept";
+import { KeptSwitch } from "../ui/kept";
 import { whenAttached } from "../ui/root";
 import { alive } from "./alive";
 import { completion } from "./complete";
@@ -84,9 +84,13 @@ export class Editor implements Typist {
   /** What is to be sent of the cursor, if anything: whether it is in the text, and whether its word is meant. */
   private cursor = { isDue: false, isHere: false, meant: true };
   private moving = 0;
-  private values = isOn("values", true);
-  private readonly brackets = new Compartment();
-  private colours = isOn("brackets", true);
+  /** Whether values are shown in the text. */
+  readonly values = new KeptSwitch("values", true, () => this.redraw());
+  private readonly bracketColours = new Compartment();
+  /** Whether brackets have colours by their depth. */
+  readonly brackets = new KeptSwitch("brackets", true, () =>
+    this.view.dispatch({ effects: this.bracketColours.reconfigure(this.brackets.on ? rainbow : []) }),
+  );
   private marks = "";
   private redrawing = 0;
 
@@ -129,14 +133,14 @@ export class Editor implements Typist {
       EditorView.lineWrapping,
       hangingIndent,
       lrp(),
-      this.brackets.of(this.colours ? rainbow : []),
+      this.bracketColours.of(this.brackets.on ? rainbow : []),
       tooltips({ parent: lab.root, tooltipSpace: () => visiblePart(lab.root) }),
       completion(lab),
       hover(lab),
       navigation(lab),
       scrubbing,
       followCursor(lab),
-      live(lab.store.state, () => this.values),
+      live(lab.store.state, () => this.values.on),
       placeholder("(machine follower …) (spawn follower moving)"),
       Prec.high(
         keymap.of([
@@ -317,27 +321,6 @@ export class Editor implements Typist {
     clearTimeout(this.moving);
     this.typing.stop();
     this.view.destroy();
-  }
-
-  get showsValues(): boolean {
-    return this.values;
-  }
-
-  showValues(on: boolean): void {
-    keepOn("values", on);
-    this.values = on;
-    this.redraw();
-  }
-
-  /** Whether brackets have colours by their depth. */
-  get showsBrackets(): boolean {
-    return this.colours;
-  }
-
-  showBrackets(on: boolean): void {
-    keepOn("brackets", on);
-    this.colours = on;
-    this.view.dispatch({ effects: this.brackets.reconfigure(on ? rainbow : []) });
   }
 
   format(): boolean {

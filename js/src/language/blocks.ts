@@ -38,11 +38,6 @@ export function blockEnd(at: CharAt, start: number): number {
   }
 }
 
-/** As `blockEnd`, in a string. */
-export function blockEndIn(text: string, start: number): number {
-  return blockEnd((offset) => (offset < text.length ? text.charCodeAt(offset) : -1), start);
-}
-
 function isQuote(char: number): boolean {
   return char === DOUBLE || char === SINGLE;
 }

@@ -2,12 +2,6 @@
 
 import { h, setHidden } from "../ui/dom";
 
-export interface NoteForm {
-  element: HTMLElement;
-  show(): void;
-  close(): void;
-}
-
 /** `answer` is the button that submits; `details` stand below the buttons. */
 export function noteForm(
   name: string,
@@ -15,7 +9,7 @@ export function noteForm(
   question: HTMLElement[],
   answer: HTMLButtonElement,
   details: HTMLElement[] = [],
-): NoteForm {
+): { element: HTMLElement; show(): void; close(): void } {
   const close = () => setHidden(element, true);
   const element = h(
     "form",

@@ -2,21 +2,21 @@
 
 import { nameOf } from "../language/paths";
 import { looked } from "../parts/study";
-import { askWhy } from "../parts/why";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 import { button, iconButton } from "../ui/button";
 import { consume, h, s, setAttribute, setHidden } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { isOn, keep, keepOn, kept } from "../ui/kept";
-import { item, type MenuItem, openMenu } from "../ui/menu";
-import { type Point, pointOf } from "../ui/point";
+import { item, openMenu } from "../ui/menu";
+import { pointOf } from "../ui/point";
 import { trailStyles } from "../world/legend";
 import { type Drawing, draw, heightOf, laneAt, roomFor } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking, type Moment } from "./looking";
 import { rounded, shortOf } from "./plots";
 import { nearestX, timeOf } from "./scale";
+import { Visits } from "./visits";
 import { TimeWindow } from "./window";
 
 /** The colours of the trail; the stylesheet lightens them in the dark. */
@@ -220,6 +220,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     looking.back();
     redraw();
   };
+  const visits = new Visits(lab, (visit) => happened.after(visit), look);
   area.addEventListener("pointermove", () => {
     stillUntil = performance.now() + STILL;
   });
@@ -241,7 +242,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
           if (isPast()) returnToNow();
         } else if (moved) return;
         else if (mark) void look({ tick: Number(mark.getAttribute("data-tick")) });
-        else if (border) void whyFired(border, pointOf(last));
+        else if (border) void visits.whyFired(border, pointOf(last));
         else go(last);
       },
     });
@@ -261,34 +262,14 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     if (!visit?.by || Math.abs(visit.begin - time) > near) return null;
     return Math.min(visit.end, now()) - visit.begin > 3 * near ? visit : null;
   };
-  const whyFired = async ({ tick, by }: Segment, at: Point) => {
-    if (await look({ tick })) askWhy(lab, "transition", by, at);
-  };
   area.addEventListener("contextmenu", (event) => {
     const time = Math.min(happened.end, timeAt(event));
     const visit = isAtName(event) ? null : visitAt(event, time);
     if (!visit) return;
     consume(event);
     const at = pointOf(event);
-    openMenu(lab.root, at, menuOf(visit, time, at), `Visit of ${nameOf(visit.state)}`);
+    visits.open(at, [visit], time, `Visit of ${nameOf(visit.state)}`);
   });
-  const menuOf = (visit: Segment, time: number, at: Point): MenuItem[] => {
-    const { state, by, tick } = visit;
-    const name = nameOf(state);
-    const next = happened.after(visit);
-    return [
-      item(`Why ${name}?`, "why-visit", () => void whyState(state, time, at)),
-      item(`Why was ${name} entered?`, "why-begin", () => void whyFired(visit, at), { disabled: !by }),
-      item(`Why was ${name} left?`, "why-end", () => next && void whyFired(next, at), {
-        disabled: !next?.by,
-      }),
-      item(`Look at the entry of ${name}`, "look", () => void look({ tick })),
-      item(`Go to the source of ${name}`, "source", () => lab.goTo("state", state)),
-    ];
-  };
-  const whyState = async (state: string, time: number, at: Point) => {
-    if (await look({ time })) askWhy(lab, "state", state, at);
-  };
   area.addEventListener(
     "wheel",
     (event) => {
@@ -334,14 +315,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   /** Ask about the states that are active at the playhead. */
   const whyMenu = () => {
     const time = store.state.looking?.time ?? now();
-    const frame = playhead.getBoundingClientRect();
-    const at = { x: frame.left, y: frame.top };
-    const items = happened.lanes().flatMap((lane): (MenuItem | null)[] => {
-      const visit = segmentAt(lane, time);
-      return visit ? [null, ...menuOf(visit, time, at)] : [];
-    });
-    items.shift();
-    if (items.length) openMenu(lab.root, at, items, "States at this moment");
+    const { left, top } = playhead.getBoundingClientRect();
+    const active = happened.lanes().flatMap((lane) => segmentAt(lane, time) ?? []);
+    if (active.length) visits.open({ x: left, y: top }, active, time, "States at this moment");
   };
   const plotMenu = () => {
     const { left, top } = more.getBoundingClientRect();

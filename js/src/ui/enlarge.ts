@@ -6,15 +6,10 @@
 import type { Layout } from "./layout";
 import { focusedAround } from "./root";
 
-export interface Enlarging {
-  isFilling(): boolean;
-  fill(on: boolean): void;
-}
-
 const CONTROL = "button, select, input, a, label";
 
 /** `layout` is null where there is one panel only: that one fills the window. */
-export function enlarging(host: HTMLElement, root: HTMLElement, layout: Layout | null): Enlarging {
+export function enlarging(host: HTMLElement, root: HTMLElement, layout: Layout | null) {
   const isFilling = () => host.hasAttribute("popover");
   const fill = (on: boolean) => {
     const focused = focusedAround(root) as HTMLElement | null;

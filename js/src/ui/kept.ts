@@ -49,3 +49,22 @@ export function isOn(name: string, usual: boolean): boolean {
 export function keepOn(name: string, on: boolean): void {
   keep(name, on ? "on" : "off");
 }
+
+/** A switch whose position is kept. `moved` is called when the user has moved it. */
+export class KeptSwitch {
+  on: boolean;
+
+  constructor(
+    private readonly name: string,
+    usual: boolean,
+    private readonly moved: () => void,
+  ) {
+    this.on = isOn(name, usual);
+  }
+
+  readonly flip = (): void => {
+    this.on = !this.on;
+    keepOn(this.name, this.on);
+    this.moved();
+  };
+}

@@ -2,6 +2,7 @@
 
 import { type ButtonOptions, button } from "./button";
 import { consume, h } from "./dom";
+import type { KeptSwitch } from "./kept";
 import { below, type Point, placeInSight } from "./point";
 import { openPopup } from "./popup";
 import { focusedAround } from "./root";
@@ -29,10 +30,14 @@ export function item(
   return { label, action, run, ...more };
 }
 
+export function switchItem(label: string, action: string, { on, flip }: KeptSwitch, hint?: string): MenuItem {
+  return item(label, action, flip, { checked: on, ...(hint ? { hint } : {}) });
+}
+
 export function openMenu(root: HTMLElement, at: Point, items: (MenuItem | null)[], label: string): void {
   const menu = h("div", { class: "lrp-menu", role: "menu", "aria-label": label });
-  for (const item of items) {
-    if (!item) {
+  for (const each of items) {
+    if (!each) {
       menu.append(h("div", { class: "lrp-menu-line", role: "separator" }));
       continue;
     }
@@ -42,18 +47,18 @@ export function openMenu(root: HTMLElement, at: Point, items: (MenuItem | null)[
         {
           type: "button",
           class: "lrp-menu-item",
-          role: item.checked === undefined ? "menuitem" : "menuitemcheckbox",
-          "aria-checked": item.checked === undefined ? null : String(item.checked),
+          role: each.checked === undefined ? "menuitem" : "menuitemcheckbox",
+          "aria-checked": each.checked === undefined ? null : String(each.checked),
           tabindex: "-1",
-          disabled: item.disabled ?? false,
-          "data-lrp-action": item.action,
+          disabled: each.disabled ?? false,
+          "data-lrp-action": each.action,
           onclick: () => {
             close(true);
-            item.run();
+            each.run();
           },
         },
-        h("span", {}, item.label),
-        item.hint && h("kbd", {}, item.hint),
+        h("span", {}, each.label),
+        each.hint && h("kbd", {}, each.hint),
       ),
     );
   }

@@ -7,9 +7,9 @@ import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import type { Looking } from "../timeline/looking";
 import { button, iconButton, panel } from "../ui/button";
-import { consume, h, setAttribute, setChoices, setProse, setText } from "../ui/dom";
-import { isOn, keepOn } from "../ui/kept";
-import { item, type MenuItem, menuButton } from "../ui/menu";
+import { consume, h, setAttribute, setProse, setText } from "../ui/dom";
+import { isOn, KeptSwitch, keepOn } from "../ui/kept";
+import { item, type MenuItem, menuButton, switchItem } from "../ui/menu";
 import { below } from "../ui/point";
 import { WorldEdits } from "./edits";
 import { openWorld, saveDrawing, savePng } from "./files";
@@ -22,6 +22,7 @@ import { properties } from "./properties";
 import { Stage } from "./stage";
 import { type Tool, type ToolBox, useTools } from "./tools";
 import { trailState } from "./trail";
+import { worldSelect } from "./worlds";
 
 export interface WorldPart {
   element: HTMLElement;
@@ -46,15 +47,27 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   const { store } = lab;
   const stage = new Stage(() => paletteIn(lab.root));
   const { canvas } = stage;
-  stage.grid = isOn("world-grid", false);
-  stage.showsTrail = isOn("world-trail", true);
+  const grid = new KeptSwitch("world-grid", false, () => {
+    stage.grid = grid.on;
+    stage.repaint();
+  });
+  const trail = new KeptSwitch("world-trail", true, () => {
+    stage.showsTrail = trail.on;
+    colours.refresh();
+    stage.repaint();
+  });
+  const foretells = new KeptSwitch("world-preview", true, () => {
+    preview.on = foretells.on;
+  });
+  stage.grid = grid.on;
+  stage.showsTrail = trail.on;
   stage.viewport.alwaysFollows = isOn("world-follow", false);
   const named = { class: "lrp-canvas", tabindex: "0", role: "application", "aria-label": LABEL };
   for (const [name, value] of Object.entries(named)) canvas.setAttribute(name, value);
 
   const strip = properties(stage, () => edits);
   const edits = new WorldEdits(stage, lab, looking, strip.refresh);
-  const preview = new Preview(lab, isOn("world-preview", true));
+  const preview = new Preview(lab, foretells.on);
   let tool: Tool = "move";
   const box: ToolBox = {
     get tool() {
@@ -65,11 +78,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       for (const other of tools)
         other.setAttribute("aria-pressed", String(other.dataset.lrpAction === `tool-${name}`));
     },
-    grid() {
-      stage.grid = !stage.grid;
-      keepOn("world-grid", stage.grid);
-      stage.repaint();
-    },
+    grid: grid.flip,
     follow() {
       stage.follows = !stage.follows;
       stage.viewport.alwaysFollows = stage.follows;
@@ -90,13 +99,6 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   );
   useTools(stage, edits, box);
 
-  const worlds = h("select", {
-    class: "lrp-select",
-    "aria-label": "World",
-    title: "Choose a world",
-    "data-lrp-action": "world",
-    onchange: () => void lab.act({ do: "world", name: worlds.value }).then(listWorlds),
-  });
   const undo = iconButton("undo", "Undo in the world (Ctrl+Z)", "world-undo", () => edits.undo());
   const redo = iconButton("redo", "Redo in the world (Ctrl+Shift+Z)", "world-redo", () => edits.redo());
   const follow = button({
@@ -113,31 +115,9 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
 
   function menu(): (MenuItem | null)[] {
     return [
-      item("Grid", "grid", box.grid, { checked: stage.grid, hint: "G" }),
-      item(
-        "Trail",
-        "trail",
-        () => {
-          stage.showsTrail = !stage.showsTrail;
-          keepOn("world-trail", stage.showsTrail);
-          colours.refresh();
-          stage.repaint();
-        },
-        { checked: stage.showsTrail },
-      ),
-      ...(store.state.settings.quiet
-        ? []
-        : [
-            item(
-              "Preview after an edit",
-              "preview",
-              () => {
-                preview.on = !preview.on;
-                keepOn("world-preview", preview.on);
-              },
-              { checked: preview.on },
-            ),
-          ]),
+      switchItem("Grid", "grid", grid, "G"),
+      switchItem("Trail", "trail", trail),
+      ...(store.state.settings.quiet ? [] : [switchItem("Preview after an edit", "preview", foretells)]),
       null,
       item("Why does the robot do this?", "why-robot", () => askWhy(lab, "robot", "", below(more))),
       item("Start here", "start-at-robot", () => edits.startHere()),
@@ -190,7 +170,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     "world",
     "World",
     [
-      worlds,
+      worldSelect(lab),
       edit,
       iconButton("reset", "Reset pose: return the robot to its start", "reset-pose", () =>
         stage.world?.robots.forEach((_, index) => void lab.act({ do: "reset_pose", index })),
@@ -269,25 +249,6 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
     stage.repaint();
   });
-  const listWorlds = () => {
-    const { name: current = "", edited = false } = store.state.world ?? {};
-    const names = store.state.choices.worlds.map(
-      (file) => [file, file.replace(/\.world\.json$/, "")] as const,
-    );
-    const all =
-      names.some(([, name]) => name === current) || !current
-        ? names
-        : [[current, current] as const, ...names];
-    const edits = (name: string) => (name === current && edited ? `${name} (edited)` : name);
-    const chosen = all.find(([, name]) => name === current)?.[0] ?? "";
-    setChoices(
-      worlds,
-      all.map(([value, name]) => [value, edits(name)] as const),
-      chosen,
-    );
-    worlds.hidden = !store.state.world || all.length < 2;
-  };
-  store.watch(["choices", "world"], listWorlds);
   const showTime = () => {
     const { achieved_speed: achieved } = store.state;
     const now = stage.latest?.time ?? 0;

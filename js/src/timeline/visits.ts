@@ -1,0 +1,48 @@
+/** What can be asked about visits of states: why they are, how they began and ended. */
+
+import { nameOf } from "../language/paths";
+import { askWhy } from "../parts/why";
+import type { Lab } from "../session/store";
+import { item, type MenuItem, openMenu } from "../ui/menu";
+import type { Point } from "../ui/point";
+import type { Segment } from "./happened";
+import type { Moment } from "./looking";
+
+export class Visits {
+  /** `after` is the visit with which another one ended; `look` shows a moment, and resolves to whether it is shown. */
+  constructor(
+    private readonly lab: Lab,
+    private readonly after: (visit: Segment) => Segment | null,
+    private readonly look: (moment: Moment) => Promise<boolean>,
+  ) {}
+
+  /** Open a menu about visits that last at a time. */
+  open(at: Point, visits: readonly Segment[], time: number, title: string): void {
+    const items = visits.flatMap((visit) => [null, ...this.itemsOf(visit, time, at)]);
+    openMenu(this.lab.root, at, items.slice(1), title);
+  }
+
+  private itemsOf(visit: Segment, time: number, at: Point): MenuItem[] {
+    const { state, by, tick } = visit;
+    const name = nameOf(state);
+    const next = this.after(visit);
+    return [
+      item(`Why ${name}?`, "why-visit", () => void this.whyState(state, time, at)),
+      item(`Why was ${name} entered?`, "why-begin", () => void this.whyFired(visit, at), { disabled: !by }),
+      item(`Why was ${name} left?`, "why-end", () => next && void this.whyFired(next, at), {
+        disabled: !next?.by,
+      }),
+      item(`Look at the entry of ${name}`, "look", () => void this.look({ tick })),
+      item(`Go to the source of ${name}`, "source", () => this.lab.goTo("state", state)),
+    ];
+  }
+
+  private async whyState(state: string, time: number, at: Point): Promise<void> {
+    if (await this.look({ time })) askWhy(this.lab, "state", state, at);
+  }
+
+  /** Ask why the transition fired with which a visit began. */
+  async whyFired({ tick, by }: Segment, at: Point): Promise<void> {
+    if (await this.look({ tick })) askWhy(this.lab, "transition", by, at);
+  }
+}
