@@ -25,25 +25,11 @@ from lrp_jupyter.language.names import Offsets, Uses, normal, uses
 from lrp_jupyter.language.program import Block
 from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.python import asked_again, parse_python
-from lrp_jupyter.language.scanner import LINE_END, block_end
+from lrp_jupyter.language.scanner import LINE_END
 from lrp_jupyter.language.slips import brief, explain, fault_of
 from lrp_jupyter.language.smalltalk import smalltalk
 from lrp_jupyter.language.source import Diagnosis
-from lrp_jupyter.language.suites import Suite, children, no_warnings, parse_block, parse_suite
-
-__all__ = [
-    "BlockFacts",
-    "BlockNames",
-    "Place",
-    "bind",
-    "block_end",
-    "block_names",
-    "compile_block",
-    "facts_of",
-    "faults_of",
-    "parse_block",
-    "read",
-]
+from lrp_jupyter.language.suites import Suite, children, no_warnings, parse_suite
 
 _WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
 _SIMPLE = frozenset(

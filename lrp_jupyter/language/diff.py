@@ -4,8 +4,8 @@ A program is a group of named elements. An edit adds some, removes some, and cha
 others; white space, comments and moved lines do not count. A name defined twice counts once: the
 first definition is the one that runs, so the others are not elements.
 
-Only the outermost element of an addition or a removal is listed: with a machine go its states, its
-variables and everything inside them. The rest is what a person would call the edit, and what the
+Only the outermost element of an addition or a removal is listed: a machine stands for its states, its
+variables and everything inside them. The list is what a person would describe as the edit, and what the
 interpreter has to process.
 
 Paper: §6.1.
@@ -48,20 +48,14 @@ class ChangeSet:
 
     As text it is a sentence: ``running of `follower/moving` changed; state `follower/x` added``.
 
-    Parameters
-    ----------
-    added, removed : tuple of Element
-        Only the outermost elements: an added one by its path in the new program, a removed one by its
-        path in the old program.
-    changed : tuple of Element
-        Variables (the initialiser), events (the condition), transitions (condition or delay), and
-        the actions ``onentry``, ``running``, ``onexit``, ``onpause``, ``onresume``, of which every
-        state (every program) has one of each, possibly empty: they are never added or removed.
-        By their paths in the new program.
-    moved : tuple of Element
-        Transitions and variables in another order than before: the fewest that explain the new order.
-    successors : Successors
-        The new element for each element of the old program.
+    `added`, `removed`: only the outermost elements: an added one by its path in the new program, a removed
+        one by its path in the old program.
+    `changed`: variables (the initialiser), events (the condition), transitions (condition or delay), and the
+        actions ``onentry``, ``running``, ``onexit``, ``onpause``, ``onresume``, of which every state (every
+        program) has one of each, possibly empty: they are never added or removed. By their paths in the new
+        program.
+    `moved`: transitions and variables whose order has changed: the fewest that explain the new order.
+    `successors`: the new element for each element of the old program.
     """
 
     added: tuple[Element, ...] = ()
@@ -205,7 +199,7 @@ def _content(kind: str) -> Callable[[Path, object, object], Iterable[_Change]]:
 
 
 def _by_name(elements: Iterable[_Named]) -> dict[str, _Named]:
-    """Return elements by name, in the order of the text; of two with the same name the first."""
+    """Return elements by name, in the order of the text; the first of two with the same name."""
     named: dict[str, _Named] = {}
     for element in elements:
         named.setdefault(str(element.name), element)

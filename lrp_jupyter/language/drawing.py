@@ -1,8 +1,8 @@
-"""Drawing: what is done to a state graph, as edits of the program's text.
+"""Drawing: changes made in a state graph, as edits of the program's text.
 
-Every function returns the edits of one act (a new state, a retargeted transition, …) and changes no
-character beyond what the act means: comments, line ends and the layout of other forms stay, and new forms
-are indented like those around them. An act that would not make a valid program is refused in a sentence.
+Every function returns the edits for one change (a new state, a retargeted transition, …) and leaves all
+other text alone: comments, line ends and the layout of other forms stay, and new forms are indented like
+those around them. A change that would not result in a valid program is refused with a message.
 A new form goes after the last one of its kind: a new transition has the lowest priority.
 
 Paper: §9 (editing the state graph itself).
@@ -94,9 +94,9 @@ class DrawnProgram:
         return self.sheet.spawned_by(self.sheet.at(state.span.start), form)
 
     def edits(self, edits: Iterable[Edit]) -> list[Edit]:
-        """Return edits in the order of the text, insertions at one place as one, if they make a program.
+        """Return edits in the order of the text, with insertions at the same place joined.
 
-        Raises ValueError: they do not.
+        Raises ValueError: the result is not a valid program.
         """
         joined: list[Edit] = []
         for edit in sorted(edits, key=lambda edit: edit[:2]):
@@ -131,7 +131,7 @@ class WrittenTransition(NamedTuple):
 
     @property
     def source(self) -> tuple[int, int]:
-        """The range of all that is written as its source."""
+        """The range of its whole source, as written."""
         first = (self.shape.trigger or 0) + 1
         return self.form.span(first)[0], self.form.span(self.shape.destination - 2)[1]
 
@@ -183,7 +183,7 @@ def new_state(text: str, machine: Path, name: str) -> list[Edit]:
 
 
 def numbered(name: str) -> Iterable[str]:
-    """Return a name, then the same with numbers from 2 on."""
+    """Return a name, followed by the same name with a number appended, starting with 2."""
     return chain((name,), (f"{name}{number}" for number in range(2, 10_000)))
 
 
@@ -205,9 +205,9 @@ def new_transition(text: str, machine: Path, source: str, destination: str, trig
     """Return the edits for a new transition.
 
     `source`: a state of the machine, or ``*``.
-    `destination`: a state of the machine; it is made if there is none of this name.
+    `destination`: a state of the machine; created if it does not exist.
     `trigger`: an event, a block, a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; anything
-        else becomes a condition. A keyword before it decides: ``ontime [pause]``.
+        else becomes a condition. A keyword before it takes precedence: ``ontime [pause]``.
     Raises ValueError: it would not be a valid program.
     """
     drawing = DrawnProgram(text)
@@ -240,7 +240,7 @@ def _trigger(scope: Scope, trigger: str) -> tuple[str, str]:
 
 
 def _milliseconds(text: str) -> str:
-    """Return a time with its unit (``2 s``) in milliseconds; another text as it is."""
+    """Return a time with its unit (``2 s``) in milliseconds; any other text unchanged."""
     found = _AMOUNT.fullmatch(text)
     return str(round(float(found[1]) * (1000 if found[2] == "s" else 1))) if found else text
 
@@ -250,7 +250,7 @@ def new_form(text: str, path: Path, form: str) -> list[Edit]:
 
     `path`: of the state or machine; empty for the program.
     `form`: ``event late [time > 3]``, with or without its brackets.
-    Raises ValueError: it is not one form, or one that does not belong there.
+    Raises ValueError: it is not exactly one form, or is not allowed there.
     """
     drawing = DrawnProgram(text)
     keyword = find(drawing.program, ("machine", "state"), path).kind if path else "program"
@@ -295,8 +295,8 @@ def delete_transition(text: str, path: Path) -> list[Edit]:
 def delete_state(text: str, path: Path) -> list[Edit]:
     """Return the edits that delete a state, with its transitions.
 
-    A transition with other sources, or with other exceptions from ``*``, loses this one only. A machine
-    that starts in the state starts in the first other one; if there is none, its spawn is removed.
+    A transition with other sources, or with other exceptions from ``*``, loses only this one. A machine
+    that starts in the state starts in the first remaining one; if there is none, its spawn is removed.
 
     Raises ValueError: there are two states of this name.
     """
@@ -337,7 +337,7 @@ def delete_machine(text: str, path: Path) -> list[Edit]:
 
 
 def change_transition(text: str, path: Path, form: str) -> list[Edit]:
-    """Return the edits that write a transition in another way, with or without its brackets.
+    """Return the edits that rewrite a transition; the new text may lack the brackets.
 
     Raises ValueError: it is not a transition.
     """
@@ -355,7 +355,7 @@ def retarget(
     """Return the edits that connect one end of a transition to another state.
 
     `name`: the other state; as a source also ``*``.
-    `old`: of several sources the one that is replaced.
+    `old`: the source to replace, if there are several.
     Raises UnknownElementError: there is no such state.
     """
     drawing = DrawnProgram(text)
@@ -384,7 +384,7 @@ def retarget(
 def reverse(text: str, path: Path) -> list[Edit]:
     """Return the edits that exchange the source and the destination of a transition.
 
-    Raises ValueError: it does not lead from one state to one of the same machine.
+    Raises ValueError: it does not connect two states of the same machine.
     """
     drawing = DrawnProgram(text)
     arrow = drawing.arrow(path)

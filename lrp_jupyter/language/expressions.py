@@ -1,7 +1,7 @@
-"""Evaluate the expression of a condition with the value of every part of it.
+"""Evaluation of a condition's expression that keeps the value of every part.
 
-An answer to "why is this not true?" shows the parts that decide. So the tree of the expression is followed
-node by node, as Python would: operands of `and` and `or` from the left, only as far as needed.
+An answer to "why is this not true?" shows the parts that decide, so the tree of the expression is evaluated
+node by node as in Python: operands of `and` and `or` from the left, and only those that are needed.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Evaluation:
 
     `values`: the value of every name, attribute, call and arithmetic part that was evaluated, by its text, in
         the order of evaluation; constants are left out.
-    `decides`: the text of the part that made the whole what it is: a comparison, or the smallest part that is
+    `decides`: the text of the part that determined the result: a comparison, or the smallest part that is
         one operand of `and`, `or` and `not`.
     `decided`: the value of that part: below a `not`, the opposite of the whole.
     `is_whole`: whether that part is the whole expression.
@@ -104,7 +104,7 @@ def evaluate(expression: ast.expr, lookup: Lookup, *, calls: bool = False) -> Ev
     """Evaluate an expression.
 
     `lookup`: returns the value of a name; raises `NameError` or :class:`UnknownValueError`.
-    `calls`: whether functions that may do anything are called; else their value is not known.
+    `calls`: whether functions with possible side effects are called; otherwise their value is not known.
     Raises UnknownValueError: a part's value is not known.
     Raises Exception: whatever the expression raises.
     """

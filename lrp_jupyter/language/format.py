@@ -1,8 +1,8 @@
 """The formatter: a program's text in the layout of the bundled programs. Only white space changes.
 
 Every form of the top level and of a machine begins a line, as does every form of a state that does not fit in
-one; what is inside a form is indented by two columns. Comments, blank lines and line ends stay. So does a
-closing bracket on a line of its own, below the beginning of its form.
+one; what is inside a form is indented by two columns. Comments, blank lines and line ends stay, as does a
+closing bracket on a separate line, below the beginning of its form.
 """
 
 from __future__ import annotations
@@ -26,13 +26,8 @@ def formatted(text: str) -> str:
 
     Its meaning, comments and line ends stay; only white space changes. Formatting it again changes nothing.
 
-    Raises
-    ------
-    LRPSyntaxError
-        The text is not a program.
+    Raises LRPSyntaxError: the text is not a program.
 
-    Examples
-    --------
     >>> print(formatted("(machine m (state a(onentry [n=1])) ; so\n(ontime 300 a->a))(spawn m a)"))
     (machine m
       (state a (onentry [n=1])) ; so
@@ -80,7 +75,7 @@ class _Layout:
         ends = LINE_END.search(source)
         self.newline = ends[0] if ends else "\n"
         self.lines: list[str] = []
-        self.line = ""  # the last one, as far as it is written
+        self.line = ""  # the last one, as written so far
         self.forms = [_OpenForm(-STEP, True)]
 
     def text(self) -> str:
@@ -97,12 +92,12 @@ class _Layout:
         return "".join([*self.lines, self.line and self.line + self.newline])
 
     def _is_broken(self, index: int) -> bool:
-        """Return whether the forms in a form begin a line each: in a machine, and in a large state."""
+        """Return whether each form inside a form begins a line: in a machine, and in a large state."""
         keyword = keyword_of(self.source, self.tokens[index])
         return keyword == "machine" or (keyword == "state" and not self._fits(index))
 
     def _fits(self, index: int) -> bool:
-        """Return whether a state stays in one line: it is in one, it is short, and it has no machine."""
+        """Return whether a state stays on one line: it is on one, it is short, and it has no machine."""
         width, depth, end = len(self.line), 0, index
         for token in self.tokens[index:]:
             depth += (token[0] == "OPEN") - (token[0] == "CLOSE")
@@ -117,7 +112,7 @@ class _Layout:
     # -- white space and comments ------------------------------------------------------------------------
 
     def _gap(self, index: int, form: _OpenForm) -> None:
-        """Write what stands before a token in a form: comments and white space."""
+        """Write what precedes a token in a form: comments and white space."""
         kind = self.tokens[index][0] if index < len(self.tokens) else "END"
         beside, *lines = LINE_END.split(self._before(index))
         if not index:
@@ -182,5 +177,5 @@ class _Layout:
         inside = aligned(text, len(self.line) + 1, base)
         ends = list(LINE_END.finditer(text))
         if ends and inside != text and not text[ends[-1].end() :].strip():
-            inside += self.newline + " " * base  # the closing bracket stays on a line of its own
+            inside += self.newline + " " * base  # the closing bracket stays on a separate line
         return f"[{inside}]"

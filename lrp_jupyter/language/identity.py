@@ -72,8 +72,8 @@ def after_undo(program: Program, undone: Sequence[Successors]) -> Successors:
 
     `program`: the program after these edits.
     `undone`: the map of each edit, the last edit first.
-    From the elements of `program` to what they were. What an edit added keeps its path: whether it exists in
-        the program of before is for the caller to see.
+    The map leads from the elements of `program` to what they were. An element that an edit added keeps its
+        path; the caller checks whether the earlier program has it.
     """
     steps = [{new: old for old, new in successors.moved.items()} for successors in undone]
     moved = {}

@@ -1,4 +1,4 @@
-"""Elements of a program by what a person calls them: every command accepts the same spellings.
+"""Look-up of a program's elements by the names that people use: every command accepts the same spellings.
 
 An element is called by its name; by its path, as a text or a tuple, as it is defined or as it is spawned; a
 transition also by its label or its id, alone or in a path, and as pages write it: ``m:late``. A whole path of
@@ -54,7 +54,7 @@ def _is_spawned(program: Program, path: Path) -> bool:
 def as_defined(program: Program, kind: str, path: Path) -> Path:
     """Return the path of definition of an element whose path is as spawned; any other path unchanged."""
     end = len(path) if kind == "machine" else len(path) - 1
-    is_machine = end % 2  # names of machines and states take turns
+    is_machine = end % 2  # names of machines and states alternate
     return (*resolve(program).defined(path[:end]), *path[end:]) if is_machine else path
 
 
@@ -93,8 +93,8 @@ def find_first(
 
     `kinds`: what it can be; an earlier kind is preferred. Messages also mention those that no program has,
         such as ``command``.
-    `remedies`: what to do if it is of another kind, as a sentence for each of these.
-    `others`: the names of such kinds.
+    `remedies`: for each other kind that the element may be of, a sentence that says what to do.
+    `others`: the names of elements of those kinds.
     Raises UnknownElementError: there is none, or there are several.
     """
     kinds = (kinds,) if isinstance(kinds, str) else kinds
@@ -116,7 +116,7 @@ def missing(
     remedies: Mapping[str, str] | None = None,
     others: Iterable[str] = (),
 ) -> UnknownElementError:
-    """Return the error that there is no such element: what the name is instead, or which names there are."""
+    """Return the error for an unknown element: it says what the name is instead, or which names exist."""
     text = path_text(as_path(wanted))
     noun = " or ".join(filter(None, (", ".join(kinds[:-1]), kinds[-1])))
     elements = [each for program in programs for each in resolve(program).elements()]
@@ -133,7 +133,7 @@ def missing(
 
 
 def _listed(noun: str, names: list[str]) -> str:
-    """Say which names there are."""
+    """Return a sentence that lists the existing names."""
     if not names:
         return f"The program has no {noun}."
     if len(names) == 1:

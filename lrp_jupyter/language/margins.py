@@ -1,4 +1,4 @@
-"""Margins: the white space before lines, changed so that strings stay and a block means the same."""
+"""Margins: changes of the white space before lines that keep strings and the meaning of a block."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def aligned(text: str, column: int, base: int) -> str:
 
     `text`: the text between the brackets.
     `column`: of the first character after the opening bracket, from 0: the first statement's, unless that
-        stands on a line of its own.
+        stands on a separate line.
     `base`: the column at which the line with the bracket begins: such a statement stands :data:`STEP`
         further.
-    The text as it is, if its meaning would change.
+    The text is returned unchanged if its meaning would change.
     """
     better = text.strip(" \t").rstrip()
     lines = [_MARGIN.match(text, start)[0] for start in logical_lines(text)]  # type: ignore[index]

@@ -35,7 +35,7 @@ class Matching(NamedTuple):
 
 
 def match(text: str, starts: list[int], tokens: Sequence[Token]) -> Matching:
-    """Match the brackets of a text whose lines begin at `starts`, with the least change where they do not."""
+    """Match the brackets of a text whose lines begin at `starts`, with as few changes as possible."""
     around = ["program"]
     sound = True
     for token in [token for token in tokens if token[0] in _BRACKETS]:

@@ -2,8 +2,8 @@
 
 The state's transitions to itself go with it. An arrow cannot lead into a nested machine, so one that led to
 the state leads to the state around it; one that leaves the state for the outer machine is an ``exit``. What
-the language cannot express (an ``exit`` after a delay) is refused, and so is a move by which a name in
-the state would mean something else.
+the language cannot express (an ``exit`` after a delay) is refused, and so is a move that would
+change the meaning of a name in the state.
 
 Paper: §3.1 (nested machines), §9.
 """
@@ -38,12 +38,12 @@ class _Move:
         self.along.append((self.drawing.written(arrow).form, keyword, destination))
 
     def rewrite(self, arrow: Arrow, keyword: str = "", destination: str = "") -> None:
-        """Change a transition where it is."""
+        """Change a transition without moving it."""
         written = self.drawing.written(arrow)
         self.edits += _changes(self.drawing, written.form, keyword, destination)
 
     def refuse(self, arrow: Arrow, reason: str) -> None:
-        """Raise: this transition is in the way."""
+        """Raise, because this transition prevents the move."""
         raise ValueError(
             f"`{arrow.label}` {reason}. "
             f"Delete it or connect it to another state first, then move `{self.name}`."
@@ -87,7 +87,7 @@ class _Move:
         )
 
     def _text(self, form: WrittenForm, keyword: str, destination: str, gap: str) -> str:
-        """Return the text of a form for its new place, indented as there unless that changes its meaning."""
+        """Return the text of a form, indented for its new place unless that changes its meaning."""
         sheet, text = self.drawing.sheet, self.drawing.sheet.text[form.start : form.end]
         if gap != " ":
             shifted = sheet.shifted(form, gap.removeprefix(sheet.line_end))
@@ -120,7 +120,7 @@ def _changes(drawing: DrawnProgram, form: WrittenForm, keyword: str, destination
 def nest(text: str, path: Path, into: str) -> list[Edit]:
     """Return the edits that move a state into another one of its machine.
 
-    It goes into the first machine of that state. If there is none, one is made, which starts in it.
+    It goes into the first machine of that state. If there is none, one that starts in it is created.
 
     `into`: the other state.
     Raises ValueError: the language cannot express what its transitions would have to do, or a name would mean
@@ -231,7 +231,7 @@ def _is_own(move: _Move, path: Path) -> bool:
 
 
 def _refuse_captured(move: _Move, inner: Scope) -> None:
-    """Raise if a name of the state would mean something of the machine that it moves into."""
+    """Raise if a name used in the state would refer to something else in the machine that it moves into."""
     beside = inner.outer.machines[inner.state] if inner.outer else {}
     own: dict[str, Collection[str]] = {
         "variable": inner.variables,
@@ -246,7 +246,7 @@ def _refuse_captured(move: _Move, inner: Scope) -> None:
 
 
 def _refuse_lost(move: _Move, outer: Scope) -> None:
-    """Raise if a name of the state means something that is not defined outside."""
+    """Raise if a name used in the state refers to something that is not defined outside."""
     around = (*outer.path, move.scope.state)
     for kind, name, owner in _names(move):
         if owner and owner.path[: len(around)] == around and owner.path[: len(move.path)] != move.path:

@@ -111,19 +111,11 @@ Action = Block | Spawn
 class Transition:
     """A transition: its trigger, its sources and its destination.
 
-    Parameters
-    ----------
-    trigger : Trigger
-        An event, a condition, a delay, or nothing.
-    sources : tuple of Name
-        The states it leaves; for a wildcard, those that it does *not* leave.
-    wildcard : bool
-        Whether its source is ``*`` or ``*-{…}``.
-    destination : Name
-    name : Name or None
-        The transition's own name.
-    outward : bool
-        Whether it is an ``exit``, which leads to a state of the outer machine.
+    `trigger`: an event, a condition, a delay, or nothing.
+    `sources`: the states it leaves; for a wildcard, those that it does *not* leave.
+    `wildcard`: whether its source is ``*`` or ``*-{…}``.
+    `name`: the transition's own name.
+    `outward`: whether it is an ``exit``, which leads to a state of the outer machine.
     """
 
     trigger: Trigger

@@ -7,7 +7,7 @@ PROVIDED = frozenset({"robot", "print", "degrees"})
 
 
 def degrees(angle: float) -> float:
-    """Return an angle that is given in degrees, in radians.
+    """Convert an angle from degrees to radians.
 
     ``robot.move(angular=degrees(45))`` turns by 45 degrees per second. A variable of the program or a name of
     the notebook that is called ``degrees`` hides it. Python's ``math.degrees`` is the inverse.
@@ -18,6 +18,6 @@ def degrees(angle: float) -> float:
 def builtin(name: str) -> object:
     """Return the value of a name that neither the program nor the notebook defines.
 
-    Raises AttributeError: python does not define it either.
+    Raises AttributeError: Python does not define it either.
     """
     return degrees if name == "degrees" else getattr(builtins, name)

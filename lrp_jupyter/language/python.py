@@ -1,8 +1,8 @@
-"""Python's parser, also for several threads at once.
+"""Python's parser, safe for several threads at once.
 
-Before 3.11.8 and 3.12.2, CPython counts the depth of the tree that it builds in one place for all threads.
-If a garbage collection lets another thread parse meanwhile, it takes its own mistake for a fault and raises
-SystemError (its issue 106905). Nothing is damaged, so it is asked again, without a collection.
+Before 3.11.8 and 3.12.2, CPython keeps one counter, shared by all threads, of the depth of the tree that it
+builds. If a garbage collection lets another thread parse meanwhile, the counter is wrong and CPython raises
+SystemError (its issue 106905). Nothing is damaged, so the call is repeated without garbage collection.
 """
 
 from __future__ import annotations

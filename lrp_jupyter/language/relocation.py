@@ -1,7 +1,7 @@
-"""Where a transition or a state belongs that is in the wrong form: among the machine's others.
+"""The right place for a transition or a state that is in the wrong form: among the others of its machine.
 
-Of a transition, its states tell the machine; in that, it is put where the order of the sources of the other
-transitions, compared with the order of the states, is disturbed least.
+The states that a transition names determine its machine. There it is put where it least disturbs the order of
+the sources of the other transitions, compared with the order of the states.
 """
 
 from __future__ import annotations

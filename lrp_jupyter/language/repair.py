@@ -35,7 +35,7 @@ class Bracket(NamedTuple):
     `column`: its column if it is the first in its line, else -1.
     `indent`: indentation of its line.
     `lost`: whether there is no ``(``, but a keyword begins the line, so that a ``(`` may be missing.
-    `followed`: whether something else than a bracket is next.
+    `followed`: whether something other than a bracket comes next.
     """
 
     keyword: str
@@ -77,9 +77,9 @@ _OF_FORMS = frozenset({"program", "machine", "state"})  # after their names, the
 
 
 def repair(sequence: Sequence[Bracket]) -> Repair:
-    """Return the cheapest way to make brackets match and forms be where they are allowed.
+    """Return the cheapest repair after which brackets match and forms are where they are allowed.
 
-    Text between two top-level forms at the left margin that is right by itself is not changed.
+    Text between two top-level forms at the left margin that is correct by itself is not changed.
     """
     margins = [
         index

@@ -5,7 +5,7 @@ scopes, every spawn and transition with what its names refer to, and every block
 scope. The linker, the checks, renaming, completion and the graphs all use it; none of them resolves names
 itself.
 
-Paper: §3.1 (scope of actions, events and spawns), §6.2 (references that dangle).
+Paper: §3.1 (scope of actions, events and spawns), §6.2 (dangling references).
 """
 
 from __future__ import annotations
@@ -240,7 +240,7 @@ class Arrow(NamedTuple):
 class Resolution:
     """The names of one program, resolved. Made by :func:`resolve`.
 
-    Its scopes live as long as it does. They refer to each other in circles, which it opens at its end:
+    Its scopes live as long as it does. They refer to each other in cycles, which it breaks at its end:
     otherwise each edit would leave thousands of objects to the garbage collector, which stops all threads.
 
     `top`: the top level.
@@ -394,7 +394,7 @@ def resolve(program: Program) -> Resolution:
 
 
 class _EarlierVariables(Mapping[str, Scope]):
-    """The variables visible to an initialiser: those outside its scope, and the earlier ones of its own.
+    """The variables visible to an initialiser: those outside its scope, and the earlier ones in it.
 
     A view, because a copy for each of 10,000 variables would be fifty million entries.
     """

@@ -1,7 +1,7 @@
-"""What is known of the robot that a program is written for, as plain data.
+"""The known members of the robot that a program is written for, as plain data.
 
-The checks compare the blocks of a program with it. A bridge describes its members itself; whoever knows both
-the program and the bridge makes this description of them.
+The checks compare the blocks of a program with it. A bridge describes its members itself; the caller, which
+knows both the program and the bridge, converts them to this description.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class RobotMembers:
     """The members of a robot; it equals only itself, so that results for it can be cached.
 
     `members`: by their paths.
-    `complete`: whether the robot has no others, now and later.
+    `complete`: whether the robot has no other members and never will.
     """
 
     members: Mapping[str, RobotMember]

@@ -34,8 +34,8 @@ _COMMENT = re.compile(r"[ \t]*[;#][^\r\n]*")
 class WrittenForm:
     """A form as it is written: ``text[start:end]``, and the tokens and forms after its keyword.
 
-    ``head`` is the end of its keyword or, of a form that begins with one, of its name. What is in it is read
-    when it is needed: of a long program an edit needs little.
+    ``head`` is the end of its keyword or, if its form begins with a name, of that. Its contents are read
+    when they are needed, because an edit needs little of a long program.
     """
 
     def __init__(self, text: str, tokens: Sequence[Token], end: int | None = None) -> None:
@@ -115,16 +115,16 @@ class Sheet:
     # -- new forms -----------------------------------------------------------------------------------
 
     def added(self, parent: WrittenForm, *forms: str) -> Edit:
-        """Return the edit that adds forms of one kind, or of growing rank, to a form."""
+        """Return the edit that adds forms of one kind, or of increasing rank, to a form."""
         if parent is self.root:
             return self._at_top(forms)
         end, gap = self.place(parent, _keyword(forms[0]))
         return Edit(end, end, "".join(gap + form for form in forms))
 
     def place(self, parent: WrittenForm, keyword: str) -> tuple[int, str]:
-        """Return where a new form goes in another one, and what is to be written before it.
+        """Return where a new form goes in another one, and the white space to write before it.
 
-        That is a space or, if its neighbours have lines of their own, a line end and their indentation.
+        That is a space or, if its neighbours begin lines, a line end and their indentation.
         """
         before = self._predecessor(parent, keyword)
         first = next(iter(parent.forms), None)

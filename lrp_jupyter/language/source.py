@@ -32,7 +32,7 @@ class Diagnosis(NamedTuple):
     prefix: bool = False
 
     def shifted(self, offset: int) -> Diagnosis:
-        """Return it for a longer text, in which its own begins at an offset."""
+        """Return the diagnosis for a longer text, in which its own text begins at an offset."""
         edits = tuple([Edit(start + offset, end + offset, text) for start, end, text in self.edits])
         return self._replace(start=self.start + offset, end=self.end + offset, edits=edits)
 
@@ -43,7 +43,7 @@ class Diagnosis(NamedTuple):
 
 
 def _title(edits: tuple[Edit, ...]) -> str:
-    """Return what edits do, in the imperative."""
+    """Return the title of edits, in the imperative."""
     if len(edits) == 2 and any(edit.start == edit.end for edit in edits) and not all(e.text for e in edits):
         return "Move it"
     new = " … ".join(dict.fromkeys(filter(None, (" ".join(edit.text.split()) for edit in edits))))
@@ -85,7 +85,7 @@ class Block:
     `span`: both brackets included.
     `line`, `column`: position of the first character after the opening bracket, from 1; columns in
         characters.
-    `before`: bytes (UTF-8) before that character in its line: Python counts columns so.
+    `before`: bytes (UTF-8) before that character in its line, because Python counts columns in bytes.
     """
 
     text: str

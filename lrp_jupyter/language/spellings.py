@@ -1,4 +1,4 @@
-"""How other languages, and slips of the pen, spell what the language has."""
+"""Spellings of keywords in other languages, and misspellings of them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     }.items()
     for word in words.split()
 }
-"""What keywords of other languages are called here, by the words without `_` and capitals."""
+"""The keywords that correspond to those of other languages, by their words in lower case and without `_`."""
 MODULES = frozenset({"import", "export", "from", "include", "require", "use", "using", "module"})
 FOLLOWERS = {"onentry": ("entry", "enter", "start"), "onexit": ("exit", "leave", "end"), "ontime": ("time",)}
 FOLLOWERS |= {"onpause": ("pause",), "onresume": ("resume",)}
@@ -60,6 +60,6 @@ AMOUNT = re.compile(r"([0-9][0-9_]*(?:\.[0-9]*)?(?:[eE][0-9]+)?)([a-zA-Z]*)")
 
 
 def closest(word: str, known: Iterable[str], cutoff: float) -> str:
-    """Return the keyword of which a word is a misspelling, else an empty text."""
+    """Return the keyword that a word misspells, or an empty text."""
     swapped = [keyword for keyword in known if sorted(keyword) == sorted(word)]
     return next(iter(swapped or get_close_matches(word, sorted(known), 1, cutoff)), "")

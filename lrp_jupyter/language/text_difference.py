@@ -1,4 +1,4 @@
-"""The smallest changes between two texts: of lines, and within them of words."""
+"""The smallest changes between two texts, by lines and, within them, by words."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from collections.abc import Callable, Iterator
 from difflib import SequenceMatcher
 
 Section = tuple[int, str | None]
-"""A length, and what is there instead: None if it stays."""
+"""A length, and its replacement; None if it stays."""
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 _TOKEN = re.compile("[\ud800-\udbff][\udc00-\udfff]|" r"\w+|\s+|[^\w\s]")
-_MOST_LINES, _MOST_WORDS = 3_000, 400  # that are compared: with more it takes too long
+_MOST_LINES, _MOST_WORDS = 3_000, 400  # compared at most, because more would take too long
 
 _Compare = Callable[[str, str], Iterator[Section]]
 
 
 def text_difference(old: str, new: str) -> Iterator[Section]:
-    """Return small changes that make one text of another, section by section of the old one."""
+    """Return small changes that turn one text into another, section by section of the old one."""
     return _differences(old, new, _by_lines)
 
 
 def _differences(old: str, new: str, compare: _Compare) -> Iterator[Section]:
-    """Compare what two texts do not have in common at their starts and ends."""
+    """Compare two texts without their common start and end."""
     start, end = _common(old, new)
     then, now = old[start : len(old) - end], new[start : len(new) - end]
     yield start, None
@@ -46,7 +46,7 @@ def _by_words(old: str, new: str) -> Iterator[Section]:
 
 
 def _pairs(old: list[str], new: list[str], most: int) -> Iterator[tuple[list[str], list[str]]]:
-    """Yield the parts of two lists that are equal, or in place of each other."""
+    """Yield the parts of two lists that are equal, or that replace each other."""
     if len(old) + len(new) > most:
         yield old, new
         return
@@ -55,7 +55,7 @@ def _pairs(old: list[str], new: list[str], most: int) -> Iterator[tuple[list[str
 
 
 def _common(old: str, new: str) -> tuple[int, int]:
-    """Return how much two texts have in common at their starts, and at their ends; never half a character."""
+    """Return the lengths of the common start and end of two texts; no character is split."""
     most = min(len(old), len(new))
     start = bisect_left(range(most), True, key=lambda n: old[: n + 1] != new[: n + 1])
     if start and "\ud800" <= old[start - 1] <= "\udbff":

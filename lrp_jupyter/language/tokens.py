@@ -81,7 +81,7 @@ def tokenize(text: str) -> Sequence[Token]:
 
 
 def _goes_on(text: str, start: int, end: int) -> bool:
-    """Return whether a block goes on over the end of its form, to a `]` of another one or of a comment."""
+    """Return whether a block continues past the end of its form, to a `]` of another block or a comment."""
     if not _NEXT.search(text, start, end):
         return False
     opened = 0
@@ -125,7 +125,7 @@ def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
 
 
 def _is_no_python(text: str, token: Token) -> bool:
-    """Return whether a token cannot be in Python whose `[` is missing; a block directly after a name can."""
+    """Return whether a token cannot be in Python that lacks its `[`; a block directly after a name can."""
     return token[0] == "ARROW" or (token[0] == "BLOCK" and text[token[1] - 1].isspace())
 
 

@@ -1,4 +1,4 @@
-"""The word at the cursor: what of a text is not meant yet, because it is being typed.
+"""The word at the cursor: the part of a text that is still being typed.
 
 A half-typed name is seldom what the program should be: `loo` on the way to `lookleft`, `0.` on the way to
 `0.25`. With a cursor (or several, where two editors show it), a text is therefore two programs: the text
@@ -43,7 +43,7 @@ class Cursor(NamedTuple):
     """Where the cursor of an editor is.
 
     `offset`: in characters.
-    `meant`: whether the word that it touches is meant: it is not while it is being typed.
+    `meant`: whether the word that it touches is finished, not still being typed.
     """
 
     offset: int
@@ -52,11 +52,11 @@ class Cursor(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unmeant:
-    """What of a program is not meant yet.
+    """The unfinished part of a program.
 
     `instead`: the program without it.
     `reason`: why it waits: ``waits:`` and a sentence, without a full stop; empty if it does not.
-    `always`: whether `instead` runs in any case; else only where the program would change the actions of an
+    `always`: whether `instead` always runs; otherwise only where the program would change the actions of an
         active state, remove it, or restart.
     `element`: the element that contains it; its faults are not reported.
     """
@@ -71,7 +71,7 @@ class Judgement(NamedTuple):
     """What a text means while the cursor is in it.
 
     `program`: the program that the text describes.
-    `findings`: those to be shown: without those about what is not meant yet.
+    `findings`: those to show, without those about what is unfinished.
     `hides`: whether any finding is not shown.
     """
 
@@ -82,7 +82,7 @@ class Judgement(NamedTuple):
 
     @property
     def half_typed(self) -> bool:
-        """Whether the text means something else as soon as the word at the cursor is meant, or left."""
+        """Whether the text will mean something else once the word at the cursor is finished or left."""
         return self.hides or self.unmeant is not None
 
 
@@ -98,7 +98,7 @@ def judge(
 
     `program`: the program that it describes.
     `findings`: the findings about it.
-    `cursors`: of several editors: what is half typed at any of them waits.
+    `cursors`: those of all editors; what is half typed at any of them waits.
     `running`: the program that runs now.
     `check`: returns the findings about a program.
     """
@@ -129,7 +129,7 @@ def _judge_at(
     running: Program,
     check: Check,
 ) -> tuple[Judgement, Span]:
-    """Return what a text means while a cursor is in it, and the range of what is not meant."""
+    """Return what a text means while a cursor is in it, and the range of what is unfinished."""
     if program is None:
         left = findings if cursor.meant else _away_from(text, _unfinished(text, cursor.offset), findings)
         return Judgement(None, left, hides=len(left) < len(findings)), Span(0, 0)
@@ -173,7 +173,7 @@ def _without_word(
 
 
 def _new_errors(findings: tuple[Finding, ...], instead: Program, check: Check) -> list[Finding]:
-    """Return the errors that a program has more of than another one."""
+    """Return the errors that a program has in addition to those of another one."""
     if not _has_errors(findings):
         return []
     errors = [each for each in findings if each.severity == "error"]
@@ -204,7 +204,7 @@ def _reason(error: Finding) -> str:
 
 
 def without_change(program: Program, before: Program, *spans: Span) -> Program:
-    """Return a program without what has changed at some ranges of its text since another program.
+    """Return a program without the changes in some ranges of its text since another program.
 
     The changes elsewhere stay. Where they cannot be separated, the result is the other program.
     """
@@ -237,7 +237,7 @@ def _word_at(text: str, offset: int) -> Span | None:
 
 
 def _unfinished(text: str, offset: int) -> Span:
-    """Return the range around a cursor in which something may only be unfinished: the words beside it."""
+    """Return the range around a cursor that may be merely unfinished: the words beside it."""
     begin = max(0, offset - _NEAR)
     before = [match.start() + begin for match in _SIGN.finditer(text[begin:offset])][-2:]
     after = _SIGN.search(text, offset)
@@ -269,7 +269,7 @@ def _state_at(program: Program, offset: int) -> State | None:
 
 
 def _element_at(program: Program, span: Span) -> Element | None:
-    """Return the element that a fault of what is at a range of the text is attributed to."""
+    """Return the element to which a fault in a range of the text is attributed."""
     names = resolve(program)
     places: Iterator[tuple[Element, Span]] = chain(
         ((each.element, each.block.span) for placed in names.blocks.values() for each in placed),

@@ -18,18 +18,17 @@ from support.tables import every
 from lrp_jupyter.language import blocks
 from lrp_jupyter.language.blocks import (
     bind,
-    block_end,
     block_names,
     compile_block,
     facts_of,
     faults_of,
-    parse_block,
 )
 from lrp_jupyter.language.checks import facts
 from lrp_jupyter.language.names import Offsets, words
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Block
-from lrp_jupyter.language.suites import DEEPEST, parse_suite
+from lrp_jupyter.language.scanner import block_end
+from lrp_jupyter.language.suites import DEEPEST, parse_block, parse_suite
 
 CORPUS = json.loads((Path(__file__).parent / "blocks.json").read_text(encoding="utf-8"))["blocks"]
 

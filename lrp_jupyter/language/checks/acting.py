@@ -1,7 +1,7 @@
 """550: blocks that act on the world by themselves, past `robot`.
 
-No command is recorded for what they do, nothing limits it or stops it, and whoever runs the block again, to
-ask why or what if, does it again.
+Nothing records, limits or stops what they do, and it happens again whenever the block is repeated to answer
+why or what if.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is missing, created: edits offered beside a finding, because only the user knows what is meant.
+"""Edits that create what is missing: offered beside a finding, because only the user knows what is meant.
 
 A new form goes after the last one of its kind, and is indented like the forms around it.
 """

@@ -1,4 +1,4 @@
-"""What a block imports, and what the names in its calls stand for."""
+"""The imports of a block, and the full names of what it calls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Python that is valid and means something other than it seems to: known from a block's text alone."""
+"""Valid Python that does not mean what it seems to, recognised from a block's text alone."""
 
 from __future__ import annotations
 

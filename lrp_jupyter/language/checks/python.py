@@ -172,7 +172,7 @@ class _Python:
         self._add(code, place, span, remedy, meant, prefix=prefix, creates=creates)
 
     def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
-        """Return what the name is that is out of scope in this block, and what to do; else None."""
+        """Return what a name is that is out of scope in this block, and a remedy; None for any other name."""
         if place.scope.event(name):
             return "It is an event, and only transitions can use events"
         if name in self._variables:

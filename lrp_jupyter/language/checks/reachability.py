@@ -90,7 +90,7 @@ def _unreached(report: Reporter, names: Resolution, links: Links, unspawned: lis
 
 
 def _uncertain(links: Links) -> set[Scope]:
-    """Return the machines any state of which may be meant by a reference that cannot even be guessed."""
+    """Return the machines of which a reference that cannot even be guessed may mean any state."""
     found = set()
     for scope, arrows in links.arrows.items():
         for arrow in arrows:

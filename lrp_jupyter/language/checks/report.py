@@ -24,7 +24,7 @@ class Reporter:
         self.program = program
         self.names = names
         self.findings: list[Finding] = []
-        self._compared = 0  # names compared so far, of which the most similar was wanted
+        self._compared = 0  # names compared so far in search of the most similar one
 
     @cached_property
     def sheet(self) -> Sheet:
@@ -68,8 +68,8 @@ class Reporter:
     def nearest(self, name: str, known: Iterable[str]) -> str | None:
         """Return the known name most similar to `name`, if one is similar.
 
-        After :data:`COMPARED` names nothing is suggested any more: 5,000 misspelt names among 5,000 would
-        be compared for minutes.
+        Nothing is suggested after :data:`COMPARED` names: to compare 5,000 misspelt names with 5,000 others
+        would take minutes.
         """
         if self._compared > COMPARED:
             return None

@@ -24,7 +24,7 @@ class ScannedBlock(NamedTuple):
 
 
 def scanned(text: str, signs: Iterable[str]) -> ScannedBlock | None:
-    """Return the nodes of a block; None if its text has none of the signs for which one looks."""
+    """Return the nodes of a block; None if its text has none of the given signs."""
     if not any(sign in text for sign in signs):
         return None
     try:

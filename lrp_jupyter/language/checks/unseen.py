@@ -1,6 +1,6 @@
-"""531: calls that look up names as texts, and so see no variable of the program.
+"""531: calls that look up names given as texts, and therefore see no variable of the program.
 
-Variables are those of a function around the block: Python knows them where the block itself writes them.
+Variables belong to a function around the block, so Python finds them only where the block itself names them.
 """
 
 from __future__ import annotations
