@@ -1,4 +1,4 @@
-"""What a page can do about breakpoints: add one, switch it on or off, remove it."""
+"""What a page can do with breakpoints: add one, switch it on or off, remove it."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-r"""Sets of changes to a text, and how those that were made at the same time are merged.
+r"""Sets of changes to a text, and the merging of changes that were made at the same time.
 
-A `TextChanges` says what becomes of a whole text, section by section: it stays, or is replaced. It is that of
-CodeMirror's editor, in its JSON form (`Sections`), and is mapped over another one with the same result, so
-that kernel and pages come to the same text. With changes `a` and `b` of one text,
+A `TextChanges` describes the whole text section by section: each stays, or is replaced. It corresponds to
+CodeMirror's `ChangeSet`, in its JSON form (`Sections`), and is mapped over another one with the same result,
+so that kernel and pages arrive at the same text. With changes `a` and `b` of one text,
 ``b.map(a).apply(a.apply(text)) == a.map(b, first=True).apply(b.apply(text))``.
 
-Texts are here what they are in the editor: sequences of UTF-16 units, with ``\n`` at the end of a line. A
-character outside the basic plane is therefore two characters of a Python string.
+Texts here are as in the editor: sequences of UTF-16 units, with ``\n`` at the end of a line. A character
+outside the basic plane is therefore two characters of a Python string.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class TextChanges:
         return cls(tuple(found))
 
     def json(self) -> Sections:
-        """Return the form in which the page reads it."""
+        """Return the form that the page reads."""
         return [
             length if text is None else [length, *(from_units(text).split("\n") if text else [])]
             for length, text in self.sections
@@ -99,12 +99,12 @@ class TextChanges:
         """Return these changes for the text in which the other ones were made.
 
         `other`: changes of the same text.
-        `first`: whether what both insert at one place comes in the order self, other.
+        `first`: whether text that both insert at the same place goes in the order self, other.
         """
         return TextChanges.of(_mapped(_SectionReader(self.sections), _SectionReader(other.sections), first))
 
     def map_place(self, place: int, after: bool = False) -> int:
-        """Return where a place of the text is after the changes; at an insertion: before or after it."""
+        """Return the position of a place after the changes; at an insertion, before or after it."""
         old = new = 0
         for length, text in self.sections:
             end = old + length
@@ -121,7 +121,7 @@ class TextChanges:
 
 
 class _SectionReader:
-    """Reads sections, also in pieces: `left` is what is left of the present one, `text` is in its place."""
+    """Reads sections, also in pieces: `left` is the rest of the present one, `text` its replacement."""
 
     def __init__(self, sections: Iterable[Section]) -> None:
         self._sections = iter(sections)
@@ -163,7 +163,7 @@ def _mapped(mine: _SectionReader, other: _SectionReader, first: bool) -> Iterato
                     raise ValueError("The changes are not of one text.")
                 piece = min(mine.left, left)
                 if mine.text is not None and not mine.is_written and mine.left <= piece:
-                    yield 0, mine.text  # what it replaces is gone
+                    yield 0, mine.text  # the text that it replaces is gone
                     mine.is_written = True
                 mine.skip(piece)
                 left -= piece
@@ -197,7 +197,7 @@ def _comes_first(other: _SectionReader, mine: _SectionReader, first: bool) -> bo
 
 
 def difference(old: str, new: str) -> TextChanges:
-    """Return small changes that make one text of another."""
+    """Return small changes that turn one text into another."""
     return TextChanges.of(text_difference(old, new))
 
 

@@ -1,8 +1,8 @@
 """The decoder of what a page sends: JSON, checked against annotations.
 
-Whatever arrives is checked field by field, from the annotations of a class or function alone: nothing that is
-called with it has to expect a field that is missing, a text where a number belongs, or a number that JSON
-should not have.
+Every message is checked field by field against the annotations of a class or function, so the code that
+receives it need not expect a missing field, a text where a number belongs, or a number that JSON should not
+contain.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def fields_of(target: Callable[..., Any]) -> Fields:
 
 
 def decode(fields: Fields, name: str, content: Mapping[str, object]) -> dict[str, Any]:
-    """Return the fields of a JSON object, which is called by this name in a sentence.
+    """Return the fields of a JSON object, which messages call by this name.
 
     Raises DecodeError: it lacks a field, or a field has a wrong value; the message names it.
     """

@@ -1,7 +1,7 @@
 """What a page can do to a program, its text, its robot and its graph.
 
 An act runs on the thread that delivers messages. It queues a command of the session and returns its future,
-does at once what any thread may do, or hands to the worker what has to wait. Then the views are updated.
+does at once what any thread may do, or passes to the worker whatever has to wait. Then the views are updated.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def reset(opened: OpenProgram) -> Applied:
 
 @act()
 def stop(opened: OpenProgram) -> None:
-    """Stop the robot now, whatever the program does, then pause; never waits for a tick."""
+    """Stop the robot now, whatever the program does, then pause, without waiting for a tick."""
     opened.session.stop_robot()
 
 

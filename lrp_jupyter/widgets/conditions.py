@@ -29,7 +29,7 @@ class Conditions:
         check_switch("lock", self.lock)
 
     def switched(self, **changes: Any) -> Conditions:
-        """Return them with changes that a page makes.
+        """Return the conditions with changes that a page makes.
 
         Raises LRPError: they are locked.
         """

@@ -1,4 +1,4 @@
-"""Texts that the user may want instead of the present one: one at a time is asked about.
+"""Texts that the user may want instead of the present one; the user is asked about one at a time.
 
 Until the user has chosen, such a text does not run, and the file of the program is not overwritten if it may
 contain it.
@@ -58,9 +58,9 @@ class Conflict:
     """What distinguishes it from all others."""
 
     def question(self, name: str, given_in: str) -> ConflictView:
-        """Return what the user of a program of this name is asked.
+        """Return the question to the user about a program of this name.
 
-        `given_in`: where the text is that the program is opened with, in a word: a cell, or a link.
+        `given_in`: where the program is opened from, in a word: a cell, or a link.
         """
         sentence, use, keep = (
             text.format(name=name, file=self.file, given_in=given_in) for text in _QUESTIONS[self.source]

@@ -1,8 +1,8 @@
 """The connection between one session and its views in pages.
 
-*In.* A message of a page is handled on whatever thread the kernel delivers it: with subshells that is not
-the main one, and it comes while a cell runs. It is decoded, then only queued: commands go to the session,
-texts are parsed and offered to it, what has to wait is left to one worker.
+*In.* A message of a page is handled on the thread on which the kernel delivers it: with subshells that is not
+the main one, and messages arrive while a cell runs. A message is decoded and only queued: commands go to the
+session, texts are parsed and offered to it, and whatever has to wait is left to one worker.
 
 *Out.* The session's :class:`~lrp_jupyter.widgets.publisher.Publisher` sends everything.
 
@@ -111,7 +111,7 @@ class PageConnection:
     def receive(self, send: Send, content: object, waits: bool = False) -> None:
         """Handle a message of a page; never raises.
 
-        `waits`: whether it would have waited for a cell that runs.
+        `waits`: whether it would have waited for a running cell.
         """
         try:
             message = decode_message(content)
@@ -165,7 +165,7 @@ class PageConnection:
             self.report(f"A message from the page was refused. {error}")
 
     def _do(self, asked: AskedMessage) -> None:
-        """Do or answer what a page asks for; reply when that is done, or at once if it cannot begin."""
+        """Carry out the request of a page; reply when it is done, or at once if it cannot begin."""
         handler = asked.handler
         if handler.is_noted:
             self.session.looked("command", handler.name)
@@ -206,7 +206,7 @@ class PageConnection:
                 self.texts.write(text)
 
     def load(self, name: str, text: str) -> None:
-        """Continue with another program under its name; what is kept under the old name stays there."""
+        """Continue with another program under its name; the texts kept under the old name stay there."""
         if name != self.name:
             self.name = self._free_name(name)
             self.saver.move(self.name)
@@ -217,7 +217,7 @@ class PageConnection:
     def use(self, session: Session) -> None:
         """Show another session from now on; views get a snapshot of it.
 
-        Raises SessionClosedError: it is too late: the other session is closed, too.
+        Raises SessionClosedError: this connection is closed; the other session is then closed, too.
         """
         self.layouts.update(session.frame)  # before the lock, which a command may need
         with self._lock:
@@ -276,7 +276,7 @@ class PageConnection:
 
 
 def _done(job: Callable[[], Any]) -> Future[Any]:
-    """Do a job; return the future of its result, or of what it raised."""
+    """Do a job; return the future of its result, or of the exception that it raised."""
     answer: Future[Any] = Future()
     try:
         answer.set_result(job())

@@ -1,8 +1,8 @@
-"""The text that all views of a lab share, with its numbered updates: the authority on what it is.
+"""The authoritative text that all views of a lab share, with its numbered updates.
 
 A page changes the text that it knows, of a certain revision, and need not wait: its changes are mapped over
 those that others have made since (`TextChanges.map`), each becomes the next update, and every view gets all
-updates in their order. A view that had changes of its own maps the others' over them, and so comes to the
+updates in their order. A view with unsent changes maps the others' changes over them, and so arrives at the
 same text.
 """
 
@@ -24,14 +24,14 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 
 @dataclass(frozen=True)
 class Update:
-    """Changes that made the next revision; `view` made them, empty: the kernel."""
+    """Changes that made the next revision; `view` is the view that made them, empty for the kernel."""
 
     view: str
     changes: TextChanges
 
 
 class Document:
-    """See the head of this module."""
+    """See the module's docstring."""
 
     def __init__(self, text: str = "") -> None:
         self.name = token_hex(8)
@@ -42,7 +42,7 @@ class Document:
         self.units = to_units(text)
         """The text as the editor has it."""
         self.told = 1
-        """The revision that all views have been sent; the updates after it are kept in any case."""
+        """The revision that all views have been sent; the updates after it are always kept."""
         self._line_end = _line_end(text) or "\n"
         self._updates: deque[Update] = deque()
         self._characters = 0
@@ -50,7 +50,7 @@ class Document:
     def since(self, revision: int) -> list[Update]:
         """Return the updates after a revision.
 
-        Raises ValueError: they are not known, or not any more.
+        Raises ValueError: they are not known, or no longer.
         """
         if not self.knows(revision):
             raise ValueError(f"The updates since revision {revision} are not known.")
@@ -73,11 +73,11 @@ class Document:
     def merge(
         self, view: str, base: int, changes: Sequence[TextChanges]
     ) -> tuple[list[TextChanges], list[TextChanges]]:
-        """Make a view's changes of the text of a revision, one after the other, the next updates.
+        """Turn a view's successive changes of the text of a revision into the next updates.
 
         list of TextChanges: the updates that they became.
         list of TextChanges: what others have changed since that revision, for a place in the view's text.
-        Raises ValueError: they are not changes of that text, or it is not known any more.
+        Raises ValueError: they are not changes of that text, or it is no longer known.
         """
         since = self.since(base)
         if any(update.view == view for update in since):
@@ -126,6 +126,6 @@ def _inserted(update: Update) -> int:
 
 
 def _line_end(text: str) -> str:
-    """Return the line end of a text; that of a page if it has several, nothing if it has none."""
+    """Return the line end of a text: that of a page if it has several, an empty text if it has none."""
     ends = set(_LINE_END.findall(text)) if "\r" in text else {"\n"} if "\n" in text else set()
     return ends.pop() if len(ends) == 1 else "\n" if ends else ""

@@ -1,7 +1,7 @@
-"""What is drawn on a state graph, as edits of the editor's text.
+"""Drawing on a state graph, as edits of the editor's text.
 
-The page sends its present text with the act, so the answer fits it, and applies the edits like typed ones:
-as one step of its own history.
+The page sends its present text with the act, so that the answer fits it, and applies the edits like typed
+ones, as one step of its history.
 """
 
 from __future__ import annotations

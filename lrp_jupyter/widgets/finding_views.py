@@ -1,4 +1,4 @@
-"""What the checks find in a text, and what an edit would change, as pages show it."""
+"""The findings of the checks and the changes of an edit, in the form that pages show."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def finding_id(finding: Finding) -> str:
 
 
 def finding_view(finding: Finding, text: str) -> FindingView:
-    """Return a finding of the checks about a text."""
+    """Return a finding about a text, as pages show it."""
     return {
         "id": finding_id(finding),
         "code": finding.code,
@@ -33,7 +33,7 @@ def finding_view(finding: Finding, text: str) -> FindingView:
 
 
 def _fix_view(fix: Fix | None, text: str) -> QuickFix | None:
-    """Return a fix of a text."""
+    """Return a fix of a text, as pages show it."""
     return None if fix is None else {"title": fix.title, "edits": edits_view(text, fix.edits)}
 
 

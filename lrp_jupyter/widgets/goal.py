@@ -1,7 +1,7 @@
-"""The challenge that an open program is written for: criteria of the present run, checks, hints.
+"""The challenge of an open program: criteria of the present run, checks, hints.
 
-The criteria are judged live, on the thread of the loop. A check makes all runs of the challenge beside that,
-in processes of their own: the lab stays responsive, and the robot drives on.
+The criteria are judged live, on the thread of the loop. A check makes all runs of the challenge in
+separate processes meanwhile: the lab stays responsive, and the robot drives on.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _STORING = 0.5  # s in which a browser stores the text, before a check that may 
 
 @dataclass
 class _Check:
-    """A check: its runs, and what came of those that were made."""
+    """A check: its runs, and the results of those that have ended."""
 
     text: str
     jobs: Sequence[Job]
@@ -69,13 +69,13 @@ class Goal:
     # -- the present run: on the loop's thread --------------------------------------------------------
 
     def attach(self, session: Session, wake: Callable[[], None]) -> None:
-        """Judge the runs of a session from now on; `wake` is called when there is something to show."""
+        """Start judging the runs of a session; `wake` is called when there is something to show."""
         self._end()
         self._referee, self._is_over, self._wake = None, False, wake
         self._end = session.on_tick(lambda: self._see(session))
 
     def close(self) -> None:
-        """End the check that is being made, and judge no more runs."""
+        """End the current check, and stop judging runs."""
         self._end()
         if self._check is not None:
             self._check.halted.set()
@@ -92,13 +92,15 @@ class Goal:
         if samples and now <= samples[-1].time:
             referee.go_back(now)
             self._is_over = False
-        if not self._is_over and (samples or now < 1):  # what began before it was watched cannot be judged
+        if not self._is_over and (
+            samples or now < 1
+        ):  # a run that began before it was watched cannot be judged
             self._is_over = referee.see(bridge, session.interpreter)
 
     # -- what is shown: on the publisher's thread -----------------------------------------------------
 
     def criteria(self) -> list[CriterionView]:
-        """Return what the criteria say of the present run."""
+        """Return the results of the criteria for the present run."""
         referee = self._referee
         if referee is None:
             return [{"sentence": each.sentence, "state": "open", "reason": ""} for each in self.task.criteria]
@@ -155,13 +157,13 @@ class Goal:
         }
 
     def attempts(self) -> dict[str, AttemptView]:
-        """Return the runs that the last check has made."""
+        """Return the runs of the last check."""
         return {} if self._check is None else self._check.views.copy()
 
     # -- what a person does ------------------------------------------------------------------------------
 
     def check(self, session: Session, text: str) -> None:
-        """Begin to run the text in every world of the challenge, with every seed; ends an earlier check."""
+        """Start running the text in every world of the challenge, with every seed; ends an earlier check."""
         if self._check is not None:
             self._check.halted.set()
         _, jobs = jobs_of(text, self.task, how=_HOW._replace(namespace=session.namespace))
@@ -174,14 +176,14 @@ class Goal:
         self._wake()
 
     def _run(self, check: _Check) -> None:
-        """Make the runs, and tell the views of each."""
+        """Make the runs, and show each in the views."""
         with _ending(check, self._wake):
             for index, made in run_jobs(check.jobs, _HOW, halt=check.halted):
                 made.check()
                 self._note(check, index, made)
 
     async def _run_here(self, check: _Check) -> None:
-        """Make the runs one by one, and let the program run in between."""
+        """Make the runs one by one, letting the program run in between."""
         with _ending(check, self._wake):
             await asyncio.sleep(_STORING)
             for index, job in enumerate(check.jobs):
@@ -261,7 +263,7 @@ class Goal:
             looking.look(session, begin + decided)
 
     def _driven(self, session: Session, begin: float) -> list[tuple[float, float, float, str]]:
-        """Return the way of the present run, with times of the session."""
+        """Return the path driven in the present run, with times of the session."""
         run = None if self._referee is None else self._referee.run
         paths = DefinedPaths(session.program)
         return [
@@ -316,7 +318,7 @@ def _attempt_view(task: Challenge, worlds: Sequence[World], job: Job, made: Atte
 
 
 def _outline(world: World) -> OutlineView:
-    """Draw what is in a world as paths of SVG."""
+    """Draw the contents of a world as SVG paths."""
     width, height = world.size
     line = []
     for stroke in world.floor.strokes:

@@ -1,4 +1,4 @@
-"""What a page can do about the challenge: check, show a run, give a hint, start over."""
+"""What a page can do with the challenge: check, show a run, give a hint, start over."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def _goal(opened: OpenProgram) -> Goal:
 
 @act()
 def check(opened: OpenProgram) -> None:
-    """Run the text in every world of the challenge, with every seed, beside the program that runs."""
+    """Run the text in every world of the challenge, with every seed, alongside the running program."""
     opened.saver.save(at_once=True)  # where there are no processes, a check may not return
     _goal(opened).check(opened.session, opened.texts.text)
 
 
 @act()
 def hint(opened: OpenProgram) -> None:
-    """Show one more hint about what the check has found."""
+    """Show one more hint about the result of the check."""
     _goal(opened).hint()
 
 

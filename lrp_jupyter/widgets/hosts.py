@@ -1,4 +1,4 @@
-"""Who started this kernel, and what they can show: from its environment and the running cell.
+"""The program that started this kernel, and what it can show, from the environment and the running cell.
 
 JupyterLab, Notebook and VS Code run a kernel for one person. Voila starts one for every visitor of a
 notebook; JupyterHub runs a server, and with it kernels, for every user that has logged in. nbconvert,

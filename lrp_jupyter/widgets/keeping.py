@@ -6,10 +6,10 @@
 ``nothing``  in memory: they end with the kernel
 ============ =============================================================================================
 
-Without ``LRP_KEEP``, texts are kept beside the notebook, with two exceptions, in which people who do not know
-each other may open the same folder. Under Voila nothing is kept, so a visitor never gets what another one has
-typed. On a JupyterHub, texts are kept for the user where the folder is in the user's home, and not at all
-elsewhere. A home there may contain folders that are shared, and it cannot be seen from the inside which.
+Without ``LRP_KEEP``, texts are kept beside the notebook, with two exceptions, in which strangers may open the
+same folder. Under Voila nothing is kept, so that no visitor gets the text of another. On a JupyterHub, texts
+are kept for the user if the folder is in the user's home, and not at all elsewhere. A home there may contain
+shared folders, and a kernel cannot see which ones are shared.
 
 Programs of one name in one folder are one program, whichever notebook opens them. The kernel knows the name
 of its notebook from some servers only, and as it was when the kernel started: one that is renamed would

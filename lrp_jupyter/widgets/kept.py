@@ -2,14 +2,14 @@
 
 ============= ============================================================================================
 ``.lrp``      the last accepted text
-``.versions`` what is remembered beside it, as JSON: the last texts that were replaced, with their times, and
-              the other fields of `Remembered`
+``.versions`` the other data, as JSON: the last texts that were replaced, with their times, and the other
+              fields of `Remembered`
 ============= ============================================================================================
 
 They are in ``.lrp`` beside the notebook, in this user's state folder, or nowhere: see `keeping.py`. Those in
-``.lrp`` are hidden, and whoever passes the folder on passes them on too. What a file contains therefore
-counts as the user's own only if its hash is noted in this user's state folder, which is elsewhere. All other
-texts are shown, and never run unasked. In a browser the files are in its own storage, which no folder brings.
+``.lrp`` are hidden, and are passed on with the folder. A file therefore counts as the user's own only if its
+hash is noted in this user's state folder, which is elsewhere. All other texts are shown, and never run
+unasked. In a browser the files are in its storage, which is not passed on with a folder.
 """
 
 from __future__ import annotations
@@ -63,10 +63,10 @@ class Version:
 
 @dataclass(frozen=True)
 class Remembered:
-    """What is kept of a program beside its accepted text.
+    """The data kept with a program's accepted text.
 
-    `typed`: the last typed text, while that is kept nowhere else.
-    `cell`: the text of the cell, as the lab knew it last.
+    `typed`: the last typed text, while it is kept nowhere else.
+    `cell`: the text of the cell, as last known to the lab.
     `hung`: the text of a program that hung, until it has run well.
     `versions`: the texts that were replaced, the newest first.
     """
@@ -123,7 +123,7 @@ class Kept:
         self.name = name
         self.home = os.path.realpath(self.folder / name)
         """What distinguishes this program from one of the same name in another folder."""
-        self._known: dict[str, tuple[_Signature | None, str]] = {}  # by ending: as last read or written here
+        self._known: dict[str, tuple[_Signature | None, str]] = {}  # by suffix: as last read or written here
 
     def file(self, ending: str) -> Path:
         """Return the path of a file."""
@@ -136,7 +136,7 @@ class Kept:
         return f"{FOLDER}/{file.name}" if self.folder.name == FOLDER else shown(file)
 
     def read(self, ending: str) -> str | None:
-        """Return the text of a file; None if there is none that can be read."""
+        """Return the text of a file; None if it does not exist or cannot be read."""
         if self.folder.is_symlink():
             return None
         signature = self._signature(ending)
@@ -189,7 +189,7 @@ class Kept:
         return None if text is None or (known is not None and known[1] == digest(text)) else text
 
     def remembered(self) -> Remembered:
-        """Return what is kept beside the text; what someone else typed last is one of the versions."""
+        """Return the data kept with the text; a text typed by someone else becomes a version."""
         text = self.read(".versions")
         try:
             found = json.loads(text or "{}")
@@ -206,7 +206,7 @@ class Kept:
         return Remembered(typed, cell, hung, newest(versions))
 
     def remember(self, what: Remembered) -> None:
-        """Keep this beside the text; the versions that another kernel has kept stay.
+        """Keep this with the text; versions kept by another kernel stay.
 
         Raises FileError: it cannot be written.
         """

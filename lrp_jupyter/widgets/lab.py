@@ -99,7 +99,7 @@ class Part(anywidget.AnyWidget):
         """Do nothing: a widget that is garbage collected does not stop a robot."""
 
     def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
-        waits = threading.get_ident() == self._cells  # as the cell did that has made this widget
+        waits = threading.get_ident() == self._cells  # like the cell that created this widget
         self._connection.receive(self._publish, unpacked(content), waits)
 
     def _publish(self, message: Any, buffers: list[bytes] | None) -> None:

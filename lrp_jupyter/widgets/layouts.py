@@ -16,7 +16,7 @@ from lrp_jupyter.live.frame import Frame
 
 
 class Layouts:
-    """Lays out the machines of the running program; only what would be drawn differently is laid out again.
+    """Lays out the machines of the running program again only if they would be drawn differently.
 
     Only :meth:`update` computes, and may take long: call it without holding a lock that others wait for. The
     other methods return at once, from any thread. A layout is never changed after its creation, so views
@@ -28,12 +28,12 @@ class Layouts:
         """The first frame of the program laid out last, and the layouts by machine path; one value."""
         self._clock = clock
         self._computing = Lock()
-        self._lock = Lock()  # of what is to be computed next
+        self._lock = Lock()  # of the input of the next computation
         self._arranged: set[str] = set()
         self._panel: Size | None = None
         self._wanted = False  # whether nested machines are to be drawn inside their states
         self._nested = False  # whether they are
-        self._otherwise: dict[str, Layout] = {}  # of machines around others, as they were drawn before that
+        self._otherwise: dict[str, Layout] = {}  # of machines around others, as drawn the other way
         self._pinned: dict[str, dict[str, tuple[float, float]]] = {}
         self._appearances: dict[str, tuple[Hashable, Hashable]] = {}
         self._gone: dict[str, Layout] = {}  # of machines that are not in the text at the moment
@@ -80,7 +80,7 @@ class Layouts:
                 if revision > shown.revision:
                     previous |= _carried(previous, successors)
                     otherwise |= _carried(otherwise, successors)
-            if nested != self._nested:  # states of another size: they have places of their own
+            if nested != self._nested:  # states of another size have their own places
                 self._nested = nested
                 self._otherwise = {name: old for name, old in previous.items() if _has_nested(old)}
                 previous = {name: old for name, old in previous.items() if not _has_nested(old)} | otherwise
@@ -136,7 +136,7 @@ def _carried(layouts: Mapping[str, Layout], successors: Successors) -> dict[str,
         machine = successors.path("machine", path) or path
         states = known["places"]
         names = {state: (successors.path("state", (*path, state)) or (state,))[-1] for state in states}
-        # a renamed state goes before the place that is reserved for a removed one of its new name
+        # a renamed state takes precedence over the place kept for a removed state with its new name
         in_order = sorted(names.items(), key=lambda pair: pair[0] != pair[1])
         places = {now: states[before] for before, now in in_order}
         carried[path_text(machine)] = Layout(**{**known, "places": places})

@@ -1,7 +1,7 @@
-"""The earlier moment that all views of a session show, if a person looks at one.
+"""The earlier moment that all views of a session show while a person looks at it.
 
-A simulated robot pauses meanwhile; a real one is never touched, and its program goes on. Whatever lets a
-simulated robot move again leads back to the present.
+A simulated robot pauses meanwhile; a real one is not affected, and its program continues. Any command that
+makes a simulated robot move again returns the views to the present.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from lrp_jupyter.widgets.protocol import LookingView
 
 
 class MomentShown(NamedTuple):
-    """A frame that views show, and the moment that it is of; None for the present."""
+    """A frame that views show, and its moment; None for the present."""
 
     frame: Frame
     looking: LookingView | None
@@ -33,12 +33,12 @@ class _Moment:
     resumes: bool
 
     def is_edited(self, program: Program) -> bool:
-        """Return whether this program is another one; an edit that was undone is none."""
+        """Return whether this program differs; an edit that was undone does not count."""
         return program.text != self.program.text
 
 
 class Looking:
-    """See the head of this module. Its moment is one reference, so that any thread may read it."""
+    """See the module's docstring. Its moment is one reference, so that any thread may read it."""
 
     def __init__(self) -> None:
         self._moment: _Moment | None = None
@@ -46,7 +46,7 @@ class Looking:
     # -- what is shown -------------------------------------------------------------------------------
 
     def shown(self, session: Session) -> MomentShown:
-        """Return what views show: of the moment looked at, or the newest frame."""
+        """Return what views show: the frame of the moment looked at, or the newest frame."""
         moment, now = self._of(session), session.frame
         if moment is None:
             return MomentShown(now, None)
@@ -92,13 +92,13 @@ class Looking:
     def back(self, session: Session) -> Future[None] | None:
         """Show the present again; a robot that was paused for looking drives on. From any thread.
 
-        Done when it drives on.
+        The future is done when the robot drives on.
         """
         moment, self._moment = self._of(session), None
         return session.ask(do.Resume()) if moment is not None and moment.resumes else None
 
     def run_on(self, session: Session) -> None:
-        """Go back to the moment looked at, and run on from there; with what was edited meanwhile.
+        """Go back to the moment looked at, and run on from there, with the edits made meanwhile.
 
         Raises ValueError: nothing earlier is looked at.
         Raises BridgeError: a real robot is armed.

@@ -59,7 +59,7 @@ NAME may be left out while only one program is open.\
 
 
 def _options(line: str) -> tuple[str, dict[str, Any]]:
-    """Return the name and the options of a cell; those that are not ours are the bridge's (``--host …``)."""
+    """Return the name and the options of a cell; unknown options are the bridge's (``--host …``)."""
     try:
         words = shlex.split(line)
     except ValueError:
@@ -413,7 +413,7 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
 
 
 def _asked() -> list[str]:
-    """Return what one may ask about: the transitions and states of the open programs, and the robot."""
+    """Return what can be asked about: the transitions and states of the open programs, and the robot."""
     elements = [
         element
         for connection in registry.running()

@@ -1,8 +1,8 @@
 """Messages from a page: their types, and the decoder that checks what arrives against them.
 
-A message is a frozen dataclass, registered under its ``type``; what a page asks for is a function, registered
-under its name: an act (a command of the user) or a question. :func:`decode_message` checks whatever arrives
-against their annotations. The page's TypeScript types are generated from the same definitions.
+A message is a frozen dataclass, registered under its ``type``; a request is a function, registered under its
+name: an act (a command of the user) or a question. :func:`decode_message` checks every message against their
+annotations. The page's TypeScript types are generated from the same definitions.
 """
 
 from __future__ import annotations
@@ -74,8 +74,8 @@ class PageMessage:
 class HelloMessage(PageMessage, type="hello"):
     """A view opens, shows this part, and needs a snapshot. Sent again after a lost connection.
 
-    Then the view knows a `revision` of a `document`, and has sent texts up to the number `seq`: the kernel
-    ignores those that it has not got by now, and the view sends what they contained again.
+    In that case the view knows a `revision` of a `document`, and has sent texts up to the number `seq`: the
+    kernel ignores any that have not arrived yet, and the view sends their contents again.
     """
 
     part: PartName
@@ -86,7 +86,7 @@ class HelloMessage(PageMessage, type="hello"):
 
 @dataclass(frozen=True)
 class ByeMessage(PageMessage, type="bye"):
-    """A view closes; best effort, so a view without credit for long counts as gone too."""
+    """A view closes; best effort, so a view that sends no credit for a long time also counts as closed."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class TextMessage(PageMessage, type="text"):
 
 @dataclass(frozen=True)
 class CursorMessage(PageMessage, type="cursor"):
-    """The cursor moved, the editor was left, or the word at the cursor is meant by now. Not answered.
+    """The cursor moved, the editor was left, or the word at the cursor is finished. Not answered.
 
     `seq` is the number of the last text of the view, and `revision` what `selection` refers to.
     """
@@ -136,24 +136,24 @@ class CreditMessage(PageMessage, type="credit"):
     """Frames have arrived, and there is nothing else to say."""
 
 
-# -- what a page asks for ----------------------------------------------------------------------------
+# -- requests of a page ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Handler:
-    """A function that does, or answers, what a page asks for; its parameters are the fields of the message.
+    """A function that carries out a request of a page; its parameters are the fields of the message.
 
     It runs on the thread that delivers messages, and returns a future if the session or the worker does it
     later; an exception, raised or in the future, is the error of the reply.
 
-    `patience`: wall seconds after which a message that is not answered yet is answered with the reason.
-    `answer`: the field of the reply that gets what a question returns, which is asked on the worker's thread
+    `patience`: wall seconds after which an unanswered message is answered with the reason.
+    `answer`: the field of the reply that holds the result of a question, which runs on the worker's thread
         and may wait there; empty for an act.
     `is_present`: whether it changes the run or the world as it is now: views that show the past return from
         it first.
-    `changes_world`: whether a page shows what it does until the world is described; the reply follows the
+    `changes_world`: whether a page shows its effect before the world is described; the reply follows the
         description.
-    `is_noted`: whether the recording of what a person does says that it was done.
+    `is_noted`: whether it is noted in the recording of a person's actions.
     """
 
     name: str
@@ -191,7 +191,7 @@ def question(answer: str, patience: float = 1.0) -> Callable[[Function], Functio
     """Return the decorator of what answers a question of a page; see `Handler`."""
 
     def register(function: Function) -> Function:
-        name = function.__name__.rstrip("_")  # which would be another name of Python's
+        name = function.__name__.rstrip("_")  # which would differ from its name in Python
         QUESTIONS[name] = Handler(name, function, patience, answer, is_noted=False)
         return function
 

@@ -1,9 +1,9 @@
-"""The comm of a lab, which leaves the cells alone.
+"""The comm of a lab, which does not interfere with cells.
 
-A kernel treats what a page sends to a widget as if it were a cell: it runs what is registered to run before
-and after cells. After a cell, matplotlib shows all figures and closes them: those that another cell is just
-drawing would be shown nowhere. It also handles an answer of a page where the widget has spoken last, which
-may be behind a cell that runs. A lab is no cell, speaks all the time, and is to be reached while one runs.
+A kernel treats a message to a widget like a cell: it calls the functions registered to run before and after
+cells. After a cell, matplotlib shows all figures and closes them, so figures that another cell is drawing
+would be lost. The kernel also handles the answer of a page where the widget last sent a message, which may be
+behind a running cell. A lab is not a cell, sends messages all the time, and must be reachable meanwhile.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from comm.base_comm import BaseComm
 
 
 class OwnComm:
-    """Stands in for the comm that a kernel has opened: messages come as they are, where they were sent."""
+    """Stands in for the comm that a kernel has opened: messages arrive unchanged, where they were sent."""
 
     def __init__(self, opened: BaseComm) -> None:
         self.comm_id = opened.comm_id
@@ -28,5 +28,5 @@ class OwnComm:
         comm.get_comm_manager().register_comm(self)  # type: ignore[arg-type]
 
     def on_msg(self, callback: Callable[[Any], None]) -> None:
-        """Handle messages by a function."""
+        """Set the function that handles messages."""
         self.handle_msg = callback

@@ -1,4 +1,4 @@
-"""Messages as texts in JSON: notebooks differ in what becomes of None and of subclasses of `str`."""
+"""Messages as JSON texts, because notebooks treat None and subclasses of `str` differently."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lrp_jupyter.language.program import path_text
 
 
 def packed(message: Any) -> str:
-    """Return a message as a text that any notebook passes on as it is."""
+    """Return a message as a text that every notebook passes on unchanged."""
     return json.dumps(message, separators=(",", ":"), default=as_fields)
 
 
@@ -28,7 +28,7 @@ def _writers(kind: Any) -> list[tuple[str, Callable[[Any], Any]]]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value with numbers of four decimals, small ones of eight: no page shows more."""
+    """Return a value with numbers rounded to four decimals, small ones to eight: no page shows more."""
     kind = type(value)
     if kind is float:
         return round(value, 4 if abs(value) >= 0.01 else 8)
@@ -44,7 +44,7 @@ _WRITERS: dict[Any, Callable[[Any], Any]] = {"Path": path_text}
 
 
 def unpacked(content: Any) -> Any:
-    """Return the message that a page has sent through a notebook; what is none is refused later."""
+    """Return the message that a page has sent through a notebook; anything else is refused later."""
     try:
         return json.loads(content["json"])
     except (LookupError, TypeError, ValueError, RecursionError):

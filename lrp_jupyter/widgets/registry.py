@@ -1,7 +1,7 @@
 """The programs that run in this kernel, by name.
 
-Widgets live as long as the kernel, so a cell that is run again must find what it opened before: the same
-name is the same running program. The text of a cell and what was typed in the lab are reconciled here.
+Widgets live as long as the kernel, so a cell that is run again must find the program that it opened: the same
+name is the same running program. The text of the cell and the text typed in the lab are reconciled here.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def find(name: str) -> PageConnection | None:
 
 
 def named(name: str) -> PageConnection:
-    """Return the open program of a name; an empty one stands for the only program that is open.
+    """Return the open program of a name; an empty name stands for the only open program.
 
     Raises UnknownElementError: there is none, or the name is empty and there are several.
     """
@@ -86,7 +86,7 @@ def _add(connection: PageConnection) -> PageConnection:
 
 
 def _free_name(name: str) -> str:
-    """Return a name that no open program has: this one, or this one with a number."""
+    """Return a name that no open program has: this one, if necessary with a number."""
     taken, free, count = names(), name, 1
     while free in taken:
         count += 1
@@ -122,13 +122,13 @@ def open_program(
     `bridge`: default: that of the open program, else the simulator.
     `namespace`: names that blocks can read.
     `rate`: ticks per second.
-    `folder`: the directory of the notebook, on which depends where texts are kept; default: the current one.
-    `paused`: why a program that is opened does not run before its user wants it.
-    `given_in`: where this text is, in a word: a cell, or a link.
-    `task`: the challenge that the program is written for: its first world is loaded, its goal shown.
+    `folder`: the directory of the notebook, which decides where texts are kept; default: the current one.
+    `paused`: why a newly opened program does not run until its user starts it.
+    `given_in`: where this text comes from, in a word: a cell, or a link.
+    `task`: the challenge of the program: its first world is loaded, its goal shown.
     `conditions`: how the lab is used; None: as before.
-    `log`: the file into which the session is recorded from its beginning, with what a person looks at; if
-        it exists, the name gets a number.
+    `log`: the file in which the session is recorded from its beginning, with what a person looks at; if it
+        exists, the name gets a number.
     `options`: for the bridge: ``world="line"``.
     Raises BridgeError: there is no such bridge, or its robot cannot be reached.
     Raises LRPError: it is not a valid name for a program, ``LRP_KEEP`` names no place to keep texts, or the

@@ -1,7 +1,7 @@
 """The questions of an editor: completion, hover, references, format, versions, files.
 
 They are answered on the worker's thread. Live values are read between two ticks, on the interpreter's
-thread, which passes on only texts of bounded length.
+thread, which passes on only texts of limited length.
 """
 
 from __future__ import annotations
@@ -271,7 +271,7 @@ def _signature(value: Callable[..., object]) -> str:
 def _doc(value: object) -> str:
     try:
         return (inspect.getdoc(value) or "").partition("\n\n")[0][:300]
-    except Exception:  # a strange object: no documentation
+    except Exception:  # an unusual object: no documentation
         return ""
 
 

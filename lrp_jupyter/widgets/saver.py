@@ -1,9 +1,9 @@
 """Decide when the texts of a session are written to their files.
 
-Every text is kept at once, so that no work is lost; what is kept already costs nothing. What could not be
-written is tried again. A file that was changed by another program is noticed within a second, and not
-overwritten before the user has chosen. The text of a program that hangs is kept as well, so that the next
-kernel does not start it.
+Every text is kept at once, so that no work is lost; keeping an unchanged text costs nothing. A failed write
+is repeated. A file that was changed by another program is noticed within a second, and not overwritten before
+the user has chosen. The text of a program that hangs is kept as well, so that the next kernel does not start
+it.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from lrp_jupyter.widgets.texts import Texts, are_alike
 
 _LOOK = 1.0  # s between two comparisons of the file with what was written
 _AGAIN = 5.0  # s until a text that could not be kept is tried again
-_WELL = 10.0  # s that a program has to run after a block of it did not return
+_WELL = 10.0  # s that a program must run after one of its blocks did not return
 
 
 class Saver:
-    """See the head of this module.
+    """See the module's docstring.
 
-    `texts`: they continue with the text of the cell that was kept.
+    `texts`: they continue with the kept text of the cell.
     `kept`: the files in which the texts are kept; None: in memory only.
     `home`: without files: what distinguishes this program from one of the same name elsewhere; default:
         nothing.
@@ -42,8 +42,8 @@ class Saver:
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
         self._looked = self._again = float("-inf")
-        self._well = 0.0  # since when the text that hung has run well
-        self._saved_as: dict[str, str] = {}  # what this lab wrote to files of the user's choice
+        self._well = 0.0  # when the text that hung began to run well
+        self._saved_as: dict[str, str] = {}  # the texts that this lab wrote to files chosen by the user
         self._remembered = Remembered() if kept is None else kept.remembered()
         texts.cell, texts.versions = self._remembered.cell, self._remembered.versions
         self.hung = self._remembered.hung
@@ -65,10 +65,10 @@ class Saver:
         return True
 
     def first_texts(self, cell: str | None) -> list[str]:
-        """Return the texts to start with, of which a later one is newer, and ask about other kept texts.
+        """Return the texts to start with, the newest last, and ask about other kept texts.
 
-        The text of a cell starts, because it is what the user sees. Without one, what this user has written
-        starts; what came with the folder never does.
+        The text of a cell starts, because it is what the user sees. Without one, the text that this user has
+        written starts; a text that came with the folder never does.
         """
         if self.kept is None:
             return [cell] if cell else []
@@ -89,7 +89,7 @@ class Saver:
         return [cell]
 
     def move(self, name: str) -> None:
-        """Keep the texts under another name from now on; what was kept there joins the versions."""
+        """Keep the texts under another name; the texts kept there before become versions."""
         self.save(at_once=True)
         texts = self.texts
         with self._lock, texts.lock:
@@ -106,7 +106,7 @@ class Saver:
             texts.cell = texts.accepted = None
 
     def save(self, at_once: bool = False) -> None:
-        """Keep the texts in their files; what is kept already costs nothing.
+        """Keep the texts in their files; unchanged texts cost nothing.
 
         A failure is reported once, and tried again after some seconds, or `at_once`.
         """
@@ -124,7 +124,7 @@ class Saver:
                 self.problem = str(error)
 
     def _notice_hanging(self) -> None:
-        """Remember the text of a program that hangs, so that it is not started again by itself."""
+        """Remember the text of a program that hangs, so that it is not started again automatically."""
         frame, now = self.texts.session.frame, self.texts.clock()
         text = frame.program.text
         if frame.hung is not None:
@@ -153,7 +153,7 @@ class Saver:
         self._stored = wanted
 
     def _wanted(self) -> tuple[str | None, Remembered]:
-        """Return what is to be kept: the text, unless a question may be about the file, and the rest."""
+        """Return the data to keep: the text, unless a question may concern the file, and the rest."""
         texts = self.texts
         with texts.lock:
             asked = [each for each in texts.conflicts if each.source != "cell"]

@@ -2,8 +2,8 @@
 
 Views send changes, which are merged in a :class:`~lrp_jupyter.widgets.document.Document`; a text from
 elsewhere is such a change, too. Each text is judged, offered to the session, and answered with the result.
-A text from elsewhere that may be newer, or not the user's, is a conflict: until the user has chosen, it
-neither runs nor is overwritten.
+A text from elsewhere that may be newer, or not the user's, is a conflict: until the user has chosen, it is
+neither run nor overwritten.
 """
 
 from __future__ import annotations
@@ -85,9 +85,9 @@ class _Hand:
 
 
 class Texts:
-    """See the head of this module.
+    """See the module's docstring.
 
-    `given_in`: where the text is that the program is opened with, in a word: a cell, or a link.
+    `given_in`: where the program is opened from, in a word: a cell, or a link.
     """
 
     def __init__(self, given_in: str = "cell") -> None:
@@ -102,7 +102,7 @@ class Texts:
         self.conflicts: list[Conflict] = []
         """The texts that the user may want instead; the first one is asked about."""
         self.cell: str | None = None
-        """The text of the cell, as it was known last."""
+        """The last known text of the cell."""
         self.accepted: str | None = None
         """The last one that is a valid program."""
         self.versions: tuple[Version, ...] = ()
@@ -110,7 +110,7 @@ class Texts:
         self.waiting: deque[Written] = deque()
         self.document = Document()
         self.judgement = Judgement(None, ())
-        """What the text means while the cursors are where they are."""
+        """What the text means with the cursors where they are."""
         self.running_revision = 0
         """The revision of the running text."""
         self._wake: Callable[[], None] = lambda: None
@@ -167,12 +167,12 @@ class Texts:
     ) -> None:
         """Merge what was typed into a view, and offer the text to the session unless edits are held.
 
-        `seq`: the number assigned by the view. A text that came before is ignored.
+        `seq`: the number assigned by the view. A text that has already arrived is ignored.
         `base`: the revision to which the changes apply.
-        `updates`: one after the other.
-        `selection`: where the user's cursor is then.
-        `meant`: whether the word there is meant: it is not while it is being typed.
-        `rename`: the changes are this rename, so what is renamed stays what it is.
+        `updates`: the changes, one after the other.
+        `selection`: where the user's cursor is after them.
+        `meant`: whether the word there is finished, not still being typed.
+        `rename`: the changes are this rename, so the renamed element keeps its identity.
         Raises ValueError: they are not changes of a text that is still known.
         """
         with self.lock:
@@ -195,7 +195,7 @@ class Texts:
     def move_cursor(
         self, view: str, seq: int, revision: int, selection: Selection | None, meant: bool
     ) -> None:
-        """Move the cursor of a view, or leave its text, or mean what was typed there.
+        """Move the cursor of a view, or leave its text, or mark the word there as finished.
 
         `seq`: the number of the view's last text: one that is followed by another is ignored.
         `revision`: the revision to which the selection refers.
@@ -211,12 +211,12 @@ class Texts:
         self._wake()
 
     def enter(self, view: str, seq: int) -> None:
-        """Add a view with an editor. Of its texts, those with numbers up to `seq` count no more."""
+        """Add a view with an editor. Its texts with numbers up to `seq` no longer count."""
         with self.lock:
             self._hands[view] = _Hand(max(seq, self._hands.get(view, _Hand(0)).seq))
 
     def leave(self, view: str) -> None:
-        """Remove a view, and apply what waits for its cursor."""
+        """Remove a view, and apply edits that wait for its cursor."""
         with self.lock:
             if self._hands.pop(view, None) is not None and self.judgement.half_typed:
                 self._offer()
@@ -227,7 +227,7 @@ class Texts:
         return self.conditions.edits == "hold"
 
     def set_conditions(self, conditions: Conditions) -> None:
-        """Change the conditions; a text that does not wait any more is applied."""
+        """Change the conditions; a text that no longer waits is applied."""
         with self.lock:
             was_held, self.conditions = self.hold, conditions
             if was_held and not self.hold:
@@ -247,11 +247,11 @@ class Texts:
     ) -> None:
         """Offer the text to the session, unless edits are held, and answer when that has decided.
 
-        `at_once`: held or half typed, it is offered.
+        `at_once`: it is offered even if it is held or half typed.
         """
         answer: Future[Any] = Future()
         for conflict in list(self.conflicts):
-            if are_alike(conflict.text, self.text):  # the user has typed what was to be chosen
+            if are_alike(conflict.text, self.text):  # the user has typed one of the texts to choose from
                 self._end(conflict)
         cursors = [] if at_once else self._cursors()
         try:
@@ -267,7 +267,7 @@ class Texts:
         answer.add_done_callback(lambda _: self._wake())
 
     def _renamed(self, rename: Rename | None) -> tuple[Judgement, Future[Any]] | None:
-        """Have the session rename an element, if that leads to the present text."""
+        """Have the session rename an element, if the result is the present text."""
         if rename is not None:
             try:
                 if renamed(self.session.program, *rename) == self.text:
@@ -290,7 +290,7 @@ class Texts:
         return Written(view, seq, self.revision, self.text, self.judgement, findings, answer, deadline)
 
     def _continue_with(self, text: str) -> None:
-        """Make a text from elsewhere the document's."""
+        """Replace the document's text by one from elsewhere."""
         changes = self.document.replace(text)
         for hand in self._hands.values():
             hand.move(changes)
@@ -333,7 +333,7 @@ class Texts:
             }
 
     def answers(self, now: float) -> list[Written]:
-        """Return the texts that can be answered, or must be by now, and changes that came without a text."""
+        """Return the texts that can or must be answered now, and changes that came without a text."""
         with self.lock:
             ready = []
             while self.waiting and self._is_decided(self.waiting[0], now):
@@ -393,7 +393,7 @@ class Texts:
         return is_other and self.session.status != "closed"  # which accepts no text any more
 
     def _adopt(self) -> bool:
-        """Continue with the session's text, if that came from no view; return whether it did."""
+        """Continue with the session's text, if no view sent it; return whether so."""
         is_news = self._came_from_elsewhere()
         if is_news:
             self._leave(self.session.text, is_typed=False)
@@ -418,7 +418,7 @@ class Texts:
     def everything(self, view: str, revision: int | None) -> dict[str, Any]:
         """Return the fields of a `SnapshotMessage` that are about texts.
 
-        `revision`: the one that the view knows.
+        `revision`: the revision that the view knows.
         """
         with self.lock:
             updates = None
@@ -443,13 +443,13 @@ class Texts:
 
     @property
     def conflict(self) -> ConflictView | None:
-        """What the user is asked now."""
+        """The question to the user now."""
         with self.lock:
             first = next(iter(self.conflicts), None)
             return None if first is None else first.question(self.session.name, self._given_in)
 
     def ask(self, conflict: Conflict) -> None:
-        """Ask about a text, unless it is the present one or asked about already.
+        """Ask about a text, unless it is the present one or already in question.
 
         It replaces an older one from the same source. It is a version at once: no file may contain it then.
         """
@@ -473,7 +473,7 @@ class Texts:
             self.cell = text
 
     def recover(self, text: str) -> None:
-        """Ask about the text of a view that has lost its kernel: it continues what the lab kept."""
+        """Ask about the text of a view that has lost its kernel: it continues the text that the lab kept."""
         with self.lock:
             text = self.document.with_line_ends(text)
             if text.strip() and text not in (self.text, *(other.text for other in self.conflicts)):
@@ -505,7 +505,7 @@ class Texts:
 
 
 def are_alike(text: str, other: str | None) -> bool:
-    """Return whether two texts are equal but for line ends: a cell has its own, and a newline at its end."""
+    """Return whether two texts are equal except for line ends: a cell has its own, and a final newline."""
     return other is not None and text.splitlines() == other.splitlines()
 
 

@@ -26,7 +26,7 @@ def timeline(
 
 @act(is_noted=False)
 def look(opened: OpenProgram, tick: int | None = None, time: float | None = None) -> Applied:
-    """Show an earlier moment, by its tick or its time in seconds; without both, show the present again."""
+    """Show an earlier moment, by its tick or its time in seconds; without either, show the present again."""
     session, looking = opened.session, opened.looking
     at: int | float | None = tick
     if tick is not None:

@@ -1,7 +1,7 @@
 """The lab in a web page without a notebook: Python runs in a worker of the page, and they exchange JSON.
 
-The page shows one program at a time. What is typed is kept in the folder of the worker, which the browser
-stores for the page: nothing leaves the browser.
+The page shows one program at a time. Texts are kept in the folder of the worker, which the browser stores
+for the page: nothing leaves the browser.
 """
 
 from __future__ import annotations
@@ -57,12 +57,12 @@ class Opened:
 
 
 def open_program(wanted: str, send: SendText) -> Opened:
-    """Open the program that the address of the page asks for.
+    """Open the program named in the address of the page.
 
     `wanted`: an object in JSON: the ``program`` (a name), its ``text`` if the address contains one, the
         ``world`` and the ``challenge`` if it names them. With ``again`` the text that was kept here
-        continues, as expected of a page that is loaded again. With ``hung`` it does not run before the user
-        wants it.
+        continues, as expected of a page that is loaded again. With ``hung`` it does not run until the user
+        starts it.
     `send`: sends a message, as JSON, and its buffers to the page.
     Raises LRPError: there is no such program, world or challenge.
     """

@@ -37,7 +37,7 @@ def _world(opened: OpenProgram) -> SimBridge:
 
 
 def world_act(function: Function) -> Function:
-    """Register what a page can do to the world; it is done between two ticks, and then shown."""
+    """Register an act of a page on the world; it is carried out between two ticks, and then shown."""
 
     @wraps(function)
     def change(opened: OpenProgram, **given: Any) -> Future[Any]:
@@ -72,7 +72,7 @@ def reset_pose(bridge: SimBridge, index: Index) -> None:
 
 @world_act
 def reset_world(bridge: SimBridge, drawings: bool = False) -> None:
-    """Reset the world to its start, without trails; with `drawings` also without what was edited."""
+    """Reset the world to its start, without trails; with `drawings` also without edits."""
     bridge.reset_world(drawings)
 
 
@@ -191,13 +191,13 @@ def world_picture(opened: OpenProgram) -> str:
 
 @question("svg")
 def world_animation(opened: OpenProgram) -> str:
-    """Draw how the world moved in what is remembered of the run."""
+    """Draw the motion in the world over the remembered part of the run."""
     _world(opened)
     return opened.session.animation()
 
 
 def saved_worlds(folder: str | os.PathLike[str] = ".") -> list[str]:
-    """Return the names of the files of a folder that the page offers as worlds."""
+    """Return the names of the files in a folder that the page offers as worlds."""
     try:
         return sorted(name for name in os.listdir(folder) if name.endswith(WORLD_FILE))
     except OSError:
