@@ -9,8 +9,10 @@ import pytest
 from checking import start_of
 from support.seeds import seeds
 from support.tables import every
+from test_wrong_texts import SECTIONS
 
 from lrp_jupyter.errors import edited
+from lrp_jupyter.language import mistakes
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.mistakes import draft, unclosed
 from lrp_jupyter.language.parser import parse
@@ -220,3 +222,21 @@ def test_the_place_of_a_quote_is_not_searched_for_in_long_blocks(monkeypatch: py
     wrong = f'(machine m (state a (running [print("a, {call})])))(spawn m a)'
     assert {finding.line for finding in check(wrong)} == {1}
     assert sum(parsed) < 1_000_000
+
+
+def _found(text: str) -> list[tuple[str, str, int, int]]:
+    return [(each.code, each.message, each.line, each.column) for each in check(text)]
+
+
+@pytest.mark.slow
+def test_every_rule_is_needed_and_can_be_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = [
+        section.frame.replace("□" if "□" in section.frame else row.right, row.text)
+        for section in SECTIONS
+        for row in section.rows
+    ]
+    explained = {text: found for text in wrong if (found := _found(text))}
+    every_rule = mistakes.RULES
+    for left_out in every_rule:
+        monkeypatch.setattr(mistakes, "RULES", [rule for rule in every_rule if rule is not left_out])
+        assert any(_found(text) != found for text, found in explained.items()), left_out.propose

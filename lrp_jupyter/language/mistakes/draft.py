@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import builtins
 import re
-from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from keyword import kwlist
 from typing import NamedTuple
@@ -103,7 +102,6 @@ class TextDraft:
     def __init__(self, text: str) -> None:
         self.text = text
         self.tokens = tokenize(text)
-        self.starts = [token[1] for token in self.tokens]
         kinds = [token[0] for token in self.tokens]
         self.missing = kinds.count("OPEN") - kinds.count("CLOSE")
         self.names: set[str] = set()
@@ -149,10 +147,6 @@ class TextDraft:
     def spaced(self, offset: int) -> bool:
         """Return whether what ends at an offset is followed by white space or a closing bracket."""
         return not self.text[offset : offset + 1].strip() or self.text[offset] in ")]}"
-
-    def after(self, offset: int) -> int:
-        """Return the index of the first token from an offset on."""
-        return bisect_left(self.starts, offset)
 
     def read(self) -> DraftForm:
         """Return the whole text as a form."""
