@@ -36,7 +36,6 @@ from lrp_jupyter.cli.excerpt import finding_text
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, check_outputs, with_initials
-from lrp_jupyter.cli.pace import LIMIT, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, Writer, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
@@ -50,6 +49,8 @@ from lrp_jupyter.live.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.logs import open_log
 
+LIMIT = 10.0
+"""Wall seconds that a block may take in a run of limited length."""
 _REFRESH = 1 / 12  # s between two refreshes of the display
 _ROUNDING = 1e-6  # s
 _LAST = 3  # number of recent transitions on the board
@@ -255,11 +256,6 @@ class _Run:
         self._fires: deque[tuple[str, Future[Any]]] = deque()  # transitions fired by hand
         for name, seconds in wanted.fires:
             self._fire_at(name, seconds)
-        self.pace = (
-            Racing(session, wanted.seconds, wanted.until, self._wake)
-            if wanted.speed == math.inf
-            else Pace(session, wanted.seconds, self._events.reached.is_set)
-        )
         self._where = where(session.bridge, wanted.world or source.world)
 
     def _fire_at(self, name: str, seconds: float) -> None:
@@ -303,7 +299,7 @@ class _Run:
 
     def _go(self, program: Program | None) -> tuple[Frame, float, bool]:
         """Run; return the last frame, the wall seconds, and whether it is paused for good."""
-        session, wanted, pace = self.session, self.wanted, self.pace
+        session, wanted = self.session, self.wanted
         with ExitStack() as stack:
             if self._board is not None:
                 keys = stack.enter_context(Keys())
@@ -322,18 +318,19 @@ class _Run:
             if wanted.seconds < math.inf:
                 stack.enter_context(watched_lock(LIMIT))
             try:
-                pace.start()
-                while not (self._must_end() or self._overdue() or alone or pace.is_over()):
+                session.ask(do.EndAt(wanted.seconds))
+                session.on_tick(self._end_if_reached)
+                session.start()
+                while not (self._must_end() or self._overdue() or alone or self._is_over()):
                     with suppress(Empty):
                         self._wake.get(timeout=self._pause_between_refreshes())
                     self._refresh()
                     for key in self._keys.pressed() if self._keys is not None else "":
                         self._press(key)
-                    # neither a key nor a save can resume it
-                    alone = pace.is_paused() and self._keys is None and not wanted.watch
+                    alone = self._is_paused() and self._is_alone
             finally:
                 wall = perf_counter() - began
-                pace.end()
+                session.stop()
             frame = session.frame
             self._draw_last()
             self._keys = None
@@ -344,10 +341,30 @@ class _Run:
         """Return whether a person wants the end, or cannot see anything any more."""
         return bool(self._caught) or self._quit or self._output.failure is not None
 
+    def _end_if_reached(self) -> None:
+        if self._events.reached.is_set():
+            self.session.submit(do.EndAt(0.0))
+
+    def _is_over(self) -> bool:
+        """Return whether the time is up, the state to be entered was entered, or the session has ended."""
+        frame = self.session.frame
+        is_late = frame.time >= self.wanted.seconds - _ROUNDING
+        return is_late or self._events.reached.is_set() or frame.status in ("broken", "closed", "stopped")
+
+    def _is_paused(self) -> bool:
+        return self.session.status == "paused" and not self._is_over()
+
+    @property
+    def _is_alone(self) -> bool:
+        """Whether neither a key nor a save can resume a run."""
+        return self._keys is None and not self.wanted.watch
+
     def _overdue(self) -> bool:
-        """Return whether a run of limited length cannot end, because a block does not return."""
-        if self.wanted.seconds < math.inf:
-            self._stuck = self.pace.exceeded()
+        """Return whether a run that is to end by itself cannot, because a block does not return."""
+        is_limited = self.wanted.seconds < math.inf or (self.wanted.speed == math.inf and self._is_alone)
+        hung = self.session.frame.hung
+        if is_limited and hung is not None and hung.seconds >= LIMIT:
+            self._stuck = f"{hung} It ended the run."
         return bool(self._stuck)
 
     def _pause_between_refreshes(self) -> float:
@@ -361,7 +378,7 @@ class _Run:
         self._apply_saves()
         self._print_edits()
         self._print_refused_fires()
-        frame = self.pace.displayed(self.session.frame)
+        frame = self.session.frame
         self._print_events(frame)
         self._print_hang(frame)
         if self._board is not None and (is_last or not self._output.is_behind):
@@ -477,12 +494,11 @@ class _Run:
             self._drawing = None
 
     def _press(self, key: str) -> None:
-        pace = self.pace
         try:
             if key == " ":
-                (pace.resume if pace.is_paused() else pace.pause)()
+                self.session.ask(do.Resume() if self._is_paused() else do.Pause())
             elif key == "s":
-                pace.pause()
+                self.session.ask(do.Pause())
                 self.session.ask(do.Step())
             elif key == "r":
                 self.session.ask(do.Reset())
@@ -553,8 +569,8 @@ class _Run:
             self.print(f"{head}no change in meaning")
         else:
             self.print(Text(f"{head}applied while it runs: {patch.changes}", "green"))
-        if self._keys is None and self.pace.is_paused():  # at an issue, and there is no keyboard
-            self.pace.resume()
+        if self._keys is None and self._is_paused():  # at an issue, and there is no keyboard
+            self.session.ask(do.Resume())
         _report(self.print, self.source.name, text, self.session.check(text))
 
     # -- the end ------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from support.smil import evaluate, placed
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.panel import Panel, Question
-from lrp_jupyter.cli import pace, run, terminal
+from lrp_jupyter.cli import run, terminal
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim import load
 from lrp_jupyter.sim.shapes import robot_colour
@@ -469,15 +469,14 @@ def test_the_address_of_a_robot_has_an_option_of_its_own(lrp, program):
 def impatient(monkeypatch):
     """Have a block count as hung soon, and a run end soon after that."""
     monkeypatch.setitem(Session.__init__.__kwdefaults__, "hung_after", 0.1)
-    monkeypatch.setattr(pace, "LIMIT", 0.2)
-    monkeypatch.setattr(pace, "_PATIENCE", 0.1)
+    monkeypatch.setattr(run, "LIMIT", 0.2)
 
 
-@pytest.mark.parametrize("speed", ["1", "max"])
+@pytest.mark.parametrize("options", ["--for 1", "--for 1 --speed max", "--until b --speed max"])
 @pytest.mark.parametrize("block", ["while True: pass", "import time; time.sleep(60)"])
-def test_a_run_of_limited_length_ends_though_a_block_does_not_return(lrp, program, impatient, speed, block):
-    text = "(machine m\n  (state a (running [" + block + "])))\n(spawn m a)\n"
-    result = lrp("run", program(text), "--for", "1", "--speed", speed, "--bridge", "none")
+def test_a_run_of_limited_length_ends_though_a_block_does_not_return(lrp, program, impatient, options, block):
+    text = "(machine m\n  (state a (running [" + block + "])) (state b))\n(spawn m a)\n"
+    result = lrp("run", program(text), *options.split(), "--bridge", "none")
     assert result.exit_code == 1
     assert "hung: `a.running` has run for" in result.stderr
     assert "(line 2)" in result.stderr
@@ -485,7 +484,7 @@ def test_a_run_of_limited_length_ends_though_a_block_does_not_return(lrp, progra
 
 
 def test_a_block_that_does_not_return_is_interrupted_by_a_save(lrp, program, impatient, monkeypatch):
-    monkeypatch.setattr(pace, "LIMIT", 60)
+    monkeypatch.setattr(run, "LIMIT", 60)
     endless = COUNT.replace("n += 1", "while True: pass")
     file = program(endless)
     begun = []
