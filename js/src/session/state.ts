@@ -4,33 +4,26 @@ import type { Camera } from "../graph/camera";
 import { isDrawnIn } from "../graph/inside";
 import {
   type Changes,
-  type ChoicesView,
-  type Difference,
   type ElementKind,
   EMPTY_VIEW_STATE,
-  type FindingView,
   type FromKernel,
+  type SnapshotMessage,
   type ViewState,
   type WhatIf,
-  type WorldView,
 } from "../protocol";
 
 /** How the kernel responds: not yet, at once, late, not for seconds, never again. */
 export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
 
-export interface LabState extends ViewState {
+/** What a snapshot tells once, and answers and worlds replace; the rest of it belongs to the editor. */
+type Told = Omit<
+  SnapshotMessage,
+  "type" | "view" | "document" | "number" | "seq" | "text" | "revision" | "updates" | "half_typed" | "frame"
+>;
+
+export interface LabState extends ViewState, Told {
   link: Link;
-  name: string;
-  home: string;
-  tab_only: boolean;
-  debugger: string;
-  running: string;
-  findings: FindingView[];
-  accepted: boolean;
   patch: string;
-  pending: Difference | null;
-  choices: ChoicesView;
-  world: WorldView | null;
   /** The machine that this view shows, the element selected in it, and the one in the inspector. */
   machine: string;
   chosen: string;
