@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import islice
+from itertools import chain, islice
 from typing import Literal, NamedTuple, TypeVar
 
 from lrp_jupyter.language.program import (
@@ -328,6 +328,11 @@ class Resolution:
     def outside(self, scope: Scope) -> tuple[Scope, ...]:
         """Return the machines that an ``exit`` of a machine can lead into: those that spawn it."""
         return tuple(home for home in self.spawners.get(scope, ()) if home.noun)
+
+    @property
+    def all_blocks(self) -> Iterator[PlacedBlock]:
+        """The blocks of all elements."""
+        return chain.from_iterable(self.blocks.values())
 
     @cached_property
     def blocks(self) -> dict[Element, tuple[PlacedBlock, ...]]:

@@ -94,6 +94,11 @@ class Block:
     column: int = 1
     before: int = 0
 
+    def at(self, span: Span) -> Span:
+        """Return where a range of the block's text is in the program's."""
+        start = self.span.start + 1
+        return Span(start + span.start, start + span.end)
+
     @property
     def meaning(self) -> str:
         """The block's syntax tree as text: equal for blocks that differ in layout only."""

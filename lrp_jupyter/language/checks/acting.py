@@ -9,7 +9,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from functools import lru_cache
-from itertools import chain
 
 from lrp_jupyter.language.checks.imports import called, imported, whole_name
 from lrp_jupyter.language.checks.report import Reporter
@@ -30,15 +29,14 @@ _SIGNS = tuple({name.partition(".")[0] for name in _ACTING})
 
 def check_acting(report: Reporter, names: Resolution) -> None:
     """Report the first place of each block where it acts past `robot`."""
-    for place in chain.from_iterable(names.blocks.values()):
+    for place in names.all_blocks:
         for span, what, outside in _acts(place.block.text):
             if not outside or (outside in report.names and outside not in place.visible):
-                start = place.block.span.start + 1
                 message = (
                     f"`{what}` acts on the world past `robot`: nothing records, limits or stops that, and a "
                     "replay or `what_if` does it again. Let a bridge of your own do it."
                 )
-                report.add("LRP550", Span(start + span.start, start + span.end), message)
+                report.add("LRP550", place.block.at(span), message)
                 break
 
 
@@ -52,7 +50,7 @@ def _acts(text: str) -> tuple[tuple[Span, str, str], ...]:
     for node, whole, outside in _places(block.nodes, imported(block.nodes)):
         acting = next((name for name in _ACTING if f"{whole}.".startswith(f"{name}.")), None)
         if acting is not None and outside not in block.stored:
-            found.append((block.span_of(node), acting, outside))
+            found.append((block.span(node), acting, outside))
     return tuple(sorted(found))
 
 

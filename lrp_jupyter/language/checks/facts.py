@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
-from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.checks.misreadings import misreadings
+from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned
 from lrp_jupyter.language.checks.uses import SIGNS, Other
-from lrp_jupyter.language.names import Offsets, Use, Uses
+from lrp_jupyter.language.names import Use, Uses
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import children
@@ -120,11 +120,10 @@ class Facts:
 @lru_cache(maxsize=20_000)
 def facts_of(text: str) -> Facts:
     """Return the facts about a block; empty for one that is not valid Python."""
-    try:
-        tree, suite, source, found = read(text)
-    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
+    places = scanned(text)
+    if places is None:
         return Facts()
-    places = _Places(source, suite.shift)
+    tree, found = places.tree, places.names
     values = _Values(tree.body, places)
     changed = {places.span(node.target) for node in values.changes}
     augmented = _augmented(found, changed, places)
@@ -134,9 +133,9 @@ def facts_of(text: str) -> Facts:
     declared = {(use.scope, use.name): use for use in reversed(unbound) if use.name in use.scope.outer_names}
     written = block.bound - {word.name for word in augmented}
     return Facts(
-        reads=tuple(places.word(use) for use in unbound if use.name not in use.scope.outer_names),
-        nonlocals=tuple(map(places.word, declared.values())),
-        binds={use.name: places.word(use).span for use in free if use.writes and use.name in written},
+        reads=tuple(_word(use, places) for use in unbound if use.name not in use.scope.outer_names),
+        nonlocals=tuple(_word(use, places) for use in declared.values()),
+        binds={use.name: _word(use, places).span for use in free if use.writes and use.name in written},
         augmented=augmented,
         comparisons=tuple(values.comparisons),
         uncalled=tuple(values.uncalled),
@@ -146,48 +145,32 @@ def facts_of(text: str) -> Facts:
         test=values.test(),
         texts=tuple(values.texts),
         numbers=frozenset(values.numbers) - _others(values, free, places),
-        misread=misreadings(tree, places, suite.shift),
+        misread=misreadings(tree, places, places.shift),
         inner=tuple(_inner(values.functions, found, places)),
         unread=tuple(_unread(tree.body, free, found, places)),
     )
 
 
-class _Places(Offsets):
-    """Offsets in a block's text."""
-
-    def __init__(self, source: str, shift: int) -> None:
-        super().__init__(source)
-        self.shift = shift
-
-    def span(self, node: ast.expr | ast.stmt) -> Span:
-        """Return the range of a node."""
-        return Span(self.start_of(node) + self.shift, self.end_of(node) + self.shift)
-
-    def word(self, use: Use) -> Word:
-        """Return a name with its position."""
-        start = use.start + self.shift
-        return Word(use.name, Span(start, start + use.length), use.scope.outer is not None)
-
-    def between(self, first: ast.expr, sign: str, second: ast.expr) -> Span | None:
-        """Return the span of an operator between two expressions."""
-        start = self.source.find(sign, self.end_of(first), self.start_of(second)) + self.shift
-        return Span(start, start + len(sign)) if start >= self.shift else None
+def _word(use: Use, places: ScannedBlock) -> Word:
+    """Return a name with its position."""
+    start = use.start + places.shift
+    return Word(use.name, Span(start, start + use.length), use.scope.outer is not None)
 
 
-def _augmented(found: Uses, changed: set[Span], places: _Places) -> tuple[Word, ...]:
+def _augmented(found: Uses, changed: set[Span], places: ScannedBlock) -> tuple[Word, ...]:
     """Return the names that are updated in a scope that never binds them first."""
     writes = defaultdict(list)
     for use in found.found:
         scope = use.scope
         if use.writes and not (scope.is_class or use.name in scope.outer_names | scope.global_names):
-            writes[scope, use.name].append(places.word(use))
+            writes[scope, use.name].append(_word(use, places))
     return tuple(
         word for words in writes.values() if all(word.span in changed for word in words) for word in words
     )
 
 
 def _inner(
-    functions: list[ast.FunctionDef | ast.AsyncFunctionDef], found: Uses, places: _Places
+    functions: list[ast.FunctionDef | ast.AsyncFunctionDef], found: Uses, places: ScannedBlock
 ) -> Iterator[Inner]:
     """Yield the names that functions assign by a statement of their own body, to no effect."""
     by_start = {each.start: each for each in found.found if each.writes}
@@ -218,10 +201,10 @@ def _inner(
             changes |= bool(itself) and min(writes) == use.start and min(reads) == itself[0]
             if changes or not (reads or isinstance(statement, ast.AugAssign)):
                 text = f"nonlocal {use.name}{after}"
-                yield Inner(use.name, places.word(use).span, not changes, start + places.shift, text)
+                yield Inner(use.name, _word(use, places).span, not changes, start + places.shift, text)
 
 
-def _others(values: _Values, free: list[Use], places: _Places) -> set[str]:
+def _others(values: _Values, free: list[Use], places: ScannedBlock) -> set[str]:
     """Return the names that a block binds to something that may not be a number."""
     return {use.name for use in free if use.writes and use.start not in values.numbers[use.name]}
 
@@ -240,7 +223,7 @@ def _is_text(statement: ast.stmt) -> bool:
     return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
 
 
-def _unread(body: list[ast.stmt], free: list[Use], found: Uses, places: _Places) -> Iterator[Word]:
+def _unread(body: list[ast.stmt], free: list[Use], found: Uses, places: ScannedBlock) -> Iterator[Word]:
     """Yield the names that a block assigns by a plain statement, and reads nowhere."""
     read = {use.name for use in found.found if not use.writes}
     by_start = {use.start: use for use in free if use.writes and use.name not in read}
@@ -248,13 +231,13 @@ def _unread(body: list[ast.stmt], free: list[Use], found: Uses, places: _Places)
         if isinstance(statement, ast.Assign) and len(statement.targets) == 1:
             use = by_start.get(places.start_of(statement.targets[0]))
             if use is not None and isinstance(statement.targets[0], ast.Name):
-                yield places.word(use)
+                yield _word(use, places)
 
 
 class _Values:
     """Finds statements of a block without an effect or a value."""
 
-    def __init__(self, body: list[ast.stmt], places: _Places) -> None:
+    def __init__(self, body: list[ast.stmt], places: ScannedBlock) -> None:
         self.places = places
         self.last = body[-1] if body else None
         self.returns = False

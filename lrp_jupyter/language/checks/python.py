@@ -15,7 +15,7 @@ from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.checks.robot import Remedied, check_robot, compared, suspicious_uses
-from lrp_jupyter.language.program import Block, Edit, Fix, Span, path_text
+from lrp_jupyter.language.program import Edit, Fix, Span, path_text
 from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 from lrp_jupyter.language.robot import RobotMembers
@@ -36,7 +36,7 @@ class _Python:
         self.report = report
         self.robot = robot
         self.scopes = names.scopes
-        self.blocks = tuple(chain.from_iterable(names.blocks.values()))
+        self.blocks = tuple(names.all_blocks)
         self.known = BUILTINS | PROVIDED | set(report.names)
 
     def check(self) -> None:
@@ -68,11 +68,11 @@ class _Python:
 
     def _remedied(self, place: PlacedBlock, remedied: Remedied) -> None:
         code, span, message, fix = remedied
-        start = place.block.span.start + 1
         if fix is not None:
-            edits = tuple(Edit(edit.start + start, edit.end + start, edit.text) for edit in fix.edits)
+            at = place.block.at
+            edits = tuple(Edit(*at(Span(start, end)), text) for start, end, text in fix.edits)
             fix = Fix(fix.title, edits)
-        self.report.add(code, _shifted(place.block, span), message, fix)
+        self.report.add(code, place.block.at(span), message, fix)
 
     @cached_property
     def _numbers(self) -> set[tuple[Scope | None, str]]:
@@ -117,7 +117,7 @@ class _Python:
                 start = place.block.span.start + 1 + inner.start
                 fix = Fix(f"Insert `nonlocal {inner.name}`", (Edit(start, start, inner.text),))
                 code = "LRP529" if inner.lost else "LRP503"
-                self.report.add(code, _shifted(place.block, inner.span), message, fix)
+                self.report.add(code, place.block.at(inner.span), message, fix)
         if place.purpose == "action":
             for name, span, _ in facts.unread:
                 similar = None if name in visible else self.report.nearest(name, visible)
@@ -146,7 +146,7 @@ class _Python:
             and place.block.text.strip() == name
         ):
             message = f"`{name}` is an event, not Python. Write it without brackets."
-            self.report.add(code, _shifted(place.block, span), message, replace(place.block.span, name))
+            self.report.add(code, place.block.at(span), message, replace(place.block.span, name))
             return
         elsewhere = self._elsewhere(place, name)
         groups = [tuple(names) for names in known]
@@ -193,7 +193,7 @@ class _Python:
     def _assigned(self) -> dict[str, Span]:
         """Where the blocks of the program bind names, one place for each."""
         return {
-            name: _shifted(place.block, span)
+            name: place.block.at(span)
             for place in self.blocks
             for name, span in facts_of(place.block.text).binds.items()
         }
@@ -236,9 +236,9 @@ class _Python:
             edit = facts.valueless.edit or facts.valueless.span
             test = " ".join(place.block.text[edit.end : facts.valueless.span.end].split()).replace("`", "'")
             message = f"This condition only assigns and has no value. Write the test alone: `{test}`."
-            edits = (Edit(*_shifted(place.block, edit), ""),)
+            edits = (Edit(*place.block.at(edit), ""),)
             fixed = None if facts.valueless.name in place.visible else Fix(f"Change to `{test}`", edits)
-            self.report.add("LRP505", _shifted(place.block, facts.valueless.span), message, fixed)
+            self.report.add("LRP505", place.block.at(facts.valueless.span), message, fixed)
         elif facts.valueless and used:
             remedy = "Write `==` to compare" if facts.valueless.edit else "End with an expression"
             message = f"This {place.purpose} ends in a statement and has no value. {remedy}."
@@ -267,7 +267,7 @@ class _Python:
         message = (
             "A delay is a number of milliseconds, and this is `True` or `False`. Write `on` for a condition."
         )
-        self.report.add("LRP508", _shifted(place.block, test), message, fix)
+        self.report.add("LRP508", place.block.at(test), message, fix)
 
     def _add(
         self,
@@ -281,13 +281,8 @@ class _Python:
         creates: Fix | None = None,
     ) -> None:
         """Report a finding at a range of a block; `text` is what a fix puts there, or at `edit`."""
-        fix = None if text is None else replace(_shifted(place.block, edit or span), text)
-        self.report.add(code, _shifted(place.block, span), message, fix, prefix, creates)
+        fix = None if text is None else replace(place.block.at(edit or span), text)
+        self.report.add(code, place.block.at(span), message, fix, prefix, creates)
 
 
 _WANTED = {"condition": "a truth value", "delay": "a number"}
-
-
-def _shifted(block: Block, span: Span) -> Span:
-    start = block.span.start + 1
-    return Span(start + span.start, start + span.end)

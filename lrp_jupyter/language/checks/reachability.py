@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterator
-from itertools import chain
 
 from lrp_jupyter.language.checks.creations import new_spawn
 from lrp_jupyter.language.checks.facts import facts_of
@@ -156,7 +155,7 @@ def _unused_events(report: Reporter, names: Resolution, links: Links) -> None:
     if any(arrow.event is None and isinstance(arrow.noun.trigger, Occurrence) for arrow in arrows):
         return  # an unknown event that cannot even be guessed may mean any
     used = {id(arrow.event) for arrow in arrows}
-    for place in chain.from_iterable(names.blocks.values()):  # an error by itself
+    for place in names.all_blocks:  # an error by itself
         read = [word[0] for word in facts_of(place.block.text).reads if word[0] not in place.visible]
         used |= {id(place.scope.event(name)) for name in read}
     for scope in names.scopes:

@@ -1,40 +1,53 @@
-"""The nodes of a block's tree, for checks that look through all of them."""
+"""A block's tree, with the places of its nodes in the text of the block."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from collections.abc import Iterable
+from functools import cached_property
 
 from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.program import Span
 
 
-class ScannedBlock(NamedTuple):
-    """All nodes of a block.
+class ScannedBlock(Offsets):
+    """The tree of a block, its names, and the places of both.
 
-    `span_of`: returns where a node is, in the text of the block.
-    `stored`: the names that the block itself assigns.
+    `shift`: to be added to an offset in `source`, the Python that was parsed.
     """
 
-    nodes: list[ast.AST]
-    span_of: Callable[[ast.expr | ast.alias], Span]
-    stored: frozenset[str]
+    def __init__(self, text: str) -> None:
+        self.tree, suite, source, self.names = read(text)
+        super().__init__(source)
+        self.shift = suite.shift
+
+    @cached_property
+    def nodes(self) -> list[ast.AST]:
+        """All nodes of the tree."""
+        return list(ast.walk(self.tree))
+
+    @cached_property
+    def stored(self) -> frozenset[str]:
+        """The names that the block itself assigns."""
+        names = [node for node in self.nodes if isinstance(node, ast.Name)]
+        return frozenset(name.id for name in names if isinstance(name.ctx, ast.Store))
+
+    def span(self, first: ast.AST, last: ast.AST | None = None) -> Span:
+        """Return the range of a node, or from one node to the end of another."""
+        return Span(self.start_of(first) + self.shift, self.end_of(last or first) + self.shift)
+
+    def between(self, first: ast.expr, sign: str, second: ast.expr) -> Span | None:
+        """Return the range of an operator between two expressions."""
+        start = self.source.find(sign, self.end_of(first), self.start_of(second)) + self.shift
+        return Span(start, start + len(sign)) if start >= self.shift else None
 
 
-def scanned(text: str, signs: Iterable[str]) -> ScannedBlock | None:
-    """Return the nodes of a block; None if its text has none of the given signs."""
+def scanned(text: str, signs: Iterable[str] = ("",)) -> ScannedBlock | None:
+    """Return the tree of a block; None if its text has none of the given signs."""
     if not any(sign in text for sign in signs):
         return None
     try:
-        tree, suite, source, _ = read(text)
+        return ScannedBlock(text)
     except SyntaxError:  # only in a program built by hand; the parser rejects such a block
         return None
-    offsets, nodes = Offsets(source), list(ast.walk(tree))
-
-    def span_of(node: ast.expr | ast.alias) -> Span:
-        return Span(offsets.start_of(node) + suite.shift, offsets.end_of(node) + suite.shift)
-
-    stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    return ScannedBlock(nodes, span_of, frozenset(stored))

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import ast
 from functools import lru_cache
-from itertools import chain
 
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.checks.scanned import scanned
@@ -20,15 +19,14 @@ _ARGUMENTS = {"eval": 1, "exec": 1, "globals": 0, "locals": 0, "vars": 0, "dir":
 
 def check_unseen(report: Reporter, names: Resolution) -> None:
     """Report the calls that see no variable of the program, where there are some."""
-    for place in chain.from_iterable(names.blocks.values()):
+    for place in names.all_blocks:
         for name, span in _looks(place.block.text):
             if place.visible and name not in place.visible:
                 remedy = "Write the name itself in the block"
                 if name in ("eval", "exec"):
                     remedy += ', or give the names to it, as in `eval(text, {"x": x})`'
                 message = f"`{name}` does not see the variables of the program. {remedy}."
-                start = place.block.span.start + 1
-                report.add("LRP531", Span(start + span.start, start + span.end), message)
+                report.add("LRP531", place.block.at(span), message)
 
 
 @lru_cache(maxsize=20_000)
@@ -41,5 +39,5 @@ def _looks(text: str) -> tuple[tuple[str, Span], ...]:
         if not (isinstance(call, ast.Call) and isinstance(name := call.func, ast.Name)):
             continue
         if name.id not in block.stored and _ARGUMENTS.get(name.id) == len(call.args) and not call.keywords:
-            found.append((name.id, block.span_of(name)))
+            found.append((name.id, block.span(name)))
     return tuple(found)

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import Literal, NamedTuple
 
-from lrp_jupyter.language.blocks import read
-from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.suites import children
 
@@ -77,17 +76,12 @@ _LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number
 @lru_cache(maxsize=20_000)
 def robot_uses(text: str) -> tuple[RobotUse, ...]:
     """Return the uses of the name `robot` in a block, in no particular order; none if the block binds it."""
-    if "robot" not in text:
-        return ()
-    try:
-        tree, suite, source, names = read(text)
-    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
-        return ()
-    if any(use.writes and use.name == "robot" for use in names.found):
+    block = scanned(text, ["robot"])
+    if block is None or any(use.writes and use.name == "robot" for use in block.names.found):
         return ()
     parents: dict[ast.AST, ast.AST] = {}
     found = []
-    level: list[ast.AST] = [tree]
+    level: list[ast.AST] = [block.tree]
     while level:
         after: list[ast.AST] = []
         for node in level:
@@ -99,18 +93,14 @@ def robot_uses(text: str) -> tuple[RobotUse, ...]:
                 if isinstance(child, ast.Name) and child.id == "robot" and isinstance(child.ctx, ast.Load):
                     found.append(child)
         level = after
-    reader = _Uses(parents, Offsets(source), suite.shift, tree.body[-1] if tree.body else None)
+    reader = _Uses(parents, block)
     return tuple(reader.use(name) for name in found)
 
 
 class _Uses:
-    def __init__(
-        self, parents: dict[ast.AST, ast.AST], places: Offsets, shift: int, last: ast.stmt | None
-    ) -> None:
-        self.parents, self.places, self.shift, self.last = parents, places, shift, last
-
-    def span(self, node: ast.AST) -> Span:
-        return Span(self.places.start_of(node) + self.shift, self.places.end_of(node) + self.shift)
+    def __init__(self, parents: dict[ast.AST, ast.AST], block: ScannedBlock) -> None:
+        self.parents, self.block, self.span = parents, block, block.span
+        self.last = block.tree.body[-1] if block.tree.body else None
 
     def use(self, name: ast.Name) -> RobotUse:
         node: ast.expr = name
@@ -164,7 +154,7 @@ class _Uses:
         if isinstance(value, ast.NamedExpr):
             name = value.target.id
             value = value.value
-            sign = self.places.source.find(":=", start - self.shift) + self.shift
+            sign = self.block.source.find(":=", start - self.block.shift) + self.block.shift
             assigns, span = Span(sign, sign + 2), self.span(value)
         root = value.id if isinstance(value, ast.Name) else ""
         text = value.value if isinstance(value, ast.Constant) and isinstance(value.value, str) else ""

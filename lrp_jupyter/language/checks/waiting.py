@@ -8,13 +8,11 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from functools import lru_cache
-from itertools import chain
 from typing import NamedTuple
 
-from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.checks.imports import called, imported
 from lrp_jupyter.language.checks.report import Reporter
-from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.resolution import Resolution
 
@@ -54,39 +52,32 @@ class _Wait(NamedTuple):
 
 def check_waiting(report: Reporter, names: Resolution) -> None:
     """Report the blocks of a program that wait."""
-    for place in chain.from_iterable(names.blocks.values()):
-        start = place.block.span.start + 1
+    for place in names.all_blocks:
         for code, span, name in _waits(place.block.text):
             if name not in place.visible:  # a variable of the program may have any value
-                report.add(code, Span(start + span.start, start + span.end), _MESSAGES[code])
+                report.add(code, place.block.at(span), _MESSAGES[code])
 
 
 @lru_cache(maxsize=20_000)
 def _waits(text: str) -> tuple[_Wait, ...]:
-    if not any(sign in text for sign in _SIGNS):
-        return ()
-    try:
-        tree, suite, source, _ = read(text)
-    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
-        return ()
-    return tuple(_Block(tree, Offsets(source), suite.shift).waits())
+    block = scanned(text, _SIGNS)
+    return () if block is None else tuple(_Waits(block).found())
 
 
-class _Block:
-    """The tree of a block, and what is imported and called in it."""
+class _Waits:
+    """The places where a block waits, found by what is imported and called in it."""
 
-    def __init__(self, tree: ast.Module, offsets: Offsets, shift: int) -> None:
-        self._tree = tree
-        self._offsets = offsets
-        self._shift = shift
-        nodes = list(ast.walk(tree))
-        self._called = {n.func.id for n in nodes if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
-        self._stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-        self._imported = imported(nodes)
+    def __init__(self, block: ScannedBlock) -> None:
+        self._block = block
+        calls = [node for node in block.nodes if isinstance(node, ast.Call)]
+        self._called = {call.func.id for call in calls if isinstance(call.func, ast.Name)}
+        self._imported = imported(block.nodes)
 
-    def waits(self) -> Iterator[_Wait]:
+    def found(self) -> Iterator[_Wait]:
         """Yield the places where the block waits, in what runs when the block runs."""
-        nodes: list[tuple[ast.AST, bool]] = [(statement, False) for statement in reversed(self._tree.body)]
+        nodes: list[tuple[ast.AST, bool]] = [
+            (statement, False) for statement in reversed(self._block.tree.body)
+        ]
         while nodes:
             node, caught = nodes.pop()
             if isinstance(node, _FUNCTIONS) and getattr(node, "name", "") not in self._called:
@@ -106,7 +97,7 @@ class _Block:
         else:
             code = "LRP541" if self._never_changes(loop) else ""
         if code:
-            yield _Wait(code, self._span(loop, loop.test))
+            yield _Wait(code, self._block.span(loop, loop.test))
 
     def _never_changes(self, loop: ast.While) -> bool:
         """Return whether the condition of a loop has the same value each time, for certain."""
@@ -132,12 +123,9 @@ class _Block:
     def _call(self, call: ast.Call) -> Iterator[_Wait]:
         whole, outside = called(call, self._imported)
         if whole == "time.sleep":
-            yield _Wait("LRP542", self._span(call, call.func), outside)
-        elif whole == "input" and outside not in self._stored:
-            yield _Wait("LRP543", self._span(call, call.func), outside)
-
-    def _span(self, first: ast.expr | ast.stmt, last: ast.expr) -> Span:
-        return Span(self._offsets.start_of(first) + self._shift, self._offsets.end_of(last) + self._shift)
+            yield _Wait("LRP542", self._block.span(call.func), outside)
+        elif whole == "input" and outside not in self._block.stored:
+            yield _Wait("LRP543", self._block.span(call.func), outside)
 
 
 def _has_way_out(loop: ast.While) -> bool:
