@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { positionOf, rateAt, rateText, SLIDER } from "../src/parts/controls";
 import { entriesOf } from "../src/parts/issues";
+import { positionOf, rateAt, rateText, SLIDER } from "../src/parts/rate";
 import { groupsInScope, points } from "../src/parts/variables";
 import type { FindingView, IssueView } from "../src/protocol";
 import { lightnessOf } from "../src/ui/theme";

@@ -6,6 +6,8 @@
 import { Annotation, type EditorState, type Extension, Prec, StateField } from "@codemirror/state";
 import { EditorView, hoverTooltip, keymap } from "@codemirror/view";
 import { h } from "../ui/dom";
+import { trackDrag } from "../ui/drag";
+import { pointOf } from "../ui/point";
 
 /** Marks a change that scrubbing made: it is meant at once. */
 export const scrubbed = Annotation.define<boolean>();
@@ -72,38 +74,29 @@ function byKey(steps: number) {
   };
 }
 
-function byDrag(event: MouseEvent, view: EditorView): boolean {
+function byDrag(event: PointerEvent, view: EditorView): boolean {
   if (!event.altKey || event.button !== 0) return false;
-  const offset = view.posAtCoords({ x: event.clientX, y: event.clientY });
+  const offset = view.posAtCoords(pointOf(event));
   const begun = offset === null ? null : numberAt(view.state, offset);
   if (!begun) return false;
-  event.preventDefault();
   view.focus();
   let literal = begun;
   let isFirst = true;
-  const listening = new AbortController();
-  const listen = { capture: true, signal: listening.signal };
-  const end = () => listening.abort();
   const become = (text: string) => {
-    if (text === literal.text) return;
-    if (view.state.sliceDoc(literal.from, literal.to) !== literal.text) return end(); // changed elsewhere
+    const isHere = view.state.sliceDoc(literal.from, literal.to) === literal.text; // not changed elsewhere
+    if (!isHere || text === literal.text) return;
     literal = put(view, literal, text, isFirst);
     isFirst = false;
   };
-  const move = (now: MouseEvent) => {
-    if (!now.buttons) return end(); // the button was released where nothing reports it
-    const steps = Math.trunc((now.clientX - event.clientX) / STEP) * (now.shiftKey ? 10 : 1);
-    become(stepped(begun.text, steps));
-  };
-  const giveUp = (now: KeyboardEvent) => {
-    if (now.key !== "Escape") return;
-    now.stopPropagation();
-    become(begun.text);
-    end();
-  };
-  window.addEventListener("mousemove", move, listen);
-  window.addEventListener("mouseup", end, listen);
-  window.addEventListener("keydown", giveUp, listen);
+  trackDrag(view.contentDOM, event, {
+    move: ({ clientX, shiftKey }) => {
+      const steps = Math.trunc((clientX - event.clientX) / STEP) * (shiftKey ? 10 : 1);
+      become(stepped(begun.text, steps));
+    },
+    end(last) {
+      if (!last) become(begun.text);
+    },
+  });
   return true;
 }
 
@@ -130,7 +123,7 @@ const card = hoverTooltip(
 export const scrubbing: Extension = [
   stepping,
   card,
-  EditorView.domEventHandlers({ mousedown: byDrag }),
+  EditorView.domEventHandlers({ pointerdown: byDrag }),
   Prec.high(
     keymap.of([
       { key: "Alt-ArrowUp", run: byKey(1), shift: byKey(10) },
