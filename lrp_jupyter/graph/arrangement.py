@@ -17,8 +17,6 @@ from itertools import accumulate, combinations, pairwise
 from lrp_jupyter.graph.geometry import Point, Rect, Size
 from lrp_jupyter.graph.state_graph import ANY
 
-__all__ = ["GAP_X", "GAP_Y", "Link", "arrange", "is_dense", "layers", "left_of", "order"]
-
 Link = tuple[str, str]
 Node = tuple[int, int]
 """Number of a name and 0, or number of an edge (from -1 down) and the layer that it passes."""

@@ -8,7 +8,7 @@ The result is passed to the next call as `previous`, so that states keep their p
 - a state keeps its exact position, whatever else is edited; only `moved` moves it;
 - a new state is placed at the free position nearest to its neighbours;
 - the missing end of a dangling transition already has the position of the state to come;
-- the position of a removed state, and of one to come, stays reserved for :data:`RESERVED` seconds (time is a
+- the position of a removed state, and of one to come, stays reserved for half a minute (time is a
   parameter here);
 - a state whose name is being typed keeps its position: the only one that differs, in the same order; so does
   the missing end of an arrow.
@@ -24,7 +24,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
 from lrp_jupyter.graph.inside import Nested, beside_each_other
 from lrp_jupyter.graph.labels import beside, place_labels, shorten, text_width
-from lrp_jupyter.graph.places import RESERVED, keep_positions
+from lrp_jupyter.graph.places import keep_positions
 from lrp_jupyter.graph.routes import (
     Pair,
     Route,
@@ -47,8 +47,6 @@ from lrp_jupyter.graph.state_graph import (
     why_dangling,
 )
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
-
-__all__ = ["LABEL_FONT", "RESERVED", "STATE_FONT", "layout"]
 
 STATE_FONT, LABEL_FONT = 13.0, 11.5
 """Font sizes of states' names, and of everything else, in px."""

@@ -8,11 +8,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from lrp_jupyter.sim.world import (
-    BoxSolid,
-    BoxZone,
     PathStroke,
     Point,
     Pose,
@@ -20,10 +18,13 @@ from lrp_jupyter.sim.world import (
     World,
     WorldError,
     Zone,
+    middle_of,
+    put_at,
 )
 
 MOST_POINTS = 20_000  # of drawn lines; later ones are not drawn
 _MOST_STEPS = 500  # that can be undone
+_Shape = TypeVar("_Shape", bound=Solid | Zone)
 
 
 class WorldEdit(ABC):
@@ -66,7 +67,7 @@ class PutSolid(WorldEdit):
 
     def edited(self, world: World) -> World:
         """Return the world with the solid; its middle is inside of it."""
-        solid, solids = _solid_inside(self.solid, world.size), list(world.solids)
+        solid, solids = _put_inside(self.solid, world.size), list(world.solids)
         if self.index is None:
             solids.append(solid)
         else:
@@ -101,7 +102,7 @@ class PutZone(WorldEdit):
         former = self.former or self.name
         if former != self.name and self.name in world.zones:
             raise WorldError(f"There is a zone `{self.name}` already. Choose another name.")
-        zone = _zone_inside(self.zone, world.size)
+        zone = _put_inside(self.zone, world.size)
         zones = {
             self.name if name == former else name: zone if name == former else other
             for name, other in world.zones.items()
@@ -217,13 +218,5 @@ def _inside(point: Point, size: Point) -> Point:
     return min(width, max(0.0, x)), min(height, max(0.0, y))
 
 
-def _solid_inside(solid: Solid, size: Point) -> Solid:
-    if isinstance(solid, BoxSolid):
-        return replace(solid, box=(*_inside(solid.box[:2], size), *solid.box[2:]))
-    return replace(solid, circle=(*_inside(solid.circle[:2], size), solid.circle[2]))
-
-
-def _zone_inside(zone: Zone, size: Point) -> Zone:
-    if isinstance(zone, BoxZone):
-        return replace(zone, box=(*_inside(zone.box[:2], size), *zone.box[2:]))
-    return replace(zone, circle=(*_inside(zone.circle[:2], size), zone.circle[2]))
+def _put_inside(shape: _Shape, size: Point) -> _Shape:
+    return put_at(shape, _inside(middle_of(shape), size))

@@ -20,7 +20,7 @@ import pymunk
 
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
-from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid, middle_of
+from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid, middle_of, put_at
 
 STEP = 0.01  # s: one step of physics
 GRAVITY = 9.81  # m/s²
@@ -281,9 +281,7 @@ class SimSolid:
     def here(self) -> Solid:
         """Return its description with the present pose."""
         x, y, angle = self.pose
-        if isinstance(self.spec, BoxSolid):
-            return replace(self.spec, box=(x, y, *self.spec.box[2:]), angle=angle)
-        return replace(self.spec, circle=(x, y, self.spec.circle[2]), angle=angle)
+        return replace(put_at(self.spec, (x, y)), angle=angle)
 
     def embody(self, space: pymunk.Space, motion: Motion, steps: int) -> None:
         """Create the body in a new space, so many steps after the start of the world."""

@@ -23,27 +23,6 @@ from lrp_jupyter.sim.world import (
     Zone,
 )
 
-__all__ = [
-    "BUMP",
-    "CALM",
-    "bumper",
-    "grey",
-    "ink",
-    "lamp",
-    "light",
-    "name_of",
-    "num",
-    "path",
-    "patrol",
-    "ray",
-    "robot",
-    "robot_colour",
-    "solid",
-    "stroke",
-    "track",
-    "zone",
-]
-
 CALM, BUMP = ("#2b3138", "0.011"), ("#E31A1C", "0.02")
 """Colour and width of a bumper that is free, and of one that is pressed."""
 

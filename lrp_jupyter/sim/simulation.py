@@ -37,7 +37,7 @@ from lrp_jupyter.sim.inputs import (
 from lrp_jupyter.sim.rest import Rest
 from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, clear, edge, fresh_space
 from lrp_jupyter.sim.sensors import Readings, light_spots
-from lrp_jupyter.sim.world import BoxSolid, Point, Pose, Solid, World, can_move, middle_of
+from lrp_jupyter.sim.world import Point, Pose, Solid, World, can_move, middle_of, put_at
 from lrp_jupyter.sim.worlds import load
 
 __all__ = ["STEP", "Simulation", "WorldMoment"]
@@ -352,10 +352,7 @@ class Simulation:
         if thing is None or thing.spec.patrol is None or solid.push is not None:
             return solid
         (x, y), (dx, dy) = middle_of(solid), thing.displacement(self.steps - self._base)
-        solid = replace(solid, patrol=thing.spec.patrol)
-        if isinstance(solid, BoxSolid):
-            return replace(solid, box=(x - dx, y - dy, *solid.box[2:]))
-        return replace(solid, circle=(x - dx, y - dy, solid.circle[2]))
+        return put_at(replace(solid, patrol=thing.spec.patrol), (x - dx, y - dy))
 
     def scene(self) -> dict[str, Any]:
         """Return the static part as plain data: the world's JSON form with the present poses of solids.

@@ -12,7 +12,7 @@ from lrp_jupyter.sim.robot import SimRobot
 from lrp_jupyter.sim.sensors import light_spots
 from lrp_jupyter.sim.shapes import num
 from lrp_jupyter.sim.simulation import Simulation
-from lrp_jupyter.sim.world import BoxZone, Point, Pose, World, Zone
+from lrp_jupyter.sim.world import BoxZone, Point, Pose, World, Zone, middle_of
 
 _CAPTION = 26  # px
 _SMALL = (
@@ -78,21 +78,9 @@ def scaled(world: World, width: int) -> tuple[float, float]:
 def framed(
     world: World, width: int, sentence: str, inside: Iterable[str], over: Iterable[str], below: str
 ) -> str:
-    """Return the picture of a world.
+    """Return the picture of a world, `width` pixels wide, with a sentence that says what it shows.
 
-    Parameters
-    ----------
-    world : World
-    width : int
-        Pixels.
-    sentence : str
-        The picture in words.
-    inside : iterable of str
-        What is on the floor, in metres with y up.
-    over : iterable of str
-        Texts over it, in pixels.
-    below : str
-        The caption.
+    `inside` is on the floor, in metres with y up; `over` are texts above it, and `below` the caption, in px.
     """
     (length, depth), (tall, scale) = world.size, scaled(world, width)
     frame = f'x="1" y="1" width="{width - 2}" height="{num(tall - 2)}" rx="4"'
@@ -160,7 +148,7 @@ def _ruler(width: int, tall: float, scale: float) -> str:
 
 def zone_name(name: str, zone: Zone, tall: float, scale: float) -> str:
     """Write the name of a zone into a picture of this height and scale."""
-    x, y = zone.box[:2] if isinstance(zone, BoxZone) else zone.circle[:2]
+    x, y = middle_of(zone)
     top = y + (zone.box[3] / 2 if isinstance(zone, BoxZone) else zone.circle[2])
     return (
         f'<text x="{num(1 + x * scale)}" y="{num(tall - 1 - top * scale + 12)}" text-anchor="middle" '

@@ -13,9 +13,9 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 __all__ = [
     "DIRECTIONS",
@@ -39,6 +39,7 @@ __all__ = [
     "Zone",
     "can_move",
     "middle_of",
+    "put_at",
 ]
 
 VERSION = 1
@@ -183,11 +184,6 @@ class DiscSolid:
 Solid = BoxSolid | DiscSolid
 
 
-def middle_of(solid: Solid) -> Point:
-    """Return the middle of a solid where it starts."""
-    return solid.box[:2] if isinstance(solid, BoxSolid) else solid.circle[:2]
-
-
 def can_move(solid: Solid) -> bool:
     """Return whether a solid does not always stay where it is: it can be pushed, or moves by itself."""
     return solid.push is not None or solid.patrol is not None
@@ -218,6 +214,19 @@ class BoxZone:
 
 
 Zone = CircleZone | BoxZone
+_Shape = TypeVar("_Shape", bound=Solid | Zone)
+
+
+def middle_of(shape: Solid | Zone) -> Point:
+    """Return the middle of a solid, where it starts, or of a zone."""
+    return shape.box[:2] if isinstance(shape, BoxSolid | BoxZone) else shape.circle[:2]
+
+
+def put_at(shape: _Shape, middle: Point) -> _Shape:
+    """Return a solid or a zone with its middle at another place."""
+    if isinstance(shape, BoxSolid | BoxZone):
+        return replace(shape, box=(*middle, *shape.box[2:]))
+    return replace(shape, circle=(*middle, shape.circle[2]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,8 @@ from lrp_jupyter.graph import labels as labels_module
 from lrp_jupyter.graph.arrangement import LEGIBLE, PASSED, is_dense, layers, order
 from lrp_jupyter.graph.geometry import Cells, Rect
 from lrp_jupyter.graph.labels import POINTS, place_labels
-from lrp_jupyter.graph.layout import RESERVED, layout
+from lrp_jupyter.graph.layout import layout
+from lrp_jupyter.graph.places import RESERVED
 from lrp_jupyter.graph.routes import SAMPLES, arc, bends, detour, obstacles, straight
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.language.parser import parse
