@@ -27,11 +27,11 @@ class Breakpoint:
     `expression`: the condition.
     `machine`: the machine in whose scope the condition is evaluated, by path of definition; empty for the top
         level.
-    `enabled`: whether it pauses; hits are counted in any case.
+    `enabled`: whether it pauses; hits are counted in either case.
     `after`: the first hit at which it pauses.
-    `once`: whether it is switched off when it has paused.
-    `dormant`: whether its element, or the machine of its condition, is missing from the program that runs.
-    `problem`: a sentence: why its condition could not be evaluated the last time; else empty.
+    `once`: whether it is switched off after pausing once.
+    `dormant`: whether its element, or the machine of its condition, is missing from the running program.
+    `problem`: a sentence about why its condition could not be evaluated the last time; may be empty.
     """
 
     number: int
@@ -48,11 +48,11 @@ class Breakpoint:
 
     @property
     def hangs_on(self) -> Element:
-        """The element that it follows: its own, or the machine of its condition (or the top level)."""
+        """The element that it follows: its element, or the machine of its condition (or the top level)."""
         return self.element if self.element is not None else Element("machine", self.machine)
 
     def moved_to(self, element: Element) -> Breakpoint:
-        """Return it for another element that it follows."""
+        """Return a copy that follows another element."""
         return replace(self, machine=element.path) if self.element is None else replace(self, element=element)
 
     @property

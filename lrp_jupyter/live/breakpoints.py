@@ -1,8 +1,8 @@
 """Breakpoints: pause when a state is entered or left, a transition fires, or a condition becomes True.
 
 A breakpoint belongs to the identity of an element, so it survives edits and renames; while its element is
-missing it is dormant. The tick in which it is hit is completed, then the program pauses. A session without
-breakpoints pays nothing for them.
+missing it is dormant. The tick in which it is hit is completed, then the program pauses. Without breakpoints
+there is no overhead.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ def breakpoint_of(
     after: int = 1,
     once: bool = False,
 ) -> Breakpoint:
-    """Return a new breakpoint, which has no number yet.
+    """Return a new breakpoint without a number.
 
-    `wanted`: the element by its name, label or path; or the condition.
+    `wanted`: the name, label or path of the element; or the condition.
     `machine`: the machine in whose scope a condition is evaluated; by default the top level.
     Raises UnknownElementError: there is no such element, or there are several.
     Raises SyntaxError: the condition is not an expression.
@@ -62,7 +62,7 @@ class Breakpoints:
         self._all: dict[int, Breakpoint] = {}
         self._last = 0
         self._seen: list[TraceEvent] = []
-        self._held: dict[int, bool] = {}  # what each condition was the last time
+        self._held: dict[int, bool] = {}  # the last value of each condition
         self._conditions: dict[int, BlockTest | None] = {}  # of this revision
         self._revision = interpreter.revision
         self._end: Callable[[], None] | None = None
@@ -82,7 +82,7 @@ class Breakpoints:
         self._held[new.number] = False
         if new.kind in ("event", "condition"):
             self._held[new.number], problem = self._holds(new)
-            if self._interpreter.tick:  # before, there are no variables
+            if self._interpreter.tick:  # before the first tick there are no variables
                 self._all[new.number] = new = replace(new, problem=problem)
         if self._end is None:
             self._end = self._interpreter.observe(self._seen.append)
@@ -120,9 +120,10 @@ class Breakpoints:
         return self._all[number]
 
     def check(self) -> Hit | None:
-        """Count what was hit since the last call; return the first one that pauses.
+        """Count the hits since the last call; return the first one that pauses.
 
-        In a tick it is called while the readings of the tick last: conditions test what the program has seen.
+        During a tick it is called while the readings of the tick are valid: conditions see the same values as
+        the program.
         """
         if not self._all:
             return None
@@ -154,7 +155,7 @@ class Breakpoints:
         return sum(path[-1] == wanted[-1] and defined(path[:-1]) == wanted[:-1] for path in paths)
 
     def _holds(self, each: Breakpoint) -> tuple[bool, str]:
-        """Return whether a condition holds now, and why it could not be evaluated."""
+        """Return whether a condition holds now, and why it could not be evaluated, if so."""
         if each.number not in self._conditions:
             self._conditions[each.number] = self._condition(each)
         condition = self._conditions[each.number]
@@ -176,7 +177,7 @@ class Breakpoints:
         return None if event is None else BlockTest(event.condition, machine, filename)
 
     def _carry(self) -> None:
-        """Follow the elements to their new names, and see which of them exist."""
+        """Follow the elements to their new names, and determine which of them exist."""
         interpreter = self._interpreter
         if interpreter.revision == self._revision:
             return

@@ -1,4 +1,4 @@
-"""Checks of a program for the robot that it is written for."""
+"""Checks of a program against the robot that it is written for."""
 
 from __future__ import annotations
 
@@ -62,9 +62,9 @@ def check(
 
 
 def members_of(bridge: Bridge) -> RobotMembers:
-    """Return what the checks need to know of a bridge's robot; the bridge need not be open.
+    """Return the members of a bridge's robot for the checks; the bridge need not be open.
 
-    Where its members are not complete, the readings are left out: their types may change.
+    If its members are incomplete, the readings are left out because their types may change.
     """
     is_known = bridge.is_open or bool(bridge.nodes.table)
     if not is_known:

@@ -1,6 +1,6 @@
 """Checkpoints of a session: snapshots taken while it runs, from which any later moment can be reached again.
 
-One is taken rarely enough to cost the run a small share of its time, and the older ones are thinned out, so
+They are taken rarely enough to cost only a small share of the run's time, and older ones are thinned out, so
 that an hour of a run takes no more memory than ten minutes.
 """
 
@@ -17,27 +17,27 @@ from typing import Any, NamedTuple
 from lrp_jupyter.interpreter.linker import Plan
 from lrp_jupyter.interpreter.snapshot import Snapshot
 
-_SPACING = 200  # ticks, at least, between two checkpoints
-_SHARE = 60  # of the time: a checkpoint may take a sixtieth of it
-_MOST = 60  # kept
-_BYTES = 50_000_000  # kept, of values
+_SPACING = 200  # minimum ticks between two checkpoints
+_SHARE = 60  # a checkpoint may take one sixtieth of the time
+_MOST = 60  # maximum number of checkpoints
+_BYTES = 50_000_000  # maximum bytes of values
 _READING = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_FROM_DICT_OR_GLOBALS")
 PLAIN = (int, float, complex, bool, str, bytes, NoneType)
-"""The types of values that nothing can change."""
+"""The types of immutable values."""
 COPIED = (*PLAIN, tuple, frozenset, list, dict, set, bytearray, deque)
-"""The types of objects of a namespace that are copied; others are shared."""
+"""The types of objects in a namespace that are copied; other objects are shared."""
 
 
 class SessionCheckpoint(NamedTuple):
-    """A moment of a session from which a copy can go on.
+    """A moment of a session from which a copy can continue.
 
-    `snapshot`: of the interpreter, with those objects of the namespace that are copied.
-    `time`, `due`: seconds of the run, and when the next tick is due.
+    `snapshot`: a snapshot of the interpreter, including the objects of the namespace that are copied.
+    `time`, `due`: seconds of the run, and the time at which the next tick is due.
     `rate`: ticks per second.
     `running`: whether it was not paused.
-    `inputs`: how many inputs had come.
-    `moment`: the bridge's own moment.
-    `random`: the state of Python's own random numbers.
+    `inputs`: the number of inputs up to then.
+    `moment`: the moment of the bridge.
+    `random`: the state of Python's random numbers.
     `armed`: whether commands were sent to the robot.
     """
 
@@ -51,7 +51,7 @@ class SessionCheckpoint(NamedTuple):
     random: tuple[Any, ...]
     armed: bool
     rewound: bool = False
-    """Whether the run had just gone back to it."""
+    """Whether the run had just been rewound to it."""
 
     @property
     def tick(self) -> int:
@@ -65,13 +65,13 @@ class Checkpoints:
     def __init__(self) -> None:
         self.all: list[SessionCheckpoint] = []
         self.due = 0
-        """The tick after which the next one is wanted, at the earliest."""
-        self._rested = 0.0  # wall time from which on one may be taken
+        """The earliest tick after which the next one is taken."""
+        self._rested = 0.0  # earliest wall time of the next one
 
     def add(self, take: Callable[[], SessionCheckpoint], rewound: bool = False) -> SessionCheckpoint | None:
-        """Take a checkpoint and return it, unless the last one was too short a time ago.
+        """Take a checkpoint and return it, unless the last one is too recent.
 
-        One to which the run has `rewound` is always taken.
+        After the run has been `rewound`, one is always taken.
         """
         start = perf_counter()
         if start < self._rested and not rewound:
@@ -91,29 +91,29 @@ class Checkpoints:
         return sum(len(each.snapshot.values.data) for each in self.all)
 
     def _thin_out(self) -> None:
-        """Drop the one without which the others are spaced most evenly: neither the first nor the last."""
+        """Drop the inner checkpoint whose removal leaves the most even spacing."""
         inner = range(1, len(self.all) - 1)
         common = [place for place in inner if not self.all[place].rewound]
         del self.all[min(common or inner, key=self._gap)]
 
     def _gap(self, place: int) -> int:
-        """Return how many ticks would lie between the neighbours of one."""
+        """Return the number of ticks between the neighbours of a checkpoint."""
         return self.all[place + 1].tick - self.all[place - 1].tick
 
     def begin(self, tick: int) -> SessionCheckpoint | None:
-        """Drop those that no tick after this one needs; return the first that is left."""
+        """Drop the checkpoints that no tick after this one needs; return the first of the rest."""
         while len(self.all) > 1 and self.all[1].tick <= tick:
             del self.all[0]
         return self.all[0] if self.all else None
 
     def cut(self, tick: int) -> None:
-        """Drop those after a tick, and those at it, which may contain inputs that are undone."""
+        """Drop the checkpoints at and after a tick; those at it may contain inputs that are undone."""
         while self.all and self.all[-1].tick >= tick:
             self.all.pop()
         self.due = tick
 
     def drop(self, inputs: int) -> None:
-        """Drop those after which not all inputs are known any more: the ones up to this number are lost."""
+        """Drop the checkpoints that need a lost input: all inputs up to this number are lost."""
         self.all = [each for each in self.all if each.inputs >= inputs]
 
     def clear(self) -> None:
@@ -122,7 +122,7 @@ class Checkpoints:
         self.due = 0
 
     def before(self, tick: int) -> SessionCheckpoint | None:
-        """Return the last one that is not after a tick."""
+        """Return the last checkpoint that is not after a tick."""
         return next((each for each in reversed(self.all) if each.tick <= tick), None)
 
 
@@ -134,7 +134,7 @@ def names_of(plan: Plan) -> frozenset[str]:
 
 @lru_cache(maxsize=20_000)
 def _globals_of(code: CodeType) -> frozenset[str]:
-    """Return the global names that a code object reads; attributes are not among its names."""
+    """Return the global names that a code object reads, without attributes."""
     own = {each.argval for each in dis.get_instructions(code) if each.opname in _READING}
     inner = (_globals_of(each) for each in code.co_consts if isinstance(each, CodeType))
     return frozenset(own).union(*inner, {"degrees"}.intersection(code.co_freevars))

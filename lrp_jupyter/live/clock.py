@@ -1,7 +1,7 @@
 """The clocks of sessions, the only ones in the package.
 
-Times are seconds, as float. A session reads the time from a clock and waits by it; whether waiting
-takes wall time is up to the clock. So the same loop serves a robot, a test and a grader.
+Times are floats, in seconds. A session reads the time from a clock and waits for it; whether waiting takes
+wall time is up to the clock. The same loop therefore serves a robot, a test and a grader.
 """
 
 from __future__ import annotations
@@ -14,14 +14,12 @@ from typing import Protocol, runtime_checkable
 
 from lrp_jupyter.arguments import check_type
 
-__all__ = ["LAG", "Clock", "MonotonicClock", "VirtualClock"]
-
 LAG = 0.25
 """Wall seconds by which a host may fall behind before pacing restarts from the present."""
 
 
-_LONGEST = 3600.0  # wall seconds that one wait lasts: those of an extreme speed are too many for a timer
-_FASTEST = 1e9  # above it, the time of a wall second is no longer exact
+_LONGEST = 3600.0  # wall seconds of a single wait: an extreme speed would exceed what a timer accepts
+_FASTEST = 1e9  # above it, the time per wall second is no longer exact
 
 
 @runtime_checkable
@@ -98,7 +96,7 @@ class VirtualClock:
         self._now = t
 
     def pause(self) -> None:
-        """Do nothing: a virtual clock stands still by itself."""
+        """Do nothing: a virtual clock advances only when it is waited for."""
 
     def resume(self) -> None:
         """Do nothing."""
@@ -107,15 +105,10 @@ class VirtualClock:
 class MonotonicClock:
     """The wall clock, pausable, faster or slower by a factor.
 
-    Parameters
-    ----------
-    speed : float
-        Seconds of this clock per second of wall time; `math.inf` never waits, nor does anything above 1e9.
+    It never jumps on its own: a session that is more than :data:`LAG` behind calls :meth:`rebase` and
+    continues from there instead of racing to catch up.
 
-    Notes
-    -----
-    It never jumps by itself: a session that finds itself more than :data:`LAG` behind calls
-    :meth:`rebase` and continues from there, instead of racing through what it missed.
+    `speed`: seconds of this clock per second of wall time; above 1e9, as for `math.inf`, it never waits.
     """
 
     def __init__(self, speed: float = 1.0) -> None:
@@ -125,7 +118,7 @@ class MonotonicClock:
 
     @property
     def speed(self) -> float:
-        """The factor; changing it does not move the present."""
+        """The factor; changing it does not change the current time."""
         return self._speed
 
     @speed.setter
@@ -170,7 +163,7 @@ class MonotonicClock:
             self._since = None
 
     def resume(self) -> None:
-        """Continue from the present time."""
+        """Continue from the current time."""
         if self._since is None:
             self._since = monotonic()
 

@@ -25,14 +25,15 @@ from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.record import Record
 
 _ARGUMENTS = (LRPError, ValueError, TypeError)
-_ANYTHING = (BaseException,)  # code of the caller runs
+_ANYTHING = (BaseException,)  # the caller's code runs
 
 
 @dataclass(frozen=True, slots=True)
 class ReplaceProgram(Command, recorded=True, interrupts=True, newest_wins=True):
     """Continue with another program. Of several queued in a row the newest wins. Paper: §6.1.
 
-    `is_text`: whether the programs are only texts, which are parsed again: a thousandth of their objects.
+    `is_text`: whether only the texts of the programs are kept, to be parsed again: a thousandth of the
+        objects.
     """
 
     program: Program
@@ -73,7 +74,7 @@ class Force(Command, recorded=True, interrupts=True):
 
 @dataclass(frozen=True, slots=True)
 class Fire(Command, recorded=True, interrupts=True, misuse=_ARGUMENTS):
-    """Go where a transition leads that leaves an active state. Paper: §6.4."""
+    """Follow a transition from an active state. Paper: §6.4."""
 
     path: Path
 
@@ -105,7 +106,7 @@ class Assign(Command, recorded=True):
         loop.interpreter.assign(variable, value, loop.timing.now)
 
     def kept(self, record: Record) -> tuple[Command, int]:
-        """See :class:`Command`: with a copy of a value that can be changed in place."""
+        """See :class:`Command`; a mutable value is copied."""
         return Assign(self.path, record.kept(self.value)), 0
 
 
@@ -141,7 +142,7 @@ class Reset(Command, recorded=True, interrupts=True):
 
 @dataclass(frozen=True, slots=True)
 class Renew(Command, recorded=True, mends=True):
-    """Make a broken session whole, with a new run of a program that is not started yet."""
+    """Repair a broken session by a new run of a program, not started yet."""
 
     program: Program
 
@@ -169,7 +170,7 @@ class SetRate(Command, recorded=True, misuse=_ARGUMENTS):
 
 @dataclass(frozen=True, slots=True)
 class EndAt(Command):
-    """Have a run that a clock paces rest at a time, in seconds of the run; one that has passed is now."""
+    """Set the time, in seconds, at which a run paced by a clock comes to rest; a past time means now."""
 
     time: float
 
@@ -200,7 +201,7 @@ class SetPolicy(Command, recorded=True, misuse=_ARGUMENTS):
 
 @dataclass(frozen=True, slots=True)
 class ClearIssues(Command, recorded=True):
-    """Forget the issues so far, and what was noted about commands of the program."""
+    """Clear the issues so far, and the notices about commands of the program."""
 
     def apply(self, loop: Loop) -> None:
         loop.interpreter.issues.clear()

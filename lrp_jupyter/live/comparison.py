@@ -12,16 +12,17 @@ from lrp_jupyter.errors import ended
 from lrp_jupyter.live.trace import Line, words_of
 
 _TELLING = ("issue", "fired", "forced", "restarted")
-"""Events that explain the others of their tick."""
+"""Events that explain the other events of their tick."""
 
 
 @dataclass(frozen=True, slots=True)
 class FirstDifference:
-    """The first place where a run is not as it was recorded.
+    """The first difference between a run and its recording.
 
     `time`: seconds.
-    `machine`: the machine in which it is; empty where that is none, or not known.
-    `recorded`, `now`: what happened only in the recording, and only now: the most telling line of the tick.
+    `machine`: the machine in which it occurs; empty if there is none, or it is unknown.
+    `recorded`, `now`: the most informative line of the tick that is only in the recording, and only in the
+        run.
     """
 
     tick: int
@@ -43,24 +44,24 @@ class FirstDifference:
 
 
 class Comparison:
-    """Compares what follows with what was recorded.
+    """Compares the trace of a run with a recorded trace.
 
-    `recorded`: what followed in the recorded run.
-    `other`: whether the program is another one: then neither the lines of its text nor its edits are
+    `recorded`: the recorded trace.
+    `other`: whether the program differs from the recorded one: then neither line numbers nor edits are
         compared.
-    `has_values`: whether variables are compared, too, and not only what the program does.
+    `has_values`: whether variables are also compared, not only what the program does.
     """
 
     def __init__(self, recorded: Iterable[Line], other: bool = False, has_values: bool = True) -> None:
         self._other = other
         self._left_out = ({"patched"} if other else set()) | (set() if has_values else {"changed"})
         self._recorded = deque(line for line in recorded if self._counts(line))
-        self._now: list[Line] = []  # the lines of the present tick
+        self._now: list[Line] = []  # the lines of the current tick
         self._machines: dict[str, str] = {}  # of the states that were entered, by name
         self.difference: FirstDifference | None = None
 
     def write(self, text: str) -> None:
-        """Take a line of the present run."""
+        """Add a line of the current run."""
         line = json.loads(text)
         if "input" in line or self.difference is not None or not self._counts(line):
             return
@@ -69,7 +70,7 @@ class Comparison:
         self._now.append(line)
 
     def end_of_tick(self, is_whole: bool = True) -> None:
-        """Compare the lines of the present tick; of one that is not over, as many as there are."""
+        """Compare the lines of the current tick; if it is not complete, as many as there are."""
         now, self._now = self._now, []
         recorded: list[Line] = []
         while (
@@ -88,7 +89,7 @@ class Comparison:
             self._differ(recorded, now)
 
     def end(self) -> None:
-        """Note what was recorded and did not come."""
+        """Report a recorded line that did not occur."""
         self.end_of_tick()
         if self._recorded and self.difference is None:
             self._differ([self._recorded[0]], [])
@@ -97,12 +98,12 @@ class Comparison:
         return line.get("event") not in self._left_out
 
     def _key(self, line: Line) -> Line:
-        """Return what is compared of a line."""
+        """Return the part of a line that is compared."""
         return {name: value for name, value in line.items() if name != "line"} if self._other else line
 
     def _differ(self, recorded: Sequence[Line], now: Sequence[Line]) -> None:
         before, after = self._rest(recorded, now), self._rest(now, recorded)
-        if not before and not after:  # the same in another order
+        if not before and not after:  # the same lines in a different order
             pairs = zip(recorded, now, strict=True)
             one, other = next(pair for pair in pairs if self._key(pair[0]) != self._key(pair[1]))
             before, after = [one], [other]
@@ -132,7 +133,7 @@ class Comparison:
 
 
 def _read_in_both(recorded: list[Line], now: list[Line]) -> list[Line]:
-    """Return recorded lines without readings that nothing reads now: only a breakpoint read them."""
+    """Return recorded lines without the readings that are not read now: only a breakpoint had read them."""
     read: set[str] = set().union(*(line.get("readings", ()) for line in now))
     return [
         {**line, "readings": {name: value for name, value in line["readings"].items() if name in read}}
@@ -148,6 +149,6 @@ def _most_telling(lines: Sequence[Line]) -> Line | None:
 
 
 def _others(line: Line, other: Line) -> dict[str, Any]:
-    """Return the readings that are not the same in another line."""
+    """Return the readings that differ from those in another line."""
     others = other.get("readings", {})
     return {name: value for name, value in line["readings"].items() if others.get(name) != value}

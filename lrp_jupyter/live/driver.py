@@ -1,13 +1,13 @@
 """Drivers of a loop: a thread, an asyncio task or the caller.
 
-A :class:`Driver` decides which thread may run the loop, and lets other threads submit commands to
-it. A command is applied
+A :class:`Driver` decides which thread may run the loop, and lets other threads submit commands to it. A
+command is applied
 
-* by the driver's thread if there is one; the caller waits, for a few seconds at most;
+* by the driver's thread if there is one; the caller waits, for at most a few seconds;
 * by the caller if nothing else drives the loop;
 * after the tick, without waiting, if the call comes from a block of the program.
 
-Every driver alternates between a turn of the loop and waiting for the time that the turn returns. They
+Every driver alternates between a turn of the loop and waiting until the time that the turn returns. They
 differ in how they wait.
 """
 
@@ -35,15 +35,15 @@ from lrp_jupyter.live.monitor import AGAIN, PATIENCE, Monitor, block_of
 from lrp_jupyter.live.self_monitor import SelfMonitor
 from lrp_jupyter.live.waking import TaskEvent
 
-_HOLD = 0.0005  # wall seconds for which a loop that never waits may keep others from running …
-_YIELD = 0.00005  # … and those for which it then sleeps
-_REST = 0.1  # wall seconds that a driver waits after a fault
+_HOLD = 0.0005  # wall seconds for which a loop that never waits may block other threads …
+_YIELD = 0.00005  # … and for which it then sleeps
+_REST = 0.1  # wall seconds for which a driver waits after a fault
 
 
 class LoopThread:
     """A daemon thread that drives the loop.
 
-    `turning`: held during each turn; another thread that drives for a while acquires it.
+    `turning`: held during each turn; another thread acquires it to drive the loop temporarily.
     `name`: the thread's name.
     """
 
@@ -52,7 +52,7 @@ class LoopThread:
         self._turning = turning
         self._ended = False
         self._suspended = 0  # number of callers that drive the loop themselves
-        # The context is copied, or output of the thread would be routed to the cell run last.
+        # The context is copied; otherwise output of the thread would be routed to the cell run last.
         context = contextvars.copy_context()
         self._thread = threading.Thread(target=context.run, args=(self._run,), name=name, daemon=True)
 
@@ -66,7 +66,7 @@ class LoopThread:
         self._thread.start()
 
     def suspend(self) -> None:
-        """Make no turn until :meth:`unsuspend`; the turn under way is finished."""
+        """Make no turn until :meth:`unsuspend`; the current turn is finished."""
         self._suspended += 1
 
     def unsuspend(self) -> None:
@@ -80,7 +80,7 @@ class LoopThread:
         self._loop.inbox.notify()
 
     def join(self, timeout: float) -> bool:
-        """Wait for the last turn; return whether it is over. A thread does not wait for itself."""
+        """Wait for the last turn and return whether it is over; a thread does not wait for itself."""
         if self._thread is not threading.current_thread():
             self._thread.join(timeout)
         return not self._thread.is_alive()
@@ -101,7 +101,7 @@ class LoopThread:
                 after = perf_counter()
                 if after - before > _YIELD:
                     rested = after
-                elif after - rested > _HOLD:  # others would wait 5 ms for the interpreter lock
+                elif after - rested > _HOLD:  # other threads would wait 5 ms for the interpreter lock
                     time.sleep(_YIELD)
                     rested = perf_counter()
             except Interrupted:  # too late: the block had returned
@@ -112,7 +112,7 @@ class LoopThread:
 
 
 class LoopTask:
-    """A task of the running event loop that drives the loop: for places without threads (Pyodide)."""
+    """A task of the running event loop that drives the loop, for platforms without threads (Pyodide)."""
 
     def __init__(self, loop: Loop) -> None:
         self._loop = loop
@@ -174,10 +174,10 @@ class Driver:
         self.name = name
         self._motor: LoopThread | LoopTask | None = None
         self._monitor: Monitor | SelfMonitor | None = None
-        # that of the last run, if the driver had none: it ends by itself
+        # the monitor of the last run, if the driver had none; it ends without being asked to
         self._spare: Monitor | SelfMonitor | None = None
         self._turning = threading.RLock()
-        self._caller: int | None = None  # the thread that drives the loop itself, for a while
+        self._caller: int | None = None  # the thread that temporarily drives the loop itself
 
     @property
     def running(self) -> bool:
@@ -191,7 +191,7 @@ class Driver:
 
     @property
     def _inside_block(self) -> bool:
-        """Whether a block of the program itself is the caller."""
+        """Whether the caller is a block of the program."""
         return self.loop.ticking is not None and self._thread == threading.get_ident()
 
     @property
@@ -217,10 +217,10 @@ class Driver:
             self._motor.end()
 
     def end(self) -> bool:
-        """End and join the threads, unless a block of their own asks; return whether they are gone.
+        """End and join the threads, unless called by a block that they run; return whether they have ended.
 
-        A block that does not return is interrupted; inside a call of C that does not help, and the
-        thread, a daemon, is left running.
+        A block that does not return is interrupted. Inside a C call that has no effect, and the thread, a
+        daemon, is left running.
         """
         motor, monitor = self._motor, self._monitor
         over = True
@@ -240,9 +240,9 @@ class Driver:
         return over and not self.loop.ticking
 
     def interrupt(self, others: bool = False) -> bool:
-        """Interrupt the block that runs now; return whether there is one.
+        """Interrupt the block that is running; return whether there is one.
 
-        Foreign code is interrupted too if it hangs, or if `others` is true.
+        Foreign code is also interrupted if it hangs, or if `others` is true.
         """
         thread, block = self._thread, self._block(others or self.loop.hung is not None)
         if thread is None or block is None:
@@ -252,7 +252,7 @@ class Driver:
         return interrupt(thread, block)
 
     def _block(self, others: bool = True) -> RunningBlock | None:
-        """Return the block or the foreign code that runs now, on whichever thread drives the loop."""
+        """Return the block or the foreign code that is running on the thread that drives the loop."""
         return None if self.loop.work is None else block_of(self.loop, self._thread, others)
 
     def seen(self) -> None:
@@ -296,14 +296,14 @@ class Driver:
     # -- commands --------------------------------------------------------------------------------
 
     def ask(self, command: Command) -> Future[Any]:
-        """Queue a command, and apply it here if nothing else drives the loop; does not wait.
+        """Queue a command without waiting, and apply it here if nothing else drives the loop.
 
         Raises SessionClosedError.
         """
         self.check_open()
         answer = self.loop.inbox.put(command)
         if not (self.runs_elsewhere or self._inside_block):
-            with suppress(SessionTimeoutError), self.exclusive("ask"):  # if another is faster, it applies it
+            with suppress(SessionTimeoutError), self.exclusive("ask"):  # a faster thread applies it instead
                 self.loop.apply_queued()
         return answer
 
@@ -316,10 +316,10 @@ class Driver:
         return self.loop.inbox.put(command)
 
     def wait(self, answer: Future[Any], kind: type[Command]) -> Any:
-        """Wait for what :meth:`ask` returned; inside a block return None, as it is applied after the tick.
+        """Wait for a future of :meth:`ask`; in a block return None, as it is applied after the tick.
 
-        Raises SessionTimeoutError: the command is not applied yet and stays in the queue; the message names
-            what blocks it.
+        Raises SessionTimeoutError: the command has not been applied yet and stays in the queue; the message
+            names what blocks it.
         """
         if self._inside_block:
             return None
@@ -351,7 +351,7 @@ class Driver:
 
     @contextmanager
     def exclusive(self, what: str) -> Iterator[None]:
-        """Drive the loop on the calling thread for a while; the driver's own thread is suspended.
+        """Drive the loop temporarily on the calling thread; the driver's thread is suspended.
 
         Raises SessionTimeoutError: the driver's thread does not finish its turn.
         """

@@ -1,6 +1,6 @@
 """Foreign code that a loop calls outside the blocks of its program: observers, listeners, hooks, ``repr``.
 
-Whatever it raises must not end the loop, and the monitor must see when it does not return.
+An exception in it must not end the loop, and the monitor must notice if it does not return.
 """
 
 from __future__ import annotations
@@ -16,10 +16,9 @@ Arguments = ParamSpec("Arguments")
 
 
 class Foreign:
-    """One call of foreign code; another call is another object.
+    """A single call of foreign code; each call has its own object.
 
-    `name`: its name in messages, such as ``x.__repr__``; empty where a block of the program may be the
-        caller.
+    `name`: its name in messages, such as ``x.__repr__``; empty if it may be called by a block of the program.
     """
 
     __slots__ = ("name",)
@@ -31,11 +30,11 @@ class Foreign:
 def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> Callable[Arguments, None]:
     """Wrap a subscriber: if it raises, `drop` ends its subscription and the exception is printed on stderr.
 
-    There is no caller to raise it in. On the main thread a KeyboardInterrupt is raised: it is Ctrl-C. What
-    the subscriber itself causes, by an edit for example, does not call it again, which would never end.
+    There is no caller to handle the exception. On the main thread a KeyboardInterrupt, which means Ctrl-C, is
+    raised. The subscriber is not notified of its own changes, such as an edit, to prevent endless recursion.
     """
     subscribed = True
-    thread = 0  # that runs it
+    thread = 0  # the one that runs it
 
     def guarded(*arguments: Arguments.args, **named: Arguments.kwargs) -> None:
         nonlocal subscribed, thread
@@ -63,5 +62,5 @@ def _print(error: BaseException) -> None:
 
 
 def on_main_thread() -> bool:
-    """Return whether a KeyboardInterrupt can come from the keyboard; elsewhere foreign code has raised it."""
+    """Return whether a KeyboardInterrupt can come from the keyboard, and not only from foreign code."""
     return threading.current_thread() is threading.main_thread()

@@ -1,14 +1,14 @@
 """Forks: independent copies of a session at a moment of its past, in virtual time, with no effect outside.
 
-A fork begins at the last checkpoint before the moment and repeats the recorded ticks and inputs up to it.
-What its blocks do stays inside: variables are copies, and so are numbers, texts and collections that blocks
-read from the namespace, with their values at the checkpoint. The robot is a copy of the simulated one, random
-numbers are drawn from a copy of Python's generator, and what is printed is kept in the fork's own output.
-Where the robot is a real one, its recorded readings are fed.
+A fork begins at the last checkpoint before the moment and repeats the recorded ticks and inputs up to it. Its
+blocks have no effect outside: variables are copied, as are numbers, texts and collections that blocks read
+from the namespace, with their values at the checkpoint. A simulated robot is copied, random numbers are drawn
+from a copy of Python's generator, and printed text goes to the fork's own output. A real robot is replaced by
+its recorded readings.
 
-Anything else is shared with the session: other objects of the namespace, such as instances and open files,
-and whatever cannot be copied. A fork whose repeated ticks have led to another state than the recorded one is
-refused, unless the robot is a real one: then nothing more than its readings is known.
+Everything else is shared with the session: other objects in the namespace, such as instances and open files,
+and anything that cannot be copied. A fork is refused if its repeated ticks lead to a state that differs from
+the recorded one, unless the robot is real: then only its readings are known.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from lrp_jupyter.live.replay import Entry, Ticked, merged
 
 
 class ForkStart(NamedTuple):
-    """What a copy of a session is made of.
+    """The parts from which a copy of a session is made.
 
     `checkpoint`: where it begins.
-    `entries`: what is repeated up to the moment of the copy.
-    `later`: what came after that.
+    `entries`: the entries repeated up to the moment of the copy.
+    `later`: the entries after that moment.
     `bridge`: the copy of the robot at the checkpoint.
-    `recorded`: what the moment of the copy was; None if nothing is repeated, or it is not recorded, or the
-        robot is a real one.
-    `namespace`: the namespace as it was at the checkpoint, apart from what was changed in place since.
+    `recorded`: the recorded state at the moment of the copy; None if nothing is repeated, the state is not
+        recorded, or the robot is real.
+    `namespace`: the namespace at the checkpoint, except for objects changed in place since.
     """
 
     checkpoint: SessionCheckpoint
@@ -53,7 +53,7 @@ class ForkStart(NamedTuple):
 
 
 def fork_start(loop: Loop, at: int | None) -> ForkStart:
-    """Return what a copy is made of, now or after an earlier tick; between two ticks.
+    """Return the parts of a copy, now or after an earlier tick; called between two ticks.
 
     Raises ValueError: the tick is not, or no longer, recorded.
     Raises BridgeError: the world cannot be reproduced so long ago.
@@ -92,13 +92,13 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
 
 
 def check_repeated(recorded: PastState, copy: Interpreter) -> None:
-    """Check that the repeated ticks have led to where they led before.
+    """Check that repeated ticks have led to the recorded state.
 
-    `recorded`: where they led before.
-    `copy`: in which they were repeated.
-    Raises ValueError: they have not.
+    `recorded`: the recorded state.
+    `copy`: the interpreter in which they were repeated.
+    Raises ValueError: they have led to another state.
     """
-    repeated = copy.history.state(copy.tick)  # an `onpause` at an issue of this tick came after it
+    repeated = copy.history.state(copy.tick)  # an `onpause` caused by an issue of this tick came after it
     variables = repeated.variables
     other = [path for path, value in recorded.variables.items() if differ(value, variables.get(path))]
     if not other and recorded.active == repeated.active:
@@ -116,7 +116,7 @@ def _is_after(entry: Entry, tick: int) -> bool:
 
 
 def _forked(bridge: Bridge, moment: object) -> Bridge:
-    """Return an open copy of a robot, or where there can be none, a robot that repeats what was read."""
+    """Return an open copy of a robot or, if it cannot be copied, a robot that repeats its readings."""
     if bridge.simulated is not None:
         return bridge.simulated.fork(moment)
     is_none = isinstance(bridge, NullBridge)
@@ -126,9 +126,9 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
 
 
 def private_namespace(namespace: Mapping[str, Any], state: tuple[Any, ...]) -> dict[str, Any]:
-    """Return a copy of a namespace in which `random` and its functions draw numbers of their own.
+    """Return a copy of a namespace in which `random` and its functions use a separate generator.
 
-    `state`: the state in which the generator begins.
+    `state`: the initial state of the generator.
     """
     generator = random.Random()
     generator.setstate(state)

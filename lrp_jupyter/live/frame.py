@@ -1,9 +1,8 @@
 """Frames: frozen snapshots of a run for views, made between two ticks.
 
-A view sees only some of the frames. Whatever must not be lost is therefore counted
-from the beginning (visits, firings, restarts): the difference of two frames shows what happened
-between them, however many were skipped. The counts are the interpreter's own, so counting
-does not depend on frames being made.
+A view sees only some of the frames. Events that must not be missed (visits, firings, restarts) are therefore
+counted from the beginning: the difference between two frames shows what happened between them, however many
+were skipped. The interpreter does the counting, so it does not depend on frames being made.
 """
 
 from __future__ import annotations
@@ -30,17 +29,11 @@ Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "clo
 class Hung:
     """A block, or the robot, that does not return.
 
-    Parameters
-    ----------
-    where : str
-        The block (``a.running``), the value of a variable that is rendered (``x.__repr__``), ``the robot``,
-        ``a command``, ``a listener`` or ``an observer``.
-    seconds : float
-        How long it has been running, in wall time.
-    line : int
-        The line of the program that runs, from 1; 0 if unknown.
-    held : bool
-        Whether it has been interrupted in vain: it is inside a call that Python cannot interrupt.
+    `where`: the block (``a.running``), the value of a variable being rendered (``x.__repr__``), ``the
+        robot``, ``a command``, ``a listener`` or ``an observer``.
+    `seconds`: how long it has been running, in wall time.
+    `line`: the line of the program that is running, from 1; 0 if unknown.
+    `held`: whether an interruption had no effect: it is inside a call that Python cannot interrupt.
     """
 
     where: str
@@ -66,15 +59,9 @@ class Hung:
 class Hit:
     """A breakpoint that paused the program.
 
-    Parameters
-    ----------
-    number : int
-        Of the breakpoint.
-    what : str
-        What happened: ``"`looking` was entered"``.
-    count : int
-        How often the breakpoint was hit.
-    tick : int
+    `number`: the number of the breakpoint.
+    `what`: what happened: ``"`looking` was entered"``.
+    `count`: how often the breakpoint was hit.
     """
 
     number: int
@@ -124,7 +111,7 @@ class Frame:
         The same values as text, bounded in depth and length. While the program runs, the text of a value
         whose rendering takes long may be older than the frame.
     numbers : mapping of path to float
-        Those of them that are numbers.
+        The values that are numbers.
     outdated : mapping of path to Outdated
         Those variables that were computed from one that has been assigned by hand since: ``source`` (its
         path), ``computed`` (when, in seconds) and ``initial`` (the initialiser, if it is an expression).
@@ -235,11 +222,11 @@ class Frame:
 def is_active(state: str | Path, active: tuple[Path, ...], program: Program = _NONE) -> bool:
     """Return whether a state is among the active ones, or encloses one of them.
 
-    `program`: that in which they are active; without it a state is called as it is spawned, or by its name.
+    `program`: the program in which they are active; without it, `state` is a path as spawned or a name.
     """
     return any(means(program, state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
 
 
 def missing_state(state: str | Path, program: Program) -> UnknownElementError | None:
-    """Return the error that a program has no such state; None if it has, even several."""
+    """Return an error if a program has no such state; None if it has one or several."""
     return None if called(program, "state", state) else missing([program], ["state"], state)

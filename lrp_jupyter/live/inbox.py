@@ -19,15 +19,15 @@ from lrp_jupyter.errors import LRPError
 class Command(ABC):
     """A request to a loop: a frozen value, applied as a whole between two ticks.
 
-    Subclasses set what differs from these in their heads: ``class Step(Command, moves=True)``.
+    Subclasses override these defaults in the class statement: ``class Step(Command, moves=True)``.
 
     `misuse`: errors of :meth:`apply` that are the caller's mistakes; any other is a fault of this package.
-    `recorded`: whether it changes the run, so that a replay of the run must apply it, too.
+    `recorded`: whether it changes the run, so that a replay of the run must also apply it.
     `undoes`: whether it undoes earlier commands.
-    `mends`: whether it can be applied to a session that is broken.
-    `moves`: whether the program runs on because of it.
+    `mends`: whether it can be applied to a broken session.
+    `moves`: whether it makes the program run.
     `interrupts`: whether a block that does not return is interrupted for it.
-    `urgent`: whether it overtakes all commands that wait, and cancels those that would move the robot.
+    `urgent`: whether it overtakes all waiting commands, and cancels those that would move the robot.
     `newest_wins`: whether it replaces a command of the same class queued directly before it.
     """
 
@@ -47,7 +47,7 @@ class Command(ABC):
             setattr(cls, name, value)
 
     def kept(self, record: Any) -> tuple[Command, int]:
-        """Return what is kept of it in a record, to repeat it, and how many characters that has."""
+        """Return the form in which a record keeps it for a replay, and the number of characters of that."""
         return self, 0
 
     @abstractmethod
@@ -58,8 +58,8 @@ class Command(ABC):
 class Inbox:
     """Queue of commands, first in, first out; an urgent one is first.
 
-    Any thread puts, the thread that drives the loop gets. :attr:`wake` is set by every put, so that
-    a sleeping loop wakes up.
+    Any thread may call `put`; only the thread that drives the loop calls `get`. Every `put` sets
+    :attr:`wake`, so that a sleeping loop wakes up.
     """
 
     def __init__(self) -> None:
@@ -67,11 +67,11 @@ class Inbox:
         self.notify: Callable[[], object] = self.wake.set
         """Called after every put; a driver that does not wait for `wake` sets its own function here."""
         self.queued: deque[tuple[Command, Future[Any]]] = deque()
-        """Others may only test whether it is empty, which needs no lock."""
+        """Other code may only test whether it is empty, which needs no lock."""
         self._lock = threading.Lock()  # held by every put, which may replace the last entry
 
     def put(self, command: Command) -> Future[Any]:
-        """Queue a command; the future gets its result, or its error."""
+        """Queue a command; the future receives its result or its error."""
         answer: Future[Any] = Future()
         with self._lock:
             if command.newest_wins and self.queued and type(self.queued[-1][0]) is type(command):
@@ -97,7 +97,7 @@ class Inbox:
             return self.queued.popleft() if self.queued else None
 
     def interrupts(self) -> bool:
-        """Return whether a command waits for which a block that does not return is interrupted."""
+        """Return whether a command is waiting for which a block that does not return is interrupted."""
         with self._lock:
             return any(command.interrupts for command, _ in self.queued)
 

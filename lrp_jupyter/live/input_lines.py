@@ -1,4 +1,4 @@
-"""The inputs of a recording, each as a line of it: a mapping that JSON can hold."""
+"""The inputs of a recording, each written as a line: a mapping that can be stored as JSON."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ INPUTS: dict[str, type] = {
     "draw": Draw,
     "edit world": Become,
 }
-"""The inputs by their names in a line, which has their fields unless it is written by :func:`_fields_of`."""
+"""The inputs by their names in a line; :func:`_fields_of` writes those whose fields need another form."""
 _NAMES = {kind: name for name, kind in INPUTS.items()}
 
 
 def input_line(what: object, loop: Loop) -> Line:
-    """Return the line of an input; one that no file can hold is ``beyond``."""
+    """Return the line of an input; one that cannot be stored in a file is ``beyond``."""
     name = _NAMES.get(type(what), "edit world" if isinstance(what, WorldEdit) else "beyond")
     written = None if name == "beyond" else _fields_of(what, loop)
     return {"input": "beyond", "what": render(what)} if written is None else {"input": name, **written}
@@ -86,7 +86,7 @@ def _fields_of(what: Any, loop: Loop) -> Line | None:
 
 
 def input_of(line: Line, program: Callable[[str], Program]) -> object:
-    """Return the input of a line. What its fields hold is only checked when it is repeated.
+    """Return the input of a line; the contents of its fields are not checked before it is repeated.
 
     `program`: returns the program of a text.
     Raises FileError: there is no such input.
@@ -122,7 +122,7 @@ def input_of(line: Line, program: Callable[[str], Program]) -> object:
 
 
 def _immutable(value: object) -> object:
-    """Return a list as the tuple from which it was written."""
+    """Return a list as the tuple that it was before it was written."""
     return tuple(_immutable(part) for part in value) if isinstance(value, list) else value
 
 
@@ -150,9 +150,9 @@ class _Infinite(ast.NodeTransformer):
 
 
 def literal(value: object) -> str | None:
-    """Return a value as an expression of Python; None where that is not possible."""
+    """Return a value as a Python expression; None if that is not possible."""
     try:
         text = ast.unparse(_Infinite().visit(ast.parse(repr(value), mode="eval")))
         return text if ast.literal_eval(text) == value else None
-    except Exception:  # `repr` and `==` may run code of anyone
+    except Exception:  # `repr` and `==` may run foreign code
         return None

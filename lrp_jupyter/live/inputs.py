@@ -1,7 +1,7 @@
 """The inputs of a session: everything that came from outside, in order, each with its tick and its time.
 
-A run is a function of its program, its robot and these inputs. They are rare, so recording them costs a tick
-nothing; what a simulated robot senses follows from them.
+A run is a function of its program, its robot and these inputs. They are rare, so recording them does not slow
+down ticks; the readings of a simulated robot follow from them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from lrp_jupyter.live.inbox import Command
 
 @dataclass(frozen=True, slots=True)
 class Pause(Command, interrupts=True, urgent=True):
-    """Pause, for a reason (a sentence, or empty); the loop records it, and those of its own. Paper: §6.3."""
+    """Pause, for a reason (a sentence, or empty); the loop records this and its own pauses. Paper: §6.3."""
 
     reason: str = ""
 
@@ -45,7 +45,7 @@ class EndRun(Command):
 
 @dataclass(frozen=True, slots=True)
 class Rewound:
-    """Later ticks were undone; `checkpoint` is the session as it was then, with what was not undone."""
+    """Later ticks were undone; `checkpoint` is the session right after that, with everything not undone."""
 
     checkpoint: SessionCheckpoint
 
@@ -56,7 +56,7 @@ class Input(NamedTuple):
     `number`: in the order of application; the first is 1.
     `tick`: how many ticks were completed before it.
     `time`: seconds of the run at which it was applied.
-    `what`: a command, :class:`Rewound`, or what was done to the robot or its world.
+    `what`: a command, :class:`Rewound`, or an action on the robot or its world.
     """
 
     number: int
@@ -65,14 +65,14 @@ class Input(NamedTuple):
     what: object
 
 
-_MOST = 50_000  # inputs kept
-_LETTERS = 8_000_000  # of texts kept
+_MOST = 50_000  # maximum number of inputs
+_LETTERS = 8_000_000  # maximum number of characters of their texts
 
 
 class Inputs:
-    """The last inputs, bounded in number and in what their texts take; in order of their ticks.
+    """The last inputs, bounded in number and in the size of their texts; in order of their ticks.
 
-    Robots are commanded from any thread: whoever adds inputs holds :attr:`lock`.
+    Robots are commanded from any thread: code that adds inputs holds :attr:`lock`.
     """
 
     def __init__(self) -> None:
@@ -80,12 +80,12 @@ class Inputs:
         self._all: deque[tuple[Input, int]] = deque()
         self._letters = 0
         self.count = 0
-        """How many there were."""
+        """The number of inputs so far."""
         self.lost = 0
-        """The number of the last one that is not kept any more."""
+        """The number of the last input that is no longer kept."""
 
     def __iter__(self) -> Iterator[Input]:
-        """Iterate over those that are there now."""
+        """Iterate over the inputs that are kept now."""
         with self.lock:
             return iter([entry for entry, _ in self._all])
 
@@ -93,7 +93,7 @@ class Inputs:
         return len(self._all)
 
     def since(self, tick: int) -> list[Input]:
-        """Return those that came after so many ticks or more, in order."""
+        """Return the inputs that came after at least this number of ticks, in order."""
         with self.lock:
             found = [entry for entry, _ in takewhile(lambda kept: kept[0].tick >= tick, reversed(self._all))]
         return found[::-1]
@@ -105,7 +105,7 @@ class Inputs:
             return Input(self.count, tick, time, what)
 
     def keep(self, entry: Input, letters: int = 0) -> None:
-        """Keep an input, whose text has so many characters; drop the oldest ones beyond the bounds."""
+        """Keep an input with a text of this number of characters; drop the oldest ones beyond the bounds."""
         with self.lock:
             self._all.append((entry, letters))
             self._letters += letters
@@ -115,15 +115,15 @@ class Inputs:
                 self.lost = oldest.number
 
     def begin(self, number: int) -> None:
-        """Drop those up to the one with this number."""
+        """Drop the inputs up to the one with this number."""
         with self.lock:
             while self._all and self._all[0][0].number <= number:
                 self._letters -= self._all.popleft()[1]
 
     def undo(self, tick: int, stays: Callable[[object], bool] = lambda what: False) -> list[Input]:
-        """Drop those that came after a tick, but not what `stays` of what came before the next one.
+        """Drop the inputs after a tick, except those before the next tick for which `stays` is true.
 
-        Those that were dropped, in order.
+        Return the dropped inputs, in order.
         """
         kept: list[tuple[Input, int]] = []
         dropped = []

@@ -1,16 +1,17 @@
 """Interrupt a block that does not return: find it in its thread, and raise an exception in it.
 
-So is foreign code that a loop has called, such as the ``sense`` of a bridge or an observer, if it hangs.
+Foreign code called by a loop, such as the ``sense`` method of a bridge or an observer, is interrupted in the
+same way if it hangs.
 
-Python can raise an exception in another thread, at its next bytecode. A block may catch it, as a loop
-around ``try: … except: pass`` does. Then the exception returns: when it is caught and when it is discarded,
-it sets a trace function that raises another one at the next line of the block or of a function called
-by it, and so on until the block has ended. Thus it is not lost either where Python discards it at once:
-in a finalizer (``__del__``, the callback of a weak reference), which Python would report on standard error.
+Python can raise an exception in another thread, at its next bytecode. A block may catch it, as a loop around
+``try: … except: pass`` does. The exception then returns: when it is caught and when it is discarded, it sets
+a trace function that raises another one at the next line of the block or of a function called by it, and so
+on until the block has ended. Nor is it lost in a finalizer (``__del__``, the callback of a weak reference),
+where Python would discard it at once and report it on standard error.
 
-Nothing can be raised inside a call of C before it returns, unless it is one that Ctrl-C ends
-(``time.sleep``) and runs on the main thread: there, a signal ends it. A call that in addition holds the
-interpreter lock (``sum(range(10**11))``) stops all threads of the process, so that nothing here runs.
+Nothing can be raised inside a C call before it returns, except on the main thread in a call that Ctrl-C ends
+(``time.sleep``): there, a signal ends it. A call that also holds the interpreter lock
+(``sum(range(10**11))``) stops all threads of the process, so that nothing here runs.
 """
 
 from __future__ import annotations
@@ -31,9 +32,9 @@ from lrp_jupyter.interpreter.faults import Interrupted
 class RunningBlock(NamedTuple):
     """A block, or foreign code, that a thread is running.
 
-    `name`: ``moving.running``, or what foreign code is: ``x.__repr__``, ``the robot``.
-    `line`: the line of the program that runs now, from 1; 0 if none of its code runs.
-    `frame`: identifies this run of it.
+    `name`: ``moving.running`` or, for foreign code, ``x.__repr__``, ``the robot``.
+    `line`: the line of the program that is running, from 1; 0 if none of its code is running.
+    `frame`: identifies this execution of it.
     """
 
     name: str
@@ -42,24 +43,24 @@ class RunningBlock(NamedTuple):
 
 
 _CALLERS = ("lrp_jupyter.live.values", "lrp_jupyter.live.foreign")
-"""Modules of this package that call foreign code and survive whatever it raises."""
+"""Modules of this package that call foreign code and survive any exception in it."""
 
 
 def running_block(
     thread: int | None, filenames: Container[str], name: str = "", other: str = ""
 ) -> RunningBlock | None:
-    """Return the block that a thread is running now; else the foreign code that its loop has called, or None.
+    """Return the block that a thread is running, or else the foreign code that its loop has called, or None.
 
     `thread`: the identity of the thread.
-    `filenames`: the names of the files of blocks; other code has other names.
+    `filenames`: the file names of blocks; no other code has them.
     `name`: the name of foreign code that runs instead of a block, such as ``x.__repr__``.
-    `other`: what foreign code without a name is; empty: only blocks are meant.
+    `other`: the name to use for unnamed foreign code; if empty, only blocks are returned.
     """
     frame = None if thread is None else sys._current_frames().get(thread)
     line, block, foreign, called = 0, None, None, True
     if frame is not None and _module(frame) in _CALLERS:
-        foreign = frame  # a call of C has no frame
-    while frame is not None:  # a block may have called functions of its own
+        foreign = frame  # a C call has no frame
+    while frame is not None:  # a block may have called other functions
         if frame.f_code.co_filename in filenames:
             line, block = line or frame.f_lineno, frame
         called = called and _module(frame) != "lrp_jupyter.live.loop"
@@ -88,7 +89,7 @@ _LOCKING = ("threading", "queue", "concurrent.futures._base")
 
 
 def _takes_our_lock(frame: FrameType | None) -> bool:
-    """Whether this package waits for a lock there, which an exception would leave locked for ever."""
+    """Whether this package is waiting there for a lock that an exception would leave locked forever."""
     locking = False
     while frame is not None and _module(frame) in _LOCKING:
         locking, frame = True, frame.f_back
@@ -105,8 +106,8 @@ _requested: dict[int, FrameType] = {}
 def interrupt(thread: int, block: RunningBlock) -> bool:
     """Make a block raise :class:`~lrp_jupyter.interpreter.faults.Interrupted` at its next bytecode.
 
-    Whether the thread still runs this block, and not while this package waits for a lock in it; otherwise
-    nothing is raised.
+    Return whether it will: not if the thread no longer runs this block, or if this package is waiting for a
+    lock in it.
     """
     frame = sys._current_frames().get(thread)
     if _takes_our_lock(frame):
@@ -140,12 +141,12 @@ def _do_not_report_in_finalizers() -> None:
             report(unraisable)
 
     unless_it_returns.passes_interruptions = True  # type: ignore[attr-defined]
-    sys.unraisablehook = unless_it_returns  # and stays: the thread may raise it much later
+    sys.unraisablehook = unless_it_returns  # never reset: the thread may raise it much later
 
 
 @contextmanager
 def ending_calls() -> Iterator[None]:
-    """Let :func:`interrupt_call` end calls of C meanwhile, if this is the main thread of a POSIX system."""
+    """Let :func:`interrupt_call` end C calls in this context, on the main thread of a POSIX system."""
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_kill"):
         yield
         return
@@ -158,9 +159,9 @@ def ending_calls() -> Iterator[None]:
 
 
 def interrupt_call(thread: int) -> None:
-    """End a call of C by a KeyboardInterrupt, in :func:`ending_calls`; elsewhere this does nothing.
+    """End a C call by a KeyboardInterrupt, in :func:`ending_calls`; elsewhere do nothing.
 
-    The signal is one that is ignored by default. That of Ctrl-C is ignored in a shell's background.
+    The signal is ignored by default. The Ctrl-C signal would be ignored in the background of a shell.
     """
     if not hasattr(signal, "pthread_kill"):
         return
@@ -171,7 +172,7 @@ def interrupt_call(thread: int) -> None:
 
 
 class Interruption(Interrupted):
-    """Returns when it is caught, until the block has ended."""
+    """An exception that returns when it is caught, until the block has ended."""
 
     _block: FrameType | None = None
 
@@ -185,12 +186,12 @@ class Interruption(Interrupted):
         self._return(sys._getframe().f_back)
 
     def _return(self, frame: FrameType | None) -> None:
-        """Raise another one at the next line, if `frame` is one of the block or was called by it."""
+        """Raise another one at the next line, if `frame` belongs to the block or was called by it."""
         block, frames = self._block, []
         while frame is not None and frame is not block:
             frames.append(frame)
             frame = frame.f_back
-        if block is None or frame is None or _is_ours(block):  # it has ended, or has no frame of its own
+        if block is None or frame is None or _is_ours(block):  # it has ended, or has no frame
             return
         # A library may be cleaning up, for example releasing a lock.
         frames = [block, *(each for each in frames if each.f_globals is block.f_globals)]

@@ -1,8 +1,8 @@
-"""What is left of ticks that a rewind has undone, and may make the run go on in another way.
+"""Effects of undone ticks that a rewind leaves behind, which may change how the run continues.
 
-The journal undoes assignments. Objects that were changed in place stay as they are, and so do issues and the
-state of the random numbers. So a run that comes from an earlier tick, and never made those ticks, may go on
-in another way than the one that went back.
+The journal undoes assignments, but not in-place changes of objects, issues, or the state of the random
+numbers. A run that reaches a tick without having executed the undone ticks may therefore continue differently
+from one that was rewound to it.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ _RANDOM = "random"
 
 
 def leftover(rewound: SessionCheckpoint, clean: SessionCheckpoint) -> str:
-    """Return in words something that is left; empty if nothing is, as far as that is known.
+    """Return a description of a leftover effect; empty if none is detected.
 
-    `rewound`: the session, when it had gone back.
-    `clean`: a run that has come to the same tick from before.
+    `rewound`: the session right after the rewind.
+    `clean`: a run that has reached the same tick from an earlier one.
     """
     before, after = rewound.snapshot, clean.snapshot
     left, fresh = before.contents(), after.contents()
@@ -34,19 +34,19 @@ def leftover(rewound: SessionCheckpoint, clean: SessionCheckpoint) -> str:
     if _known(rewound) != _known(clean):
         return "an issue"
     text = before.source[0] if isinstance(before.source, tuple) else _RANDOM
-    is_drawn = _RANDOM in text and rewound.random != clean.random  # others may draw from the same generator
+    is_drawn = _RANDOM in text and rewound.random != clean.random  # others may use the generator
     return "the state of the random numbers" if is_drawn else ""
 
 
 def differ(one: object, other: object) -> bool:
-    """Return whether two values differ, as far as that is known: what can be changed may have been."""
+    """Return whether two values are known to differ; mutable objects may have been changed since."""
     if type(one) not in PLAIN or type(other) not in PLAIN:
         return False
-    return one != other and (one == one or other == other)  # not a number is not even itself
+    return one != other and (one == one or other == other)  # NaN does not equal itself
 
 
 def _differ_inside(one: object, other: object) -> bool:
-    """Return whether two values differ that nothing has changed since they were copied."""
+    """Return whether two values differ, neither of which has changed since it was copied."""
     kind = type(one)
     if kind in PLAIN or kind is not type(other):
         return differ(one, other) or (kind is not type(other) and {kind, type(other)} <= {*COPIED})
@@ -55,7 +55,7 @@ def _differ_inside(one: object, other: object) -> bool:
             return len(one) != len(other) or any(map(_differ_inside, one, other))
         if isinstance(one, dict) and isinstance(other, dict):
             return _differ_inside([*one.items()], [*other.items()])
-        if kind in COPIED:  # what sets contain cannot be changed
+        if kind in COPIED:  # elements of sets are immutable
             return one != other
     except RecursionError:  # it contains itself, or is nested deeply
         return False
@@ -63,5 +63,5 @@ def _differ_inside(one: object, other: object) -> bool:
 
 
 def _known(checkpoint: SessionCheckpoint) -> AbstractSet[tuple[Element, str, bool]]:
-    """Return the issues, which pause a program when they are new."""
+    """Return the issues; a new one pauses the program."""
     return {(issue.element, issue.kind, issue.resolved) for issue in checkpoint.snapshot.issues}

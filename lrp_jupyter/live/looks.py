@@ -1,4 +1,4 @@
-"""What a person looked at and did, in a recording; not inputs of the run, so a replay skips them."""
+"""What a person looked at and did, in a recording; not inputs of the run, so a replay skips it."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ _TYPES: dict[str, type | tuple[type, ...]] = {"wall": (int, float), "look": str,
 
 
 class Look(NamedTuple):
-    """A person began or ended to look at something, or did something.
+    """A person started or stopped looking at something, or did something.
 
-    `tick`, `time`: of the run, which may stand still meanwhile.
+    `tick`, `time`: of the run, which may be paused at that time.
     `wall`: seconds since the recording began.
     `what`: its kind: ``why``, ``hover``, ``playhead``, ``command``, …
     `about`: its subject.
-    `on`: whether it began.
+    `on`: whether it started.
     """
 
     tick: int
@@ -41,7 +41,7 @@ class Look(NamedTuple):
 
 
 def look_of(line: Mapping[str, Any], tick: int, time: float) -> Look:
-    """Return the look of a line.
+    """Return the :class:`Look` of a line.
 
     Raises FileError: a field has a wrong type.
     """

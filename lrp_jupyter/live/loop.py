@@ -1,22 +1,23 @@
 """The loop of §5.1 with everything around a tick: commands, time, robot, frames.
 
-There is one loop body, :meth:`Loop.turn`. The driver (a thread, asyncio, the caller)
-calls it and then waits until the time that it returns. A turn
+There is one loop body, :meth:`Loop.turn`. The driver (a thread, asyncio, the caller) calls it and then waits
+until the time that it returns. A turn
 
-1. applies the commands that are queued,
-2. advances the time, up to the next tick at most: a simulated world moves by whole physics steps,
-   so that it is at the tick's time when the tick reads the sensors,
-3. ticks, if a tick is due: latch the sensors, one step of the interpreter, flush the commands,
+1. applies the queued commands, 2. advances the time, at most to the next tick: a simulated world moves by
+whole physics steps, so that it is at
+   the tick's time when the tick reads the sensors,
+3. ticks, if a tick is due: latch the sensors, run one step of the interpreter, flush the commands,
 4. publishes a frame, at most sixty times a second.
 
-*Parts.* What time it is in the run, and when a tick is due, is known to :attr:`Loop.timing`; what is kept of
-the run, to go back in it, is in :attr:`Loop.record`.
+*Parts.* :attr:`Loop.timing` holds the time of the run and when a tick is due; :attr:`Loop.record` holds what
+is kept of the run for rewinding it.
 
-*Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of the state of a run; a
-session copies them into its frames.
+*Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of the state of a run; a session
+copies them into its frames.
 
-Owned by the thread that drives it. Other threads use :attr:`Loop.inbox`, call :meth:`Loop.set_hung` (the
-monitor) or end the loop (:meth:`Loop.halt`), and read `frame`, `ticking`, `status` and `interpreter.tick`.
+A loop belongs to the thread that drives it. Other threads use :attr:`Loop.inbox`, call :meth:`Loop.set_hung`
+(the monitor) or end the loop (:meth:`Loop.halt`), and read `frame`, `ticking`, `status` and
+`interpreter.tick`.
 
 Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
 """
@@ -65,12 +66,12 @@ _RAISED = "The program raised `KeyboardInterrupt`, as Ctrl-C does."
 
 
 class Loop:
-    """Runs an interpreter against a clock and a robot; see the head of this module.
+    """Runs an interpreter against a clock and a robot; see the module docstring.
 
     `bridge`: opened by its owner, not by the loop.
     `rate`: ticks per second; 0 for as many as possible.
     `changed`: called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
-    `remembers`: whether what happened is kept, for as long as the interpreter's journal.
+    `remembers`: whether the record is kept, for as long as the interpreter's journal.
     `printed`: returns the number of lines printed so far.
     """
 
@@ -91,13 +92,13 @@ class Loop:
         self.inbox = Inbox()
         self.status: Status = "ready"
         self.reason = ""
-        self._hung: tuple[object, Hung | None] = (None, None)  # in which work
+        self._hung: tuple[object, Hung | None] = (None, None)  # and in which work
         self.foreign: Foreign | None = None
-        """The foreign code that runs now between two ticks, for the monitor."""
+        """The foreign code that is running between two ticks, for the monitor."""
         self.fault = ""
         """The traceback of the fault that broke the session, or an empty text."""
         self.ticking: object = None
-        """What identifies the tick under way; None between two."""
+        """Identifies the current tick; None between two ticks."""
         self._unstarted = False  # whether it was paused before it was started
         self._texts = ValueTexts(self._calling)
         self.changed = changed
@@ -112,11 +113,11 @@ class Loop:
         bridge.safety.recorded = partial(self.emit, "commanded")
         self._published = -math.inf  # wall time of the last frame
         self.frame = self.make_frame()
-        """The newest one published."""
+        """The newest published frame."""
 
     @property
     def work(self) -> object:
-        """What identifies the tick or the foreign code under way; None between two. From any thread."""
+        """Identifies the current tick or foreign code; None if there is neither. From any thread."""
         return self.ticking or self.foreign
 
     @property
@@ -126,17 +127,17 @@ class Loop:
         return hung if work is self.work else None
 
     def set_hung(self, work: object, hung: Hung | None) -> None:
-        """Set the block that does not return, and the :attr:`work` under way; called by the monitor."""
+        """Set the block that does not return, and the current :attr:`work`; called by the monitor."""
         self._hung = work, hung
 
     def set_rate(self, rate: float) -> None:
         """Change the rate; see :meth:`Timing.set_rate`."""
         self.timing.set_rate(rate)
-        self.record.pending_at = 0.0  # it was reckoned at the other rate
+        self.record.pending_at = 0.0  # it was computed at the old rate
 
     def _move(self, seconds: float) -> None:
         """Move the robot's world."""
-        self.record.note_stops()  # they act before the world moves
+        self.record.note_stops()  # they take effect before the world moves
         with self._calling("the robot"):
             self.bridge.advance(seconds)
 
@@ -145,8 +146,8 @@ class Loop:
     def turn(self) -> float:
         """Apply commands, advance the time and tick if a tick is due.
 
-        The time (of the clock) until which there is nothing to do unless a command arrives; infinite if only
-            a command can change anything.
+        Return the time (of the clock) until which there is nothing to do unless a command arrives; infinite
+        if only a command can change anything.
         """
         self._driven_by = threading.get_ident()
         try:
@@ -188,7 +189,7 @@ class Loop:
             if timing.over:
                 break
             self.tick()
-            if timing.clock.speed == math.inf:  # no time passes by itself
+            if timing.clock.speed == math.inf:  # the clock does not advance
                 timing.clock.rebase(timing.now + STEP)
         timing.measure(self.interpreter.tick)
 
@@ -229,7 +230,7 @@ class Loop:
             self.pause(bridge.safety.suspended)
 
     def _tell_halted(self) -> None:
-        """Say what has stood since the robot was stopped because only an `onentry` had set it in motion."""
+        """Add a notice about motions started only by an `onentry` that a stop of the robot has ended."""
         visits, program = self.interpreter.visits.items(), self.interpreter.program
         for name, origin in ((each.name, each.origin) for each in self.bridge.safety.left_halted()):
             state, _, action = origin.block.rpartition(".")
@@ -243,16 +244,16 @@ class Loop:
                 self.bridge.safety.notice("stopped", text, f"{name} {origin.line}", origin)
 
     def _has_come(self, error: BaseException) -> bool:
-        """Return whether an error was that a member of the robot is missing, and the robot has it now."""
+        """Return whether an error reported a missing member of the robot that the robot now has."""
         missing = getattr(error, "missing", "") if issubclass(type(error), MemberError) else ""
         return bool(missing) and any(f"{path}.".startswith(f"{missing}.") for path in self._members)
 
     def settle(self) -> None:
-        """Apply what waits to be done to the robot's world."""
+        """Apply pending changes to the robot's world."""
         self._picture()
 
     def rest(self) -> None:
-        """Be paused from now on, though the program is not told."""
+        """Pause without running the pause actions of the program."""
         if self.status == "running":
             self.status = "paused"
             self.timing.clock.pause()
@@ -264,7 +265,7 @@ class Loop:
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
 
     def settle_as(self, checkpoint: SessionCheckpoint) -> None:
-        """Take over the settings of a session, and whether it was paused."""
+        """Adopt the settings of a session, and whether it was paused."""
         settings = checkpoint.snapshot.settings
         for name in ("on_active_edit", "on_issue", "paused"):
             setattr(self.interpreter, name, settings[name])
@@ -285,7 +286,7 @@ class Loop:
         self.reason, self.paused_by = str(hit), hit
 
     def _stop_at_issue(self) -> None:
-        """Pause as the interpreter has done, because of an issue in a tick or a command."""
+        """Pause because the interpreter has paused at an issue in a tick or a command."""
         last = self.interpreter.issues.newest
         self._stand_still(last.message if last else "")
         self.paused_by = last
@@ -293,11 +294,10 @@ class Loop:
     def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:
         """Tick in virtual time, without waiting, for at most this number of seconds.
 
-        Afterwards the loop has its earlier status: running if a driver drives it, else paused, without
-        the pause actions.
+        Return whether `after_tick` ended the run; a pause also ends it. Afterwards the loop has its earlier
+        status: running if a driver drives it, otherwise paused, without running the pause actions.
 
-        `after_tick`: called after every tick; a true result ends the run.
-        Whether `after_tick` ended the run; a pause also ends it. What it raises is raised.
+        `after_tick`: called after every tick; a true result ends the run. Its exceptions are raised.
         """
         self._check_whole()
         self._driven_by = threading.get_ident()
@@ -334,7 +334,7 @@ class Loop:
             if issubclass(kind, Interrupted):  # too late: the block had returned
                 pass
             elif asking or (issubclass(kind, KeyboardInterrupt) and on_main_thread()):
-                raise  # it is the caller's own
+                raise  # it comes from the caller
             elif issubclass(kind, KeyboardInterrupt):
                 self.pause(_RAISED)
             else:
@@ -349,9 +349,9 @@ class Loop:
     # -- frames ----------------------------------------------------------------------------------
 
     def publish(self, hurried: bool = False) -> None:
-        """Publish a frame of the present state; `hurried` as for :meth:`make_frame`."""
+        """Publish a frame of the current state; `hurried` as for :meth:`make_frame`."""
         self._published = perf_counter()
-        if self.fault:  # the run may be in any condition: nothing of it is read any more
+        if self.fault:  # the run may be in any condition, so it is no longer read
             status, reason = self.status, self.reason
             self.frame = replace(
                 self.frame, status=status, reason=reason, achieved_rate=0.0, achieved_speed=0.0
@@ -363,14 +363,14 @@ class Loop:
             self.changed()
 
     def make_frame(self, hurried: bool = False) -> Frame:
-        """Make a frame of this moment, between two ticks.
+        """Make a frame of the current state, between two ticks.
 
-        One that others follow by themselves is made in a hurry: it may show an earlier text of a value whose
-        rendering takes long.
+        `hurried`: whether further frames will follow anyway, so that this one may show an earlier text of a
+            value that is slow to render.
         """
         interpreter, timing = self.interpreter, self.timing
         values = interpreter.variables.pairs()
-        over = self.status in ("stopped", "closed")  # nothing may run any more that might not return
+        over = self.status in ("stopped", "closed")  # code that might not return must not run now
         variables = self._texts.of(values, now=not (hurried and self.status == "running"), foreign=not over)
         visits, firings = interpreter.visits, interpreter.firings
         rate, speed = timing.achieved if self.status == "running" else (0.0, 0.0)
@@ -421,7 +421,7 @@ class Loop:
 
     @contextmanager
     def _calling(self, name: str = "") -> Iterator[None]:
-        """Note for the monitor that foreign code of this name runs meanwhile."""
+        """Mark for the monitor that foreign code of this name is running in this context."""
         outer, self.foreign = self.foreign, Foreign(name)
         try:
             yield
@@ -437,7 +437,7 @@ class Loop:
     def apply_queued(self, hurried: bool = False) -> None:
         """Apply the commands that are queued now, each as a whole; then publish, then answer.
 
-        An error that is not the caller's own mistake (:attr:`Command.misuse`) breaks the session.
+        An error that is not a mistake of the caller (:attr:`Command.misuse`) breaks the session.
         """
         answers: list[tuple[Future[Any], Any, BaseException | None]] = []
         try:
@@ -460,14 +460,14 @@ class Loop:
                     answer.set_exception(refusal)
 
     def apply(self, command: Command) -> Any:
-        """Apply a command now and return its result; raise what it raises."""
+        """Apply a command now and return its result, or raise its exception."""
         result, refusal = self._apply(command)
         if refusal is not None:
             raise refusal
         return result
 
     def _apply(self, command: Command) -> tuple[Any, BaseException | None]:
-        """Apply a command; return its result, and what it raised."""
+        """Apply a command; return its result and its exception."""
         restarts, program = self.interpreter.restarts, self.interpreter.program
         self._driven_by = threading.get_ident()
         record = self.record
@@ -498,7 +498,7 @@ class Loop:
         finally:
             if self.interpreter.program is not program:
                 record.names.watch(record.names_used())
-            if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
+            if self.interpreter.restarts != restarts:  # no onexit has run, so everything must stop
                 self.bridge.stop_all()
 
     def _check_whole(self) -> None:
@@ -511,18 +511,18 @@ class Loop:
     # -- robot and observers ---------------------------------------------------------------------
 
     def _from_outside(self, what: object, surely: bool) -> None:
-        """Record what was done to the robot, unless the program or a recorded input did it."""
+        """Record an action on the robot, unless it came from the program or a recorded input."""
         if isinstance(what, (RobotStopped, RobotArmed)) and threading.get_ident() != self._driven_by:
             self.record.note_later(what)
         elif surely or not self.ticking:
             self.record.note_outside(what, surely)
 
     def emit(self, kind: str, data: object) -> None:
-        """Tell the observers of the interpreter what happened now, in its order."""
+        """Notify the observers of the interpreter of an event now, in order with its own events."""
         self.interpreter.emit(kind, data, self.timing.now)
 
     def _origin(self) -> Origin:
-        """Return the block that is calling now, if it is one of the running program."""
+        """Return the calling block, if it belongs to the running program."""
         interpreter, frame = self.interpreter, sys._getframe(1)
         filename = interpreter.program.filename
         block: FrameType | None = frame
@@ -550,9 +550,9 @@ class Loop:
         """Pause time and robot; the interpreter has paused already."""
         self.status, self.reason = "paused", reason
         self.timing.clock.pause()
-        self._call_hook(self.bridge.stop_all)  # first: whatever the other one does
+        self._call_hook(self.bridge.stop_all)  # first, whatever `on_pause` does
         self._call_hook(self.bridge.on_pause)
-        self.bridge.safety.rest()  # what the stop held back was of the tick before
+        self.bridge.safety.rest()  # commands held back by the stop belonged to the previous tick
 
     def resume(self) -> None:
         """Start the run, or continue it after a pause; a stopped loop stays stopped."""
@@ -590,7 +590,7 @@ class Loop:
             self.paused_by, self.reason = None, ""  # that tick has not happened
 
     def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
-        """Force a state; one that does not exist is an issue, as it is in a transition. Paper: §6.4."""
+        """Force a state; if it does not exist, this is an issue, as in a transition. Paper: §6.4."""
         interpreter = self.interpreter
         force = interpreter.teleport_to if how == "teleport" else interpreter.transition_to
         try:
@@ -622,7 +622,7 @@ class Loop:
             self.publish()
 
     def renew(self, program: Program) -> None:
-        """Make a broken session whole: a new run of a program, ready to start; the robot's world stays."""
+        """Repair a broken session: a new run of a program, ready to start; the robot's world is unchanged."""
         self.interpreter.renew(program, self.timing.now)
         self.record.clear()
         self.fault = self.reason = ""
@@ -632,7 +632,7 @@ class Loop:
         self.timing.due = self.timing.now
 
     def _call_hook(self, hook: Callable[[], object]) -> None:
-        """Call a hook of the bridge; it is foreign code, and if it fails its robot is stopped."""
+        """Call a hook of the bridge, which is foreign code; if it fails, the robot is stopped."""
         try:
             with self._calling("the robot"):
                 hook()

@@ -1,4 +1,4 @@
-"""The moments of a session: for each tick that is remembered, when it began and what its robot was then."""
+"""The moments of a session: when each remembered tick began, and the state of the robot then."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ class Moment(NamedTuple):
     """The beginning of a tick.
 
     `time`: seconds.
-    `world`: the bridge's moment.
-    `sensed`: the bridge's token of its readings.
+    `world`: the moment of the bridge.
+    `sensed`: the bridge's token for its readings.
     """
 
     time: float
@@ -24,8 +24,9 @@ class Moment(NamedTuple):
 class Moments:
     """The moments of the last ticks, in order; or of the last tick only.
 
-    `flat`: their parts, one after the other: the garbage collector would visit a tuple for each tick.
-    `add`: adds one: time, the bridge's moment, and the token of its readings.
+    `flat`: their parts in one list: with a tuple for each tick, the garbage collector would have to visit
+        each.
+    `add`: adds a moment: time, the moment of the bridge, and the token for its readings.
     """
 
     def __init__(self, *, only_last: bool = False) -> None:
@@ -44,17 +45,17 @@ class Moments:
         return map(Moment, parts, parts, parts)
 
     def last(self, ticks: int) -> Iterator[Moment]:
-        """Return those of so many ticks at most, the last one first; copied now, for any thread."""
+        """Return the moments of at most this number of ticks, newest first; copied now, for any thread."""
         parts = iter([*islice(reversed(self.flat), 3 * ticks)])
         return (Moment(time, world, sensed) for sensed, world, time in zip(parts, parts, parts, strict=True))
 
     def drop(self, ticks: int) -> None:
-        """Drop the first ones."""
+        """Drop the first moments."""
         if ticks > 0:
             del self.flat[: 3 * ticks]  # type: ignore[arg-type]
 
     def undo(self, ticks: int) -> None:
-        """Drop the last ones."""
+        """Drop the last moments."""
         if ticks > 0:
             del self.flat[-3 * ticks :]  # type: ignore[arg-type]
 

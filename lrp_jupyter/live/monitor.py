@@ -1,8 +1,8 @@
-"""The monitor of a loop: a thread that sees when a block does not return.
+"""The monitor of a loop: a thread that detects a block that does not return.
 
-Such a block holds up its loop and nothing else: the monitor reports which block it is, stops the robot, and
-interrupts the block if an edit or another command has waited for it for a second. It also feeds the bridge's
-watchdog and pauses a robot that is no longer watched. It never touches the interpreter.
+Such a block holds up only its loop: the monitor reports which block it is, stops the robot, and interrupts
+the block if an edit or another command has been waiting for a second. It also feeds the bridge's watchdog and
+pauses a robot that is no longer watched. It never accesses the interpreter.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from lrp_jupyter.live.interruption import RunningBlock, interrupt, interrupt_cal
 from lrp_jupyter.live.loop import Loop
 
 PATIENCE = 1.0
-"""Wall seconds that a call waits for its command, and at most a command for a block that does not return."""
+"""Maximum wall seconds that a call waits for its command, or a command for a block that does not return."""
 AGAIN = 0.25
-"""Wall seconds until a block is interrupted again, or the next one of the same tick."""
+"""Wall seconds until a block, or the next block of the same tick, is interrupted again."""
 
 _INTERVAL = 0.1  # wall seconds between two checks
-_REUSED = 1.0  # wall seconds for which the monitor of a run waits for the next run
+_REUSED = 1.0  # wall seconds for which a monitor waits for another run
 
 
 class Monitor:
     """A thread that watches a loop and its robot.
 
-    `thread`: returns the identity of the thread that drives the loop now, or None.
-    `hung_after`: wall seconds after which a tick is reported.
-    `dead_man`: wall seconds without :meth:`seen` after which the program is paused; None: never.
+    `thread`: returns the identity of the thread that currently drives the loop, or None.
+    `hung_after`: wall seconds after which a tick is reported as hung.
+    `dead_man`: wall seconds without a call of :meth:`seen` after which the program is paused; None for never.
     """
 
     def __init__(
@@ -50,16 +50,16 @@ class Monitor:
         self._dead_man = dead_man
         now = self._seen = monotonic()
         self._reported = False
-        self._work: tuple[object, float] = (None, now)  # what is under way, and since when
-        self._block: tuple[RunningBlock | None, float] = (None, now)  # the block in it, and since when
-        self._waiting: float | None = None  # since when a command waits that interrupts
+        self._work: tuple[object, float] = (None, now)  # the current work, and its start
+        self._block: tuple[RunningBlock | None, float] = (None, now)  # the block in it, and its start
+        self._waiting: float | None = None  # since when an interrupting command has waited
         self._interrupted: FrameType | None = None
         self._last = -math.inf  # wall time of the last interruption in this work
         self.limit = math.inf
         """Wall seconds after which a block is interrupted, and the program paused."""
         self.ended_run = ""
         """A sentence about the block that exceeded the limit; empty if none has."""
-        self._notice: threading.Thread | None = None  # that calls the listeners
+        self._notice: threading.Thread | None = None  # calls the listeners
         self._end = threading.Event()
         self._left = math.inf  # wall time at which the last run was over
         self._leaving = threading.Lock()
@@ -70,7 +70,7 @@ class Monitor:
 
     @property
     def hung_after(self) -> float:
-        """Wall seconds after which a tick is reported: not more than a block may take."""
+        """Wall seconds after which a tick is reported as hung: at most the limit for a block."""
         return min(self._hung_after, self.limit)
 
     @property
@@ -79,7 +79,7 @@ class Monitor:
 
     @property
     def within(self) -> float:
-        """Wall seconds within which a block is interrupted for a command; 0 if that may take longer."""
+        """Wall seconds within which a block is interrupted for a command; 0 if it may take longer."""
         return self.hung_after + PATIENCE if self.hung_after <= 2 * PATIENCE else 0.0
 
     def start(self) -> None:
@@ -90,10 +90,10 @@ class Monitor:
         """End the thread, and wait for it."""
         self._end.set()
         _join(self._thread, 5)
-        _join(self._notice, PATIENCE)  # which the other one may just have started
+        _join(self._notice, PATIENCE)  # the first thread may just have started it
 
     def leave(self) -> None:
-        """End the thread a second from now, unless :meth:`stays` is called: the next run needs one, too."""
+        """End the thread in a second unless :meth:`stays` is called: another run would also need one."""
         self._left = monotonic()
 
     def stays(self) -> bool:
@@ -107,7 +107,7 @@ class Monitor:
         self._seen = monotonic()
 
     def note(self, block: RunningBlock) -> None:
-        """Note that a block was interrupted: one that still runs later cannot be."""
+        """Record that a block was interrupted: if it is still running later, it cannot be interrupted."""
         self._interrupted, self._last = block.frame, monotonic()
 
     def _run(self) -> None:
@@ -136,7 +136,7 @@ class Monitor:
         if loop.status != "running":
             self._seen = wall
             return
-        if loop.bridge.time_step is None:  # a simulated time stands still, too
+        if loop.bridge.time_step is None:  # simulated time is also standing still
             loop.bridge.check_watchdog(loop.timing.clock.now())
         if self._dead_man is not None and wall - self._seen > self._dead_man:
             self._seen = wall
@@ -144,7 +144,7 @@ class Monitor:
             loop.inbox.put(Pause(f"The robot has not been watched for {self._dead_man:g} s."))
 
     def _watch(self, wall: float) -> float:
-        """Note what the loop is doing; return for how many wall seconds it has been doing it."""
+        """Record what the loop is doing; return for how many wall seconds it has been doing it."""
         loop = self._loop
         work = loop.work
         if work is None or work is not self._work[0]:
@@ -177,7 +177,7 @@ class Monitor:
         self._waiting = -math.inf
 
     def _interrupt(self, wall: float) -> None:
-        """Interrupt the block if a command waits for it, and again if it goes on."""
+        """Interrupt the block if a command is waiting for it, and again if it keeps running."""
         (block, began), thread = self._block, self._driving()
         if block is None or thread is None or self._waiting is None or wall - self._waiting < self._patience:
             return
@@ -210,7 +210,7 @@ class Monitor:
         self._notify()
 
     def _notify(self) -> None:
-        """Call the listeners on a thread of its own: one of them may be what does not return."""
+        """Call the listeners on a separate thread: one of them may be the code that does not return."""
         if self._notice is None or not self._notice.is_alive():
             context = contextvars.copy_context()
             self._notice = threading.Thread(
@@ -225,7 +225,7 @@ def _join(thread: threading.Thread | None, seconds: float) -> None:
 
 
 def block_of(loop: Loop, thread: int | None, others: bool = True) -> RunningBlock | None:
-    """Return what a thread runs now of the program, of an expression, of a value's ``repr`` or of others."""
+    """Return the block, expression, ``repr`` of a value or foreign code that a thread is running."""
     files = (loop.interpreter.program.filename, EXPRESSION)
     return running_block(thread, files, _name(loop), _other(loop) if others else "")
 

@@ -1,7 +1,7 @@
 """The names of a notebook that blocks read, such as a threshold or a function of another cell.
 
-Their owner may assign them at any time. A change of one that the program uses is an input of the run: it is
-noticed before the next tick or command, so that whoever repeats a tick, or asks about it, gets the value that
+The user may assign them at any time. A change of a name that the program uses is an input of the run: it is
+detected before the next tick or command, so that repeating a tick, or asking about it, gives the value that
 the name had then.
 """
 
@@ -15,15 +15,15 @@ from lrp_jupyter.live.checkpoints import COPIED, PLAIN
 from lrp_jupyter.live.inbox import Command
 
 ABSENT = object()
-"""Stands for the value of a name that has none."""
+"""Stands for the value of a name that does not exist."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChangeNames(Command):
-    """Assign or delete names of the namespace, as their owner does: the change is noticed, and recorded.
+    """Assign or delete names of the namespace, as the user does: the change is detected and recorded.
 
-    `before`, `after`: their values; a name that is missing has none. Those before are not needed to repeat
-        it.
+    `before`, `after`: their values; an absent name is missing. Only those after the change are needed to
+        repeat it.
     """
 
     before: Mapping[str, object]
@@ -40,7 +40,7 @@ class ChangeNames(Command):
         loop.record.names.assign({name: values.get(name, ABSENT) for name in self.names})
 
     def kept(self, record: Any) -> tuple[Command, int]:
-        """See :class:`Command`: with copies of what can be changed in place."""
+        """See :class:`Command`; mutable values are copied."""
         after = {
             name: record.kept(value) if type(value) in COPIED else value for name, value in self.after.items()
         }
@@ -48,7 +48,7 @@ class ChangeNames(Command):
 
 
 class WatchedNames:
-    """The names that a program uses or has used, with their last known values. It belongs to the loop.
+    """The names that a program uses or has used, with their last known values; owned by the loop.
 
     `values`: the values, or `ABSENT`.
     """
@@ -58,12 +58,12 @@ class WatchedNames:
         self.values: dict[str, object] = {}
 
     def watch(self, names: Iterable[str]) -> None:
-        """Watch these names, too."""
+        """Watch these names in addition."""
         for name in names:
             self.values.setdefault(name, self._namespace.get(name, ABSENT))
 
     def change(self) -> ChangeNames | None:
-        """Return what was changed since the last call, if anything was."""
+        """Return the change since the last call, if there is any."""
         get = self._namespace.get
         for name, value in self.values.items():
             if get(name, ABSENT) is not value:
@@ -79,7 +79,7 @@ class WatchedNames:
         return ChangeNames(_present(before, differing), _present(self.values, differing))
 
     def assign(self, values: Mapping[str, object]) -> None:
-        """Assign names in the namespace, and delete those that are absent; this is a change."""
+        """Assign names in the namespace, and delete absent ones; this counts as a change."""
         for name, value in values.items():
             if value is ABSENT:
                 self._namespace.pop(name, None)
@@ -87,21 +87,21 @@ class WatchedNames:
                 self._namespace[name] = value
 
     def begin(self, values: Mapping[str, object]) -> None:
-        """Assign names in the namespace with which a run begins; this is no change."""
+        """Assign names in the namespace at the beginning of a run; this does not count as a change."""
         self.assign(values)
         self.values |= values
 
     def undo(self, changes: Iterable[ChangeNames]) -> None:
-        """Forget changes that are not kept any more, so that they are noticed again."""
+        """Forget changes that are no longer kept, so that they are detected again."""
         self.values |= _before(changes)
 
     def namespace_before(self, changes: Iterable[ChangeNames]) -> dict[str, Any]:
-        """Return the namespace as it was before some changes, which are the last ones."""
+        """Return the namespace as it was before the given most recent changes."""
         names = {**self._namespace.copy(), **self.values, **_before(changes)}
         return {name: value for name, value in names.items() if value is not ABSENT}
 
     def value_before(self, name: str, changes: Iterable[ChangeNames]) -> object:
-        """Return what a name held before some changes, which are the last ones."""
+        """Return the value of a name before the given most recent changes."""
         for change in changes:
             if name in change.before or name in change.after:
                 return change.before.get(name, ABSENT)
@@ -109,7 +109,7 @@ class WatchedNames:
 
 
 def _before(changes: Iterable[ChangeNames]) -> dict[str, object]:
-    """Return the values that the names of some changes had before all of them."""
+    """Return the values of changed names before the first change of each."""
     values: dict[str, object] = {}
     for change in changes:
         for name in change.names:
@@ -118,7 +118,7 @@ def _before(changes: Iterable[ChangeNames]) -> dict[str, object]:
 
 
 def _is_same(one: object, other: object) -> bool:
-    """Return whether a name has the same value, which may have been computed again."""
+    """Return whether two values of a name are the same, even if recomputed."""
     return one is other or (type(one) is type(other) and type(one) in PLAIN and one == other)
 
 

@@ -20,7 +20,7 @@ class Output:
         self.written: Callable[[str], object] | None = None
         """Called with every text that a block prints."""
         self._lines: deque[str] = deque(maxlen=lines)
-        self._open = ""  # the last line, not ended yet
+        self._open = ""  # the last line, still incomplete
         self._lock = Lock()
 
     def print(self, *values: object, sep: str | None = None, end: str | None = None, **other: Any) -> None:

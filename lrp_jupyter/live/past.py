@@ -23,9 +23,9 @@ from lrp_jupyter.live.values import numbers_of
 
 
 def frame_at(loop: Loop, tick: int) -> Frame:
-    """Return the frame of a tick that is remembered.
+    """Return the frame of a remembered tick.
 
-    Raises ValueError: it is not remembered.
+    Raises ValueError: the tick is not remembered.
     """
     interpreter, bridge = loop.interpreter, loop.bridge
     history = interpreter.history
@@ -65,8 +65,7 @@ def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[],
     """Return a function that draws the remembered run, or some ticks of it; None for a robot without a world.
 
     Raises ValueError: a tick is not remembered, or the end is before the beginning.
-    Raises BridgeError: another world was loaded between the two, or the world cannot be reproduced so long
-        ago.
+    Raises BridgeError: another world was loaded in between, or the world cannot be reproduced that far back.
     """
     last, count = loop.interpreter.tick, len(loop.record.moments)
     first = last - count + 1
@@ -85,7 +84,7 @@ def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[],
 def tick_of(loop: Loop, time: float) -> int:
     """Return the last recorded tick that was not after a time, in seconds of the run.
 
-    Raises ValueError: there is no such time, it is still to come, or it is not remembered any more.
+    Raises ValueError: the time is negative, later than the run, or no longer remembered.
     """
     if not time >= 0:
         raise ValueError(f"A time is a number of seconds of the run, 0 or more, not {time:g}.")
@@ -102,7 +101,7 @@ def tick_of(loop: Loop, time: float) -> int:
 
 
 def _text(value: object) -> str:
-    """Return the text of a value of the past; one that can be changed in place may be another by now."""
+    """Return the text of a past value; a mutable value may have changed since."""
     return render(value, of_type)
 
 
@@ -134,7 +133,7 @@ def _counts_at(
 
 
 def _issues_at(history: History, tick: int, issues: Iterable[Issue]) -> Iterable[Issue]:
-    """Yield the issues that had occurred by a tick, as they were then as far as that is recorded."""
+    """Yield the issues that had occurred by a tick, in their recorded condition at that tick."""
     ticks: dict[tuple[Element, str], list[float]] = {}
     for when, fact in history.told():
         if isinstance(fact, Faulted):

@@ -13,8 +13,8 @@ from lrp_jupyter.interpreter.rendering import render
 def plain(value: object) -> Any:
     """Return a reading, or an argument of a command, as JSON.
 
-    What has no type in JSON is an object with one name, that of its kind: ``{"tuple": [1, 2]}``; the parts of
-    an object have their names.
+    A value without a JSON type becomes an object with its kind as the only key, ``{"tuple": [1, 2]}``; the
+    parts of an object keep their names.
     """
     if value is None or type(value) in (bool, int, str):
         return value
@@ -44,7 +44,7 @@ def plain(value: object) -> Any:
 
 
 class Fields:
-    """An object of a reading, with the fields that were recorded."""
+    """An object in a reading, with its recorded fields."""
 
     def __init__(self, fields: Mapping[str, Any]) -> None:
         vars(self).update(fields)
@@ -60,7 +60,7 @@ class Fields:
 
 
 def unplain(value: Any) -> Any:
-    """Return what :func:`plain` had made of a value; an object has only its fields."""
+    """Return the value that :func:`plain` converted; an object has only its fields."""
     if isinstance(value, list):
         return [unplain(part) for part in value]
     if not isinstance(value, dict):

@@ -1,7 +1,7 @@
-"""Plots: variables and readings over time, with what the conditions of the program compare them with.
+"""Plots: variables and readings over time, with the values that conditions of the program compare them with.
 
-Ten minutes at 100 Hz take seconds to compute. So only what is recorded is copied between two ticks; whoever
-asks computes from the copy, while the robot goes on.
+Ten minutes at 100 Hz take seconds to compute, so only the recorded data is copied between two ticks; the
+caller computes the plot from the copy while the robot keeps running.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 
 _ROBOT = "robot."
-_MOST = 6  # thresholds of a plot
+_MOST = 6  # maximum number of thresholds in a plot
 
 
 @dataclass(frozen=True, slots=True)
 class Threshold:
-    """What a condition compares a plotted name with.
+    """An expression that a condition compares a plotted name with.
 
-    `text`: as it is written.
-    `values`: for every sample; None where it is not known.
+    `text`: the expression as written.
+    `values`: its value for every sample; None where it is unknown.
     """
 
     text: str
@@ -42,10 +42,10 @@ class Threshold:
 class Plot:
     """The samples of a variable or a reading, one for each tick.
 
-    `name`: the path of a variable, or ``robot.`` and that of a reading.
+    `name`: the path of a variable, or ``robot.`` and the path of a reading.
     `kind`: ``number`` or ``truth`` (then values are 0 and 1).
     `times`: seconds of the run.
-    `values`: None where it had no value, or no number.
+    `values`: the samples; None where there was no value, or one that is not a number.
     """
 
     name: str
@@ -56,16 +56,16 @@ class Plot:
 
 
 def plottable(loop: Loop) -> list[str]:
-    """Return the names of what has a number or a truth value now; between two ticks."""
+    """Return the names that now have a number or a truth value; called between two ticks."""
     variables = [path_text(path) for path, value in loop.frame.values.items() if _is_number(value)]
     return variables + [_ROBOT + name for name, value in loop.record.readings.items() if _is_number(value)]
 
 
 def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
-    """Return what computes the samples of names, on any thread and at any time.
+    """Return a function that computes the samples of names, on any thread and at any time.
 
-    `loop`: between two ticks.
-    `wanted`: for each name the tick after which samples are wanted.
+    `loop`: the loop, between two ticks.
+    `wanted`: for each name, the tick after which samples are wanted.
     """
     if not wanted:
         return list
@@ -82,7 +82,7 @@ def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
 
 
 def _plots(columns: Sequence[_Column], samples: Iterable[_Sample]) -> list[Plot]:
-    # none of them is kept: the garbage collector would go through all of them, again and again
+    # no sample is kept, or the garbage collector would visit all of them again and again
     for sample in samples:
         for column in columns:
             column.add(sample)
@@ -90,7 +90,7 @@ def _plots(columns: Sequence[_Column], samples: Iterable[_Sample]) -> list[Plot]
 
 
 class _Column:
-    """Gathers the samples of a name, the last one first."""
+    """Collects the samples of a name, newest first."""
 
     def __init__(self, name: str, after: int, compared: Sequence[_Compared]) -> None:
         self._name, self._after = name, after
@@ -98,7 +98,7 @@ class _Column:
         self._path = as_path(name)
         self._times: list[float] = []
         self._values: list[float | None] = []
-        self._kinds: set[bool] = set()  # whether a value that there was is a truth value
+        self._kinds: set[bool] = set()  # whether its values were truth values
         self._thresholds = [_Followed(each) for each in compared]
 
     def add(self, sample: _Sample) -> None:
@@ -123,9 +123,9 @@ class _Column:
 
 
 def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]:
-    """Return what computes all samples of names that a person has written, as :func:`plotting` does.
+    """Return a function that computes all samples of names written by a person; see :func:`plotting`.
 
-    It raises :class:`UnknownElementError` for a name that was never one of a variable or a reading.
+    The function raises :class:`UnknownElementError` for a name that has never been a variable or a reading.
 
     Raises UnknownElementError: several variables have that name.
     """
@@ -147,13 +147,13 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
 
 
 def _whole(loop: Loop, name: str) -> str:
-    """Return the path, as spawned, of the variable that is meant; any other name unchanged."""
+    """Return the path, as spawned, of a variable; any other name unchanged."""
     values = loop.frame.values
     return path_text(values.path(name)) if as_path(name) in values else name
 
 
 def _is_present(loop: Loop, name: str) -> bool:
-    """Return whether a name is that of a reading, or of a variable that exists or may exist."""
+    """Return whether a name is a reading, or a variable that exists or may exist."""
     if name.startswith(_ROBOT):
         return name.removeprefix(_ROBOT) in loop.record.readings
     return as_path(name) in loop.frame.values or bool(called(loop.interpreter.program, "variable", name))
@@ -168,7 +168,7 @@ class _Sample(NamedTuple):
 
 
 def _samples(loop: Loop, paths: set[Path], after: int, reads: bool) -> Iterator[_Sample]:
-    """Return the values of variables and the readings in the ticks after a tick, the last one first."""
+    """Return the values of variables and the readings in the ticks after a tick, newest first."""
     record, nodes = loop.record, loop.bridge.nodes.table
     followed = loop.interpreter.history.followed(paths, after)
     moments = record.moments.last(max(0, loop.interpreter.tick - after))
@@ -203,18 +203,18 @@ class _Compared(NamedTuple):
 
         try:
             return _number(evaluate(self.tree, lookup).value)
-        except Exception:  # whatever the expression of the user raises
+        except Exception:  # any exception of the user's expression
             return None
 
 
 class _Followed:
-    """Gathers the values of an expression, the last one first."""
+    """Collects the values of an expression, newest first."""
 
     def __init__(self, compared: _Compared) -> None:
         self._compared = compared
         self._reads_robot = compared.reads_robot
         self._values: list[float | None] = []
-        self._before: list[object] | None = None  # the values of its variables in the sample before
+        self._before: list[object] | None = None  # the values of its variables in the previous sample
 
     def add(self, sample: _Sample) -> None:
         now = [sample.variables.get(path) for path in self._compared.variables.values()]
@@ -229,7 +229,7 @@ class _Followed:
 
 
 def _compared(program: Program, name: str) -> Iterator[_Compared]:
-    """Yield what the conditions of a program compare a name with."""
+    """Yield the expressions that the conditions of a program compare a name with."""
     is_reading, path = name.startswith(_ROBOT), as_path(name)
     written = name if is_reading else path[-1]
     seen: set[object] = set()
@@ -251,13 +251,13 @@ def _compared(program: Program, name: str) -> Iterator[_Compared]:
 
 
 def _means(scope: Scope, path: Path) -> bool:
-    """Return whether the bare name of a variable means it in a scope."""
+    """Return whether the bare name of a variable refers to it in a scope."""
     owner = scope.visible.get(path[-1])
     return owner is not None and owner.path == path[:-1]
 
 
 def _others(tree: ast.expr, written: str) -> Iterator[ast.expr]:
-    """Yield what stands on the other side of comparisons with a name."""
+    """Yield the other sides of comparisons with a name."""
     for node in ast.walk(tree):
         if not isinstance(node, ast.Compare):
             continue

@@ -16,7 +16,7 @@ CommandCode = Literal["commanded", "limited", "disarmed", "watchdog", "stopped",
 
 
 class _Meanings(Mapping[str, str]):
-    """What the codes of reasons mean, of those about one kind of thing; a text is read when it is needed."""
+    """The meanings of the codes of reasons about one kind of thing; each text is read on demand."""
 
     def __init__(self, asked: str, codes: object) -> None:
         self._asked, self._codes = asked, get_args(codes)
@@ -55,11 +55,11 @@ class Reason:
     line : int
         The line of the program to look at first, from 1; 0 if there is none.
     facts : mapping
-        What the answer is made of, as plain data; which ones depends on the code. ``lines``: every line that
-        the answer mentions. ``values``: the values of the parts of a condition, by their text. ``decides``:
-        the part that decides, and ``decided``: its value, as text. ``last_true``: the tick in which the
-        whole condition was last true; None if it never was. ``false_since``: instead, the tick from which on
-        it was not, as far as it is known.
+        The facts on which the answer is based, as plain data; which ones depends on the code. ``lines``:
+        every line that the answer mentions. ``values``: the values of the parts of a condition, by their
+        text. ``decides``: the part that decides, and ``decided``: its value, as text. ``last_true``: the tick
+        in which the whole condition was last true; None if it never was. ``false_since``: instead, the first
+        tick since which it is known not to have been true.
 
     Examples
     --------

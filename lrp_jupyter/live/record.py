@@ -1,15 +1,16 @@
-"""The record of a run: what is kept of it, to go back in it and to go on elsewhere from one of its moments.
+"""The record of a run: the data kept to rewind it, or to continue elsewhere from one of its moments.
 
-For each tick there is a moment: its time, and what the robot was then. What came from outside are inputs,
-each with its number; a snapshot from time to time is a checkpoint. All of it is bounded by the journal of the
-interpreter.
+For each tick there is a moment: its time, and the state of the robot. Whatever comes from outside is an input
+with a number; from time to time a snapshot is taken as a checkpoint. The journal of the interpreter bounds
+all of them.
 
 *Rewinding.* Before each tick the loop records the time and the bridge's moment. Rewinding restores the
 interpreter by its journal, and the world to the moment before the first tick undone; the next step
 repeats that tick.
 
-Owned by the thread that drives the loop. Other threads add inputs, too, under the lock of these; when they
-stop or arm the robot, the loop notes it before the next tick, step of the world or input.
+A record belongs to the thread that drives the loop. Other threads also add inputs, under the lock of the
+inputs; when they stop or arm the robot, the loop records this before the next tick, step of the world, or
+input.
 """
 
 from __future__ import annotations
@@ -38,9 +39,9 @@ from lrp_jupyter.live.timing import Timing
 
 
 class Record:
-    """What is kept of a run; see the head of this module.
+    """The data kept of a run; see the module docstring.
 
-    `remembers`: whether what happened is kept, for as long as the interpreter's journal.
+    `remembers`: whether it is kept, for as long as the interpreter's journal.
     """
 
     def __init__(self, interpreter: Interpreter, bridge: Bridge, timing: Timing, remembers: bool) -> None:
@@ -50,17 +51,17 @@ class Record:
         self._remembers = remembers
         self.moments = Moments(only_last=not remembers)
         self.inputs = Inputs()
-        """What came from outside, as far as the run has not gone back behind it."""
+        """The inputs from outside, except those undone by a rewind."""
         self.checkpoints = Checkpoints()
         self.names = WatchedNames(interpreter.namespace)
         self.names.watch(self.names_used())
         self.pending_at = 0.0
-        """The time from which on there is something to do before a tick: take a checkpoint, note a stop."""
+        """The earliest time with something to do before a tick: take a checkpoint, record a stop."""
         self.written: Callable[[Input], object] | None = None
-        """Called with every input, those before a rewinding included."""
-        self._stops: deque[object] = deque()  # and armings: by other threads, not yet recorded
-        self._replayed = False  # whether what happens now follows from a recorded input
-        self._kept: list[object] | None = None  # what of the world was kept while it is rewound
+        """Called with every input, even if a rewind undoes it later."""
+        self._stops: deque[object] = deque()  # and armings, by other threads, not yet recorded
+        self._replayed = False  # whether current events follow from a recorded input
+        self._kept: list[object] | None = None  # inputs of the world that are kept during a rewind
 
     # -- inputs ----------------------------------------------------------------------------------
 
@@ -71,34 +72,34 @@ class Record:
             self.add(what)
 
     def note_names(self) -> None:
-        """Record that names of the namespace have changed since a tick that may have read them."""
+        """Record changes of names of the namespace since a tick that may have read them."""
         change = self.names.change()
         if change is not None and self._interpreter.tick:
             self.note(change)
 
     def note_stops(self) -> None:
-        """Record what other threads have stopped."""
-        if not self._stops:  # mostly, and then without the lock
+        """Record the stops of other threads."""
+        if not self._stops:  # the usual case needs no lock
             return
-        with self.inputs.lock:  # or another thread could take the last one between these two lines
+        with self.inputs.lock:  # otherwise another thread could take the last one between these two lines
             while self._stops:
                 self.add(self._stops.popleft())
 
     def note_later(self, what: object) -> None:
-        """Have the loop record what another thread has stopped, or armed."""
+        """Have the loop record that another thread has stopped or armed the robot."""
         self._stops.append(what)
         self.pending_at = 0.0
 
     def note_outside(self, what: object, surely: bool) -> None:
-        """Record what was done to the robot, unless a recorded input did it."""
+        """Record an action on the robot, unless it came from a recorded input."""
         if self._kept is not None:
             self._kept.append(what)
         elif surely or not self._replayed:
             self.note(what)
 
     def add(self, what: object, tick: int | None = None) -> None:
-        """Give an input its number, keep it and write it down; it came after a tick, by default the last."""
-        with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
+        """Give an input its number, keep it and pass it on; it came after a tick, by default the last one."""
+        with self.inputs.lock:  # held while the tick is read, so that ticks and numbers are in order
             entry = self.inputs.next(self._interpreter.tick if tick is None else tick, self._timing.now, what)
             if self._remembers and not (isinstance(what, Command) and what.undoes):
                 kept, letters = what.kept(self) if isinstance(what, Command) else (what, 0)
@@ -108,7 +109,7 @@ class Record:
 
     @contextmanager
     def deriving(self, derived: bool = True) -> Iterator[None]:
-        """Note that what happens meanwhile follows from a recorded input."""
+        """Mark everything that happens in this context as following from a recorded input."""
         outer, self._replayed = self._replayed, derived or self._replayed
         try:
             yield
@@ -122,7 +123,7 @@ class Record:
         return names_of(link(self._interpreter.program))
 
     def kept(self, value: object) -> object:
-        """Return a value as it is kept: a copy, packed, if it can be changed in place."""
+        """Return the form in which a value is kept: a packed copy if it is mutable."""
         return value if type(value) in PLAIN else pack([value], {}, self._token)
 
     def restored(self, value: object) -> object:
@@ -130,17 +131,17 @@ class Record:
         return unpack(value, [], self._find)[0] if isinstance(value, Packed) else value
 
     def _token(self, value: object) -> object:
-        """Return what stands for an object that every session has for itself; None for any other."""
+        """Return the token of an object that is specific to each session; None for any other object."""
         if value is self._interpreter.namespace:
             return "namespace"
         return value.path if isinstance(value, RobotMethod) else part_name(value)
 
     def _find(self, token: object) -> object:
-        """Return the object that a token stands for here."""
+        """Return the object of this session for a token."""
         return self._interpreter.namespace if token == "namespace" else self._bridge.nodes.table[str(token)]
 
     def moment(self, tick: int) -> Moment:
-        """Return the beginning of a tick that is remembered."""
+        """Return the beginning of a remembered tick."""
         return self.moments[tick - self._interpreter.tick - 1]
 
     @property
@@ -149,9 +150,9 @@ class Record:
         return self.readings_of(self.moments[-1].sensed) if self.moments else {}
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
-        """Return the readings of a tick by path, with the error where one failed, by their token in a moment.
+        """Return the readings of a tick by path, for their token in a moment; a failed one is its error.
 
-        Those that are missing were not read, or had no value.
+        A missing reading was not read, or had no value.
         """
         world = self._bridge.simulated
         return cast(Mapping[str, object], sensed) if world is None else world.readings_of(sensed)
@@ -159,7 +160,7 @@ class Record:
     # -- checkpoints -----------------------------------------------------------------------------
 
     def checkpoint(self, running: bool) -> SessionCheckpoint:
-        """Return what a copy of this session needs to go on from here; between two ticks.
+        """Return the checkpoint from which a copy of this session can continue; called between two ticks.
 
         `running`: whether the session is not paused.
         """
@@ -183,7 +184,7 @@ class Record:
     def begin(self, checkpoint: SessionCheckpoint) -> None:
         """Continue from a checkpoint of another session, whose bridge was forked there.
 
-        The objects of the namespace that are copied are put into this one.
+        The copied objects of its namespace are put into the namespace of this session.
         """
         interpreter, timing, safety = self._interpreter, self._timing, self._bridge.safety
         self.names.begin(interpreter.begin(checkpoint.snapshot, self._find))
@@ -195,7 +196,7 @@ class Record:
         safety.armed = checkpoint.armed
 
     def prepare(self, running: bool) -> None:
-        """Note what other threads have stopped, and take a checkpoint if one is due."""
+        """Record the stops of other threads, and take a checkpoint if one is due."""
         self.note_stops()
         if not self._remembers:
             self.pending_at = math.inf
@@ -206,11 +207,11 @@ class Record:
                 self._forget()
             period = 0.0 if timing.free else timing.period
             self.pending_at = timing.now + (self.checkpoints.due - tick) * period
-        if self._stops:  # since then, by a thread whose `pending_at` this one has replaced
+        if self._stops:  # added since then by a thread whose `pending_at` has been overwritten
             self.pending_at = 0.0
 
     def _forget(self) -> None:
-        """Drop what no tick of the journal needs any more: all that is kept is bounded by the journal."""
+        """Drop everything that no tick of the journal needs: the journal bounds the whole record."""
         tick = self._interpreter.tick
         first = self.checkpoints.begin(tick - self._interpreter.journal)
         if first is None:
@@ -236,8 +237,8 @@ class Record:
         The world returns to the moment before the first undone tick, so that the next step repeats it.
 
         `running`: whether the session is not paused.
-        Raises BridgeError: a real robot is armed, or the world cannot go back so far.
-        Raises ValueError: fewer ticks can be undone.
+        Raises BridgeError: a real robot is armed, or the world cannot go back that far.
+        Raises ValueError: not that many ticks can be undone.
         """
         bridge, interpreter, timing = self._bridge, self._interpreter, self._timing
         if bridge.hardware and bridge.safety.armed:
@@ -251,7 +252,7 @@ class Record:
             time, moment, _ = self.moments[-ticks]
             self._kept = []
             try:
-                bridge.rewind(moment)  # the world may refuse, and then nothing has changed
+                bridge.rewind(moment)  # the world may refuse; nothing has been changed yet
             finally:
                 kept, self._kept = self._kept, None
             self.moments.undo(ticks)
@@ -264,14 +265,14 @@ class Record:
         self.pending_at = 0.0
         for what in kept:
             self.inputs.keep(self.inputs.next(interpreter.tick, timing.now, what))
-        self.note_names()  # which stay as they are
+        self.note_names()  # they keep their values
         if self._remembers:  # the rate and the policies stay, though their inputs are dropped
             is_first, entry = not self.checkpoints.all, self.inputs.next(interpreter.tick, timing.now, None)
             taken = self.checkpoints.add(lambda: self.checkpoint(running), rewound=True)
-            if taken is not None and not is_first:  # then a run from before may come to it
+            if taken is not None and not is_first:  # an earlier run may reach it
                 self.inputs.keep(entry._replace(what=Rewound(taken)), len(taken.snapshot.values.data))
 
 
 def _is_of_the_world(what: object) -> bool:
-    """Return whether an input was done to the robot or its world, and not to the program or in a tick."""
+    """Return whether an input is an action on the robot or its world, not on the program or in a tick."""
     return not isinstance(what, (Command, Rewound, CommandsHeld))

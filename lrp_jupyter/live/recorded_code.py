@@ -1,8 +1,8 @@
-"""The code of a recording, which is run when the recording is: whether it is this user's own.
+"""Whether the code of a recording, which a replay executes, was recorded by this user.
 
-The first line of a recording is that of one run only. For it is noted, as for a kept text (``own.py``), what
-this user recorded: a hash over the code up to there, with every program and expression that is added. A
-recording that was cut off, renamed or compressed is still one's own; one whose code was changed is not.
+The first line of a recording identifies its run. For each run, as for a kept text (``own.py``), a hash of the
+code that this user has recorded is stored, and updated with every further program and expression. A recording
+that was truncated, renamed or compressed still counts as the user's own; one whose code was changed does not.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 from lrp_jupyter.own import digest, is_own, note_own
 
 _RUN = ("text", "unmeant", "expression")
-"""The fields of an input that are run."""
+"""The fields of an input that are executed."""
 
 
 class RecordedCode:
@@ -41,5 +41,5 @@ class RecordedCode:
             note_own(self._place, self._digest)
 
     def is_own(self) -> bool:
-        """Return whether this user has recorded the code up to here."""
+        """Return whether this user recorded the code added so far."""
         return is_own(self._place, self._digest)

@@ -1,4 +1,4 @@
-"""A robot that has the readings of one earlier tick, so that a condition can be evaluated again."""
+"""A robot with the readings of one earlier tick, for evaluating a condition again."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from lrp_jupyter.language.expressions import UnknownValueError
 
 
 class RecordedRobot(NotAValue):
-    """A robot that has only the readings of one tick.
+    """A robot with only the readings of one tick.
 
-    `readings`: by path, with the error where a reading failed.
+    `readings`: the readings by path; a failed one is its error.
     `nodes`: the members of the robot.
-    `prefix`: the part of the robot that this is: ``"light."``.
+    `prefix`: which part of the robot this is: ``"light."``.
     """
 
     def __init__(self, readings: Mapping[str, object], nodes: Mapping[str, object], prefix: str = "") -> None:

@@ -28,13 +28,14 @@ Line = dict[str, Any]
 
 
 class Recorder(Trace):
-    """Writes the recording of a session: its inputs, and its trace. It belongs to the thread that ticks.
+    """Writes the recording of a session: its inputs and its trace. It belongs to the thread that ticks.
 
-    A recording that fails, because a disk is full or a value cannot be written, ends; the session goes on.
+    If the recording fails, because the disk is full or a value cannot be written, it ends; the session
+    continues.
 
-    `loop`: before its first tick.
+    `loop`: the loop, before its first tick.
     `write`: receives every line, with its newline.
-    `looking`: whether it also has what a person looked at, and the wall time of that and of inputs.
+    `looking`: whether it also contains what a person looked at, and the wall time of that and of inputs.
     """
 
     def __init__(
@@ -59,15 +60,15 @@ class Recorder(Trace):
         self._unobserve = loop.interpreter.observe(self)
 
     def line(self, entry: Mapping[str, Any]) -> None:
-        """Write a line; note its code as this user's own."""
+        """Write a line; register its code as this user's own."""
         super().line(entry)
         if self._code is not None:
             self._code.note(entry)
 
     def end(self) -> None:
-        """Write the time of the end, and nothing more.
+        """Write the time of the end, and stop writing.
 
-        Raises FileError: the recording failed before.
+        Raises FileError: the recording failed earlier.
         """
         self._unobserve()
         self.write_looks()
@@ -84,16 +85,16 @@ class Recorder(Trace):
 
     @property
     def _wall(self) -> float:
-        """The seconds since it began."""
+        """The seconds since the recording began."""
         return round(monotonic() - self._begun, 3)
 
     def look(self, what: str, about: str, on: bool) -> None:
-        """Note what a person looks at, to be written later. From any thread."""
+        """Store what a person looks at, to be written later. From any thread."""
         loop = self._loop
         self._looks.append(Look(loop.interpreter.tick, loop.timing.now, self._wall, what, about, on))
 
     def write_looks(self) -> None:
-        """Write what was noted."""
+        """Write the stored looks."""
         while self._looks:
             self._keep(self._looks.popleft().line)
 
@@ -124,7 +125,7 @@ class Recorder(Trace):
 def start_of(
     loop: Loop, bridge: Bridge, seed: int | None = None, initials: Mapping[str, str] | None = None
 ) -> RunStart:
-    """Return where a session begins that has not ticked yet."""
+    """Return the start of a session that has not ticked yet."""
     interpreter = loop.interpreter
     world = None if bridge.simulated is None else bridge.simulated.world_form()
     members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]

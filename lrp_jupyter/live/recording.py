@@ -1,33 +1,33 @@
 r"""Recordings: a session in a file, from which it is reproduced in another process.
 
-A recording (``.lrplog``; compressed if its name ends with ``.gz``) is JSON Lines. The first line says where
-the run began::
+A recording (``.lrplog``; compressed if its name ends with ``.gz``) is a JSON Lines file. The first line
+describes the start of the run::
 
     {"lrplog":3,"text":"(var n := …","filename":"follower.lrp","bridge":"sim","world":{…},"rate":10,…}
 
-Then come, as they happened, what came from outside, and what followed. Every line has ``tick`` and ``time``
-(seconds). Inputs say how many ticks were completed before them::
+The inputs and their effects follow in the order in which they happened. Every line has ``tick`` and ``time``
+(seconds). For an input, ``tick`` is the number of ticks completed before it::
 
     {"tick":12,"time":1.13,"input":"edit","text":"…"}
     {"tick":12,"time":1.13,"input":"place","pose":[0.5,1.0,0.0],"robot":0}
 
-Every tick has its readings, and what followed are the lines of a trace (``trace.py``), each with ``event``::
+Every tick has its readings; effects are the lines of a trace (``trace.py``), each with ``event``::
 
     {"tick":13,"time":1.2,"event":"entered","state":"follower/looking"}
     {"tick":13,"time":1.2,"event":"commanded","command":"move","arguments":{…},"sent":true,
      "block":"looking.running","line":12}
     {"tick":13,"time":1.2,"readings":{"light.data":255}}
 
-On request, inputs also have the wall time, in seconds since the recording began (pauses included), and there
-are lines about what a person looked at and did. A replay ignores both::
+On request, inputs also have the wall time, in seconds since the recording began (pauses included), and
+further lines describe what a person looked at and did. A replay ignores both::
 
     {"tick":12,"time":1.13,"wall":71.4,"look":"why","about":"transition follower:tlooking","on":true}
 
-With a simulated robot, or none, the inputs reproduce the run bit for bit (the order of a set of texts differs
-in another process, unless ``PYTHONHASHSEED`` is the same number); what followed is compared, and the first
-difference is reported. The readings of a real robot are fed to the program again. What follows from a tick or
-an input stands before it: of a file that was cut off, what comes after its last whole tick or input is left
-out.
+With a simulated robot, or none, the inputs reproduce the run bit for bit (the order of a set of strings
+differs in another process, unless ``PYTHONHASHSEED`` is the same number); the effects are compared, and the
+first difference is reported. The readings of a real robot are fed to the program again. The effects of a tick
+or an input are written before it, so in a truncated file everything after the last complete tick or input is
+ignored.
 """
 
 from __future__ import annotations
@@ -66,32 +66,32 @@ from lrp_jupyter.sim.worlds import load
 __all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording"]
 
 VERSION = 3
-_LATEST = 1e7  # s of a run
+_LATEST = 1e7  # seconds of a run
 _MAKE = "`lrp run FILE --record run.lrplog` makes one."
-_LONGEST_WAIT = 1.5 / SLOWEST  # s between two lines of a simulated run
+_LONGEST_WAIT = 1.5 / SLOWEST  # seconds between two lines of a simulated run
 
 _MOST = 2_000_000_000  # bytes of memory of a recording: a day of a simulated robot
-_PARSED = 60  # bytes of memory for a character of a program
+_PARSED = 60  # bytes of memory per character of a program
 _LONGEST_PROGRAM = 1_000_000  # characters
 
 Line = dict[str, Any]
 
 _OF_THE_RUN = ("rest", "hold")
-"""Inputs that no person causes: the run ended, commands were held back."""
+"""Inputs that nobody caused: the run ended, commands were held back."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunStart:
-    """Where a recorded session began.
+    """The start of a recorded session.
 
     `text`, `filename`: the program.
-    `bridge`: its name.
-    `world`: the simulated world in its JSON form, noise and seed included.
-    `members`: what `robot` offered, if it was not a simulated one.
-    `names`: those that the blocks use and that neither the program nor Python defines: a notebook's.
+    `bridge`: the name of the bridge.
+    `world`: the simulated world in its JSON form, including noise and seed.
+    `members`: the members of `robot`, unless it was simulated.
+    `names`: the names used by the blocks that neither the program nor Python defines: a notebook's.
     `random`: the seed of Python's random numbers, if they were seeded for the recording; else their state.
-    `initials`: other initial values than those of the text.
-    `values`: those of the `names` that can be written, as expressions of Python.
+    `initials`: initial values that differ from those in the text.
+    `values`: the values of the `names` that can be written, as Python expressions.
     `armed`: whether commands were sent to the robot.
     """
 
@@ -114,7 +114,7 @@ class RunStart:
         return {name: ast.literal_eval(text) for name, text in self.values.items()}
 
     def make_bridge(self) -> Bridge:
-        """Return a robot for a replay: simulated as before, or made of recorded readings."""
+        """Return a robot for a replay: simulated as before, or one that repeats the recorded readings."""
         if self.bridge == "none":
             return Bridge.registry["none"]()
         if self.world is not None:
@@ -125,7 +125,7 @@ class RunStart:
         return bridge
 
     def recorded_members(self) -> list[RobotVariable | RobotMethod]:
-        """Return stand-ins for what `robot` offered."""
+        """Return stand-ins for the members of `robot`."""
         return [*recorded_members(self.members, unplain)]
 
 
@@ -133,21 +133,12 @@ class RunStart:
 class Recording:
     """A recorded session.
 
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    start : RunStart
-    entries : tuple
-        Its ticks and inputs, in order; the number of an input is that of its line.
-    followed : tuple of dict
-        What followed from them.
-    cut : bool
-        Whether the file ended in the middle of a line, or of its compressed data.
-    looks : tuple of Look
-        What a person looked at, if that was recorded, and the inputs, in order.
-    is_own : bool
-        Whether this user recorded its programs and expressions, which :func:`reproduce
+    `name`: the name of the file.
+    `entries`: its ticks and inputs, in order; an input is numbered by its line.
+    `followed`: the trace lines that followed from them.
+    `cut`: whether the file ended in the middle of a line, or of its compressed data.
+    `looks`: what a person looked at, if that was recorded, and the inputs, in order.
+    `is_own`: whether this user recorded its programs and expressions, which :func:`reproduce
         <lrp_jupyter.live.reproduction.reproduce>` runs.
     """
 
@@ -161,12 +152,12 @@ class Recording:
 
     @property
     def ticks(self) -> int:
-        """The number of its ticks, those that were undone included."""
+        """The number of its ticks, including those that were undone."""
         return sum(isinstance(entry, Ticked) for entry in self.entries)
 
     @property
     def reach(self) -> int:
-        """How many ticks back from its latest one it was rewound at most."""
+        """The largest number of ticks by which it was rewound from its latest tick."""
         most = latest = 0
         for entry in self.entries:
             latest = max(latest, entry.tick)
@@ -183,7 +174,7 @@ class Recording:
 def read_recording(
     path: str | os.PathLike[str], prepared: Callable[[Program, Mapping[str, str]], Program] | None = None
 ) -> Recording:
-    """Read a recording. Nothing of it runs.
+    """Read a recording without running any of it.
 
     Parameters
     ----------
@@ -194,7 +185,7 @@ def read_recording(
     Raises
     ------
     FileError
-        It cannot be read, is no recording, or has a mistake; the message names the line.
+        It cannot be read, is not a recording, or contains an error; the message names the line.
     """
     name = shown(path)
     start: RunStart | None = None
@@ -227,7 +218,7 @@ def read_recording(
                     looks.append(Look(tick, time, float(line["wall"]), "input", str(line["input"])))
                 what = input_of(line, partial(_program, start=start, prepared=prepared))
                 entries.append(Input(number, tick, time, what))
-                if not isinstance(what, CommandsHeld):  # which stands in the middle of its tick
+                if not isinstance(what, CommandsHeld):  # which is written in the middle of its tick
                     complete = len(followed)
                 continue
             check_line(line)
@@ -236,7 +227,7 @@ def read_recording(
                 readings = {name: unplain(value) for name, value in line["readings"].items()}
                 entries.append(Ticked(tick, time, readings))
                 complete = len(followed)
-        except Exception as error:  # whatever the parser, or an input that is made of it, says of a value
+        except Exception as error:  # raised by the parser, or by an input, for an invalid value
             raise at_line(name, number, _mistake(error)) from None
     if start is None:
         raise FileError(f"`{name}` is not a recording: it contains no complete line.")
@@ -246,12 +237,12 @@ def read_recording(
 
 
 def _memory_of(raw: bytes) -> int:
-    """Return about how many bytes a line takes when it is read, from what it is made of."""
+    """Estimate from its content how many bytes a line takes in memory once it is read."""
     return 500 + len(raw) + 100 * raw.count(b":") + 50 * sum(map(raw.count, (b",", b"[", b"{")))
 
 
 def _mistake(error: Exception) -> str:
-    """Return a sentence about a mistake in a line."""
+    """Return a sentence about an error in a line."""
     match error:
         case FileError():
             return str(error)
@@ -323,7 +314,7 @@ def _are_texts(values: object) -> bool:
 
 
 def _is_state_of_random(value: object) -> bool:
-    """Return whether a value is what `random.setstate` accepts, as JSON has it."""
+    """Return whether a value is a state that `random.setstate` accepts, in its JSON form."""
     try:
         random_of(value)
     except (TypeError, ValueError):
@@ -332,7 +323,7 @@ def _is_state_of_random(value: object) -> bool:
 
 
 def random_of(seed: object) -> random.Random:
-    """Return the generator that a run began with: its seed, or its state, as JSON has it."""
+    """Return the generator that a run began with, from its seed, or its state in JSON form."""
     generator = random.Random()
     if isinstance(seed, (list, tuple)):
         version, numbers, gauss = seed
@@ -359,4 +350,4 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "initials": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
     "values": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
 }
-"""Whether a value of a field of the first line is possible."""
+"""Whether a field of the first line can have a value."""

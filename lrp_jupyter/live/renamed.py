@@ -11,8 +11,8 @@ from lrp_jupyter.language.program import Element, Path
 class Names:
     """The names that elements had at one tick.
 
-    `moves`: for each edit that gave elements other paths: after which tick, and the map.
-    `tick`: infinity for the present.
+    `moves`: for each edit that changed the paths of elements, the tick before it and the map.
+    `tick`: the tick; infinity for the present.
     """
 
     def __init__(self, moves: Iterable[tuple[int, Successors]], tick: float) -> None:
@@ -25,7 +25,7 @@ class Names:
         self._earlier = [(after, dict(successors.moved)) for after, successors in moves if after < tick]
 
     def of(self, kind: str, path: Path, at: float) -> Path:
-        """Return the path, at this tick, of what had another one right after tick `at`."""
+        """Return the path, at this tick, of an element whose path right after tick `at` is given."""
         element = Element(kind, path)
         for after, moved in reversed(self._later):
             if after < at:

@@ -1,8 +1,7 @@
-"""Repeat recorded ticks and inputs: the one way in which a run is reproduced.
+"""Repeat recorded ticks and inputs: the only way in which a run is reproduced.
 
-A loop is taken to the time of each entry and does there what was done before. With a simulated robot, or
-none, the run is the same, bit for bit; with the readings of a real one, where the program depends only on
-them.
+A loop is advanced to the time of each entry and repeats the entry there. With a simulated robot, or none, the
+run is the same bit for bit; with the readings of a real robot, if the program depends only on them.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ class Ticked(NamedTuple):
 
     `tick`: the first is 1.
     `time`: seconds of the run.
-    `readings`: what the program read, where the robot cannot be reproduced.
+    `readings`: the values that the program read, if the robot cannot be reproduced.
     """
 
     tick: int
@@ -52,7 +51,7 @@ def merged(ticks: Iterable[Ticked], inputs: Iterable[Input]) -> Iterator[Entry]:
 
 
 def without_edits(entries: Iterable[Entry]) -> Iterator[Entry]:
-    """Leave out the inputs that change the program, and what is true only of a run of the recorded one."""
+    """Leave out the inputs that change the program, and entries valid only for the recorded program."""
     return (
         entry
         for entry in entries
@@ -63,9 +62,9 @@ def without_edits(entries: Iterable[Entry]) -> Iterator[Entry]:
 def play(
     loop: Loop, script: deque[Entry], end: float, after_tick: Callable[[], object] | None = None
 ) -> bool:
-    """Repeat the entries up to a time, in seconds of the run; return whether `after_tick` ended that.
+    """Repeat the entries up to a time, in seconds of the run; return whether `after_tick` ended the run.
 
-    The run may go another way than the recorded one: what was done, but is not possible in it, is left out.
+    The run may diverge from the recorded one: inputs that are impossible in it are left out.
     """
     while script and script[0].time <= end + 1e-9:
         entry = script.popleft()
@@ -84,7 +83,7 @@ def play(
 
 
 def repeat(loop: Loop, entry: Entry) -> None:
-    """Do in a loop what was recorded, at the time at which it was done."""
+    """Repeat an entry in a loop, at its recorded time."""
     loop.timing.go_to(entry.time)
     if isinstance(entry, Ticked):
         if isinstance(loop.bridge, RecordedBridge) and isinstance(entry.readings, dict):
@@ -117,9 +116,9 @@ def _apply(loop: Loop, what: object) -> None:
 
 
 def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
-    """Check that nothing is left of the ticks that were undone here.
+    """Check that the ticks undone here have left no effect behind.
 
-    Raises ValueError: there is something, so the recorded run went on from another state.
+    Raises ValueError: they have, so the recorded run continued from another state.
     """
     world = loop.bridge.simulated
     other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
@@ -131,9 +130,9 @@ def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
 
 
 def tested_again(loop: Loop, script: deque[Entry], element: Element) -> Evaluation | Exception | None:
-    """Repeat what comes up to the end of the next tick; return how a transition was tested in it.
+    """Repeat the entries up to the end of the next tick; return how a transition was tested in it.
 
-    None if it was not tested, or its test is not one expression.
+    Return None if it was not tested, or its test is not a single expression.
     """
     while script and not isinstance(script[0], Ticked):
         repeat(loop, script.popleft())

@@ -24,18 +24,14 @@ from lrp_jupyter.logs import at_line
 
 __all__ = ["FirstDifference", "Reproduction", "reproduce"]
 
-_LIMIT = 10.0  # wall seconds that a block may take
+_LIMIT = 10.0  # maximum wall seconds for a block
 
 
 @dataclass(frozen=True, slots=True)
 class Reproduction:
-    """A session that was run again.
+    """A session that was run again, and its first difference from the recording, if there is one.
 
-    Parameters
-    ----------
-    session : Session
-        As it is after the last entry that was repeated; paused, in virtual time.
-    difference : FirstDifference or None
+    `session`: as it is after the last repeated entry; paused, in virtual time.
     """
 
     session: Session
@@ -51,10 +47,10 @@ def reproduce(
     namespace: dict[str, Any] | None = None,
     prepared: Callable[[Program, Mapping[str, str]], Program] | None = None,
 ) -> Reproduction:
-    """Run a recorded session again: its blocks, which are Python and can do whatever you can do.
+    """Run a recorded session again, including its blocks, which are Python and can do anything you can do.
 
-    No command of `robot` reaches a robot, but what a block does by itself, over a socket or with `rospy`,
-    happens again. Of a recording that another person may have made, look at its ``is_own`` first.
+    No command of `robot` reaches a robot, but anything that a block does directly, over a socket or with
+    `rospy`, happens again. Check ``is_own`` first if somebody else may have made the recording.
 
     Parameters
     ----------
@@ -62,12 +58,12 @@ def reproduce(
     until : float, optional
         Seconds of the run at which to end, by default at the end of the recording.
     program : str or Program, optional
-        Another program, with which the recorded one is compared; recorded edits are left out.
+        Another program to compare with the recorded one; recorded edits are left out.
     observer : callable, optional
         Receives every event.
     namespace : dict, optional
-        The names that the blocks of the recorded session used, if it ran in a notebook; those whose values
-        were recorded get them.
+        The names that the blocks of the recorded session used, if it ran in a notebook; recorded values take
+        precedence.
     prepared : callable, optional
         Returns a program with other initial values.
 
@@ -116,9 +112,9 @@ def reproduce(
 def _repeated(
     session: Session, recording: Recording, entries: deque[Entry], until: float | None, other: bool
 ) -> FirstDifference | None:
-    """Repeat entries up to a time, or to the first difference from a run of the same program; return that.
+    """Repeat entries up to a time, or up to the first difference from a run of the same program; return it.
 
-    Of another program it is what that does otherwise; or a variable, if it does nothing otherwise.
+    For another program, a difference in what it does comes before a difference in its variables.
     """
     comparisons = [
         Comparison(recording.followed, other, has_values)
@@ -143,7 +139,7 @@ def _repeated(
                 if not is_due() or failed is not None:
                     break
                 failed = _repeat(loop, entries.popleft(), recording.name)
-                failed = None if other else failed  # what was done may not be possible in another program
+                failed = None if other else failed  # an input may be impossible in another program
     for comparison in comparisons:
         if entries or failed is not None:
             comparison.end_of_tick(is_whole=False)
@@ -160,7 +156,7 @@ def _repeated(
 
 
 def _repeat(loop: Loop, entry: Entry, name: str) -> FileError | None:
-    """Repeat an entry; return the error of an input, all of which were possible when they were recorded."""
+    """Repeat an entry; return the error if an input fails (each succeeded when it was recorded)."""
     try:
         repeat(loop, entry)
     except Exception as error:

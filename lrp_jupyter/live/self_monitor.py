@@ -1,10 +1,11 @@
-"""The monitor of a loop where there are no threads: a block that does not return interrupts itself.
+"""The monitor of a loop on platforms without threads: a block that does not return interrupts itself.
 
-In a browser nothing runs beside a block: no monitor, and no message of a page, which could only wait for it.
-So Python itself looks at the time whenever the code of a block jumps back, as every loop does, and raises in
-it what the monitor would raise. The program is then paused, or its next tick would take as long.
+In a browser nothing runs alongside a block: neither a monitor nor a message from the page. Python therefore
+checks the time whenever the code of a block jumps backward, as every loop does, and raises in it the
+exception that the monitor would raise. The program is then paused, since its next tick would take just as
+long.
 
-The code of libraries is left alone, and costs nothing; a single call into C cannot be interrupted.
+Library code is not monitored and has no overhead; a single C call cannot be interrupted.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from lrp_jupyter.live.interruption import Interruption
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.monitor import block_of
 
-_TOOL = 4  # of `sys.monitoring`: neither that of a debugger, of coverage, of a profiler nor of an optimizer
+_TOOL = 4  # id for `sys.monitoring` that is not reserved for debuggers, coverage, profilers or optimizers
 _LIBRARIES = tuple({sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")})
 _watching: list[SelfMonitor] = []
 
@@ -30,42 +31,42 @@ monitoring: Any = getattr(sys, "monitoring", None)
 
 
 class SelfMonitor:
-    """Watches the blocks of a loop from inside. Needs Python 3.12; before, nothing is watched.
+    """Watches the blocks of a loop from inside. Requires Python 3.12; in earlier versions nothing is watched.
 
     `hung_after`: wall seconds after which a block is interrupted.
     """
 
     within = 0.0
-    """As for :class:`~lrp_jupyter.live.monitor.Monitor`: a command interrupts nothing."""
+    """See :class:`~lrp_jupyter.live.monitor.Monitor`; here a command interrupts nothing."""
 
     def __init__(self, loop: Loop, hung_after: float) -> None:
         self._loop = loop
         self.hung_after = hung_after
         self.limit = math.inf
-        """Wall seconds that a block may take in a run that then ends."""
+        """Wall seconds that a block may take before the run is ended."""
         self.ended_run = ""
         """A sentence about the block that exceeded the limit; empty if none has."""
-        self._work: tuple[object, float] = (None, 0.0)  # what is under way, and since when
+        self._work: tuple[object, float] = (None, 0.0)  # the current work, and its start
 
     def start(self) -> None:
-        """Watch from now on."""
+        """Start watching."""
         _watching.append(self)
         if len(_watching) == 1:
             _monitor(True)
 
     def end(self) -> None:
-        """Watch no longer."""
+        """Stop watching."""
         if self in _watching:
             _watching.remove(self)
             if not _watching:
                 _monitor(False)
 
     def leave(self) -> None:
-        """Watch no longer: the run that needed it is over."""
+        """Stop watching: the run that needed it is over."""
         self.end()
 
     def stays(self) -> bool:
-        """Return False: the next run gets another one, which costs nothing here."""
+        """Return False: another run gets a new monitor, which costs nothing here."""
         return False
 
     def seen(self) -> None:
@@ -75,7 +76,7 @@ class SelfMonitor:
         """Do nothing."""
 
     def check(self) -> None:
-        """Raise in the block that runs now if it has run for too long."""
+        """Raise an exception in the running block if it has been running for too long."""
         loop, now = self._loop, monotonic()
         work = loop.work
         if work is not self._work[0]:
@@ -94,7 +95,7 @@ class SelfMonitor:
         if since >= self.limit:
             self.ended_run = reason
         loop.inbox.put(Pause(reason))
-        self._work = work, now  # the tick goes on after the block
+        self._work = work, now  # the tick continues after the block
         raise Interruption(block.frame)
 
 
@@ -112,7 +113,7 @@ def _monitor(on: bool) -> None:
 
 
 def _jumped(code: CodeType, start: int, end: int) -> object:
-    """Check the time if code of a block or a notebook jumps; all other code never calls this again."""
+    """Check the time if code of a block or a notebook jumps; disable the event for all other code."""
     name = code.co_filename
     if name.startswith((*_LIBRARIES, "<frozen ")) or "/lrp_jupyter/" in name:
         return monitoring.DISABLE

@@ -1,7 +1,7 @@
-"""The timeline: what happened in a run, in order, as it is drawn.
+"""The timeline: the events of a run in order, as they are drawn.
 
-It is read from the journal, the inputs and the log of commands when it is asked for. A caller that has a part
-of it asks for the rest.
+It is read on demand from the journal, the inputs and the log of commands. A caller that has a part of it
+requests the rest.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause",
 class Happening:
     """Something that happened in a run.
 
-    `tick`: in which tick, or after which.
-    `time`: that of the tick, in seconds.
+    `tick`: the tick in which, or after which, it happened.
+    `time`: the time of the tick, in seconds.
     `kind`: ``entered`` (a state), ``ended`` (a machine), ``edit``, ``restart``, ``issue``, ``pause``,
         ``command`` (of the robot) or ``hand`` (something was done by hand).
     `lane`: the machine, as spawned.
     `state`: the state that was entered, by path of definition.
     `by`: the transition that entered it; or the name of the command.
-    `text`: in words.
-    `call`: of a command: as a program writes it, between backticks.
+    `text`: a description.
+    `call`: for a command, the call as written in a program, in backticks.
     """
 
     tick: int
@@ -55,7 +55,7 @@ class Happening:
 
 
 class TimelineCursor(NamedTuple):
-    """How much of a timeline a caller has: up to which tick, in the run of which epoch."""
+    """The part of a timeline that a caller has: the last tick, and the epoch of the run."""
 
     epoch: int = -1
     tick: int = -1
@@ -63,15 +63,15 @@ class TimelineCursor(NamedTuple):
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Timeline:
-    """What happened since a moment; printed, a line for each happening.
+    """The happenings since a moment; printed with one line for each.
 
-    `epoch`: another one when ticks were undone, or elements got other names.
-    `first`, `last`: the ticks that are recorded.
+    `epoch`: changes when ticks are undone, or elements are renamed.
+    `first`, `last`: the first and the last recorded tick.
     `begin`, `end`: their times in seconds.
-    `kept`: what is known of ticks up to this one stays as it is; what follows is in `happenings`.
-    `happenings`: in order.
-    `plots`: of the wanted names.
-    `names`: what can be plotted now.
+    `kept`: the happenings up to this tick, known to the caller, stay valid; later ones are in `happenings`.
+    `happenings`: the happenings, in order.
+    `plots`: the plots of the requested names.
+    `names`: the names that can be plotted now.
     """
 
     epoch: int
@@ -86,7 +86,7 @@ class Timeline:
 
     @property
     def cursor(self) -> TimelineCursor:
-        """What a caller has after this answer."""
+        """The cursor of a caller that has received this timeline."""
         return TimelineCursor(self.epoch, self.last)
 
     def __repr__(self) -> str:
@@ -108,11 +108,11 @@ def _sentence(each: Happening) -> str:
 def timeline_of(
     loop: Loop, cursor: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
 ) -> Callable[[], Timeline]:
-    """Return what gives the timeline since a moment, on any thread: the plots are not computed yet.
+    """Return a function that gives the timeline since a moment, on any thread: it computes the plots.
 
-    `loop`: between two ticks.
-    `cursor`: what is known; by default nothing.
-    `plots`: names to plot, each with the tick up to which its samples are known.
+    `loop`: the loop, between two ticks.
+    `cursor`: the part that is known; by default nothing.
+    `plots`: the names to plot, each with the tick up to which its samples are known.
     """
     interpreter, history = loop.interpreter, loop.interpreter.history
     renamed = interpreter.moved[-1][0] if interpreter.moved else 0  # at which revision
@@ -137,10 +137,10 @@ def timeline_of(
 
 
 def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> list[Happening]:
-    """Return what happened after a tick, in order; between two ticks.
+    """Return what happened after a tick, in order; called between two ticks.
 
-    `after`: by default all that is recorded, with the states that were active when it began.
-    `gap`: whether what was done between this tick and the next belongs to it.
+    `after`: the tick; by default the whole recorded run, including the states active at its beginning.
+    `gap`: whether to include what was done between this tick and the next.
     """
     history = loop.interpreter.history
     ticks = history.ticks
@@ -159,7 +159,7 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
                 continue
             if isinstance(fact, Faulted) and (when - 1, fact.element, fact.kind) in failed:
                 continue
-            tick = int(when)  # what came between two belongs to the first
+            tick = int(when)  # events between two ticks belong to the first
             happened = _of(fact, tick, history.time(max(tick, ticks.start)))
             if happened is not None:
                 found.append(happened)
@@ -173,7 +173,7 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
 
 
 def _renamed(each: Happening, names: Names) -> Happening:
-    """Return what happened with the present names."""
+    """Return a happening with the current names."""
     if not each.lane:
         return each
     return replace(
@@ -185,7 +185,7 @@ def _renamed(each: Happening, names: Names) -> Happening:
 
 
 def present(state: PastState, tick: int, time: float) -> list[Happening]:
-    """Return the entries of the states that are active already at a time, in seconds."""
+    """Return the entries of the states that are already active at a time, in seconds."""
     return [
         Happening(tick, min(machine.entered, time), "entered", machine.path, machine.state)
         for machine in state.walk()
@@ -229,7 +229,7 @@ def _restarted(reason: str) -> str:
 
 
 def _commands(history: History, commands: Sequence[CommandRecord], first: int) -> Iterator[Happening]:
-    """Yield the commands of the robot that differ from those before."""
+    """Yield the commands of the robot that differ from the previous ones."""
     for command in commands[bisect_left(commands, first, key=lambda each: each.first.tick) :]:
         origin = command.first
         if origin.tick not in history.ticks:
@@ -242,7 +242,7 @@ def _commands(history: History, commands: Sequence[CommandRecord], first: int) -
 
 
 def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
-    """Yield what was done from outside to the robot, its world, and names that the program reads."""
+    """Yield actions from outside on the robot, its world, and names that the program reads."""
     history = loop.interpreter.history
     changed: dict[str, int] = {}
     for entry in loop.record.inputs.since(first - _STREAM):
@@ -257,7 +257,7 @@ def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
 
 
 _STREAM = 5
-"""A name that changes again within fewer ticks is fed by something, and told once."""
+"""A name that changes again within fewer ticks is a stream of values, and is reported once."""
 
 
 def _renewed(values: Mapping[str, object], names: Sequence[str]) -> str:

@@ -1,9 +1,9 @@
-"""The timing of a run: what time it is in it, how fast it goes on, and when the next tick is due.
+"""The timing of a run: its current time, its speed, and when the next tick is due.
 
-With a simulated robot the clock only paces: a tick's time is the one it was due at, and if the host is too
-slow the clock is set back. With a real robot the clock is the truth: a late tick has the real time. A tick
-comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9 and ends at 1.0, and ten single steps do
-the same.
+With a simulated robot the clock only sets the pace: a tick has the time at which it was due, and if the host
+is too slow the clock is set back. With a real robot the clock is authoritative: a late tick has the actual
+time. A tick comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9 and ends at 1.0, as do ten
+single steps.
 
 Paper: §5.1.
 """
@@ -19,16 +19,14 @@ from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.live.clock import LAG, Clock
 
-__all__ = ["FASTEST", "ROUNDING", "SLOWEST", "STEP", "Timing"]
-
 STEP = 0.01
-"""Seconds from tick to tick at rate 0 where time is virtual."""
+"""Seconds from tick to tick at rate 0 in virtual time."""
 
 SLOWEST, FASTEST = 0.01, 1e6
 """The lowest and the highest rate, in ticks per second: a step waits for its period, and time must pass."""
 
 ROUNDING = 1e-6
-"""Seconds by which a time may miss another one that it equals."""
+"""Seconds by which two equal times may differ."""
 
 _PICTURES = 30.0  # of a world that moves between two ticks, per wall second
 
@@ -38,11 +36,11 @@ class Timing:
 
     `rate`: ticks per second; 0 for as many as possible.
     `move`: moves the simulated world by a number of seconds, which are whole physics steps.
-    `clock`: what the driver waits by.
-    `step`: seconds of a physics step; None where time passes by itself.
+    `clock`: the clock that the driver waits for.
+    `step`: seconds per physics step; None where time passes in the real world.
     `now`: seconds of the run.
     `due`: the time at which the next tick is due.
-    `end`: the time at which the run rests, where time passes by a clock; may be infinite.
+    `end`: the time at which a run paced by a clock comes to rest; may be infinite.
     `rate`: ticks per second.
     `period`: seconds from one tick to the next.
     `free`: whether ticks follow each other without waiting.
@@ -124,14 +122,14 @@ class Timing:
         self.due = self.now
 
     def jump(self, time: float, due: float) -> None:
-        """Be at another time of the run, which is that of an earlier moment or of another session."""
+        """Set the time of the run to that of an earlier moment or of another session."""
         self.now, self.due = time, due
         if self.step is not None:
             self._steps = round(time / self.step)
         self.clock.rebase(time)
 
     def resume(self) -> None:
-        """Continue after a pause; a tick that was missed meanwhile is due now."""
+        """Continue after a pause; a tick missed during it is due now."""
         self.clock.resume()
         self.clock.rebase(self.now)
         self.due = max(self.due, self.now)

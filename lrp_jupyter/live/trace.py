@@ -1,4 +1,4 @@
-r"""Traces: what follows in a run as JSON Lines, one object per event; written, checked and put into words.
+r"""Traces: the events of a run as JSON Lines, one object per event; written, checked and described in words.
 
 Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the event's own fields::
 
@@ -22,7 +22,7 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the
 its value has no ``value``. Values without a JSON type are written as text, without addresses, so equal
 runs have equal traces.
 
-The same lines are the part of a recording that says what followed (``recording.py``).
+In a recording (``recording.py``), the same lines are the effects of its ticks and inputs.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _FIELDS: dict[object, dict[str, type]] = {
     "commanded": {"command": str, "arguments": dict, "sent": bool, "block": str, "line": int},
     "printed": {"text": str},
 }
-"""The fields that the line of an event must have, beside `tick`, `time` and `event`, and their types."""
+"""The fields that the line of an event must have besides `tick`, `time` and `event`, and their types."""
 
 
 def as_dict(event: TraceEvent) -> dict[str, Any]:
@@ -125,7 +125,7 @@ def _steady(text: str) -> str:
 def check_line(line: Line) -> None:
     """Check that the line of an event, or of readings, has its fields.
 
-    Raises FileError: a field has a wrong type, or it is no such line.
+    Raises FileError: a field has a wrong type, or it is not such a line.
     Raises KeyError: a field is missing.
     """
     if line.get("event") is None and "readings" not in line:
@@ -137,7 +137,7 @@ def check_line(line: Line) -> None:
 
 
 def words_of(line: Line) -> str:
-    """Return the line of an event, or of readings, in words."""
+    """Describe the line of an event, or of readings, in words."""
     match line.get("event"):
         case "fired":
             return f"`{line['transition']}` fired, from `{line['source']}` to `{line['destination']}`"
@@ -184,5 +184,5 @@ class Trace:
         self.line(as_dict(event))
 
     def line(self, entry: Line) -> None:
-        """Write a line; also one that is no event of the interpreter."""
+        """Write a line, which need not be an event of the interpreter."""
         self._write(json.dumps(entry, ensure_ascii=False, separators=(",", ":")) + "\n")

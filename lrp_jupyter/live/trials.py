@@ -11,17 +11,17 @@ from typing import overload
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.program import Path, path_text
 
-_WIDTH, _HEIGHT = 120, 80  # px of the picture of a path
+_WIDTH, _HEIGHT = 120, 80  # pixels of the picture of a path
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
     """One run with one value.
 
-    `seconds`: how long it ran.
+    `seconds`: its duration.
     `reached`: seconds until the awaited state was entered, or the condition held; None if that did not
         happen, or nothing was awaited.
-    `outcome`: what the outcome function returned at the end.
+    `outcome`: the result of the outcome function at the end.
     `active`: the active states at the end.
     `issues`: the number of issues that were open at the end.
     `path`: the path of the simulated robot, in metres: its position at every tick.

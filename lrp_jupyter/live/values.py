@@ -1,10 +1,10 @@
 """The texts of the variables in frames, rendered on the loop's thread in a small share of its time.
 
-A value is rendered where and when it is current, between two ticks, because foreign code must not run on two
-threads at a time. Scalars are rendered for every frame. Any other value whose rendering took long is
-rendered again later, so that rendering costs the loop about a twentieth of its time however many frames there
-are; until then a frame shows its earlier text. Nothing is left out while the program is paused, nor in the
-frames that a caller makes who runs it: they are the same on every machine, however busy it is.
+A value is rendered on this thread and between two ticks, because foreign code must not run on two threads at
+a time. Scalars are rendered for every frame. Any other value whose rendering was slow is rendered again
+later, so that rendering takes about a twentieth of the loop's time however many frames there are; until then
+a frame shows its earlier text. All texts are current while the program is paused, and in frames made by a
+caller that runs the loop itself: these are the same on every machine, however busy it is.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from lrp_jupyter.interpreter.rendering import is_scalar, of_type, render
 from lrp_jupyter.language.program import Path, path_text
 
 _SPACING = 20.0
-"""Time between two renderings of a value, in multiples of what those of one frame take."""
+"""Time between two renderings of a value, in multiples of the time that those of one frame take."""
 
 
 def numbers_of(values: Iterable[tuple[Path, object]]) -> dict[Path, float]:
-    """Return the variables that are numbers, as far as a float can hold them."""
+    """Return the variables that are numbers which a float can hold."""
     numbers: dict[Path, float] = {}
     for path, value in values:
         kind = type(value)
@@ -35,7 +35,7 @@ def numbers_of(values: Iterable[tuple[Path, object]]) -> dict[Path, float]:
 class ValueTexts:
     """The last text of each variable, and when it may be rendered again.
 
-    `calling`: returns the context in which foreign code of a name (``x.__repr__``) is called.
+    `calling`: returns the context in which foreign code with a name (``x.__repr__``) is called.
     """
 
     def __init__(self, calling: Callable[[str], AbstractContextManager[None]]) -> None:
@@ -46,8 +46,8 @@ class ValueTexts:
     def of(self, values: Iterable[tuple[Path, object]], now: bool, foreign: bool = True) -> dict[Path, str]:
         """Return the texts of all variables.
 
-        `now`: whether every text must be that of the present value.
-        `foreign`: whether foreign code may run; if not, a value without a text is shown by its type.
+        `now`: whether every text must be current.
+        `foreign`: whether foreign code may run; if not, the type is shown for a value without a text.
         """
         texts: dict[Path, str] = {}
         known: dict[Path, tuple[str, float]] = {}
@@ -72,7 +72,7 @@ class ValueTexts:
         return texts
 
     def _repr(self, value: object) -> str:
-        """Return the text of a value by its own ``__repr__``, unless that had to be interrupted before."""
+        """Return the text of a value by its own ``__repr__``, unless that had to be interrupted earlier."""
         kind = type(value)
         if id(kind) in self._endless:
             return f"<{name_of(kind)}: not shown, because `__repr__` did not return>"

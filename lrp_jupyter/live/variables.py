@@ -13,7 +13,7 @@ from lrp_jupyter.live.frame import Frame
 class LiveVariables(MutableMapping[Path, Any]):
     """The variables of a session: read from its newest frame, and assigned between two ticks.
 
-    Keys are as those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`.
+    Keys are those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`.
 
     `frame`: returns the newest frame.
     `assign`: assigns a value to the variable of a path.

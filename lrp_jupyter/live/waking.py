@@ -18,16 +18,16 @@ class TaskEvent:
             self._home.call_soon_threadsafe(self._event.set)
 
     def clear(self) -> None:
-        """Wait again from now on."""
+        """Make further calls of :meth:`wait` block."""
         self._event.clear()
 
     async def wait(self, seconds: float | None = None) -> None:
-        """Wait until it is set, at most so long; other tasks run meanwhile in any case."""
+        """Wait until it is set, at most this long; other tasks get a chance to run in any case."""
         if self._event.is_set() or (seconds is not None and seconds <= 0):
             await asyncio.sleep(0)
         elif seconds is None:
             await self._event.wait()
-        else:  # `wait_for` asks for a time of the clock, which Pyodide refuses once it has passed
+        else:  # `wait_for` schedules a time of the clock, which Pyodide refuses once it has passed
             timer = self._home.call_later(seconds, self._event.set)
             try:
                 await self._event.wait()

@@ -1,4 +1,4 @@
-"""What if another program ran from a moment on? Two courses from there, and their first difference."""
+"""What if a different program ran from some moment? Two courses from there, and their first difference."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _VERBS = {
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """The robot touched a solid at a time, in seconds; `text` is the sentence about it."""
+    """The robot touched a solid at a time, in seconds; `text` is a sentence about it."""
 
     time: float
     solid: str
@@ -36,14 +36,14 @@ class Touch:
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """How a run went.
+    """The course of a run.
 
-    `happenings`: with the states that were active when it began.
-    `tick`: after which tick it began.
-    `way`: the simulated robot after each tick; empty for another robot.
-    `touch`: the first time that it touched a solid that it did not touch in the beginning.
-    `others`: further robots of the same world after each tick, by their names.
-    `solids`: where the solids that can move are at the end, by their numbers.
+    `happenings`: its happenings, including the states active at the beginning.
+    `tick`: the tick after which it began.
+    `way`: the poses of a simulated robot after each tick; empty for other robots.
+    `touch`: the first contact with a solid that the robot did not touch at the beginning.
+    `others`: the poses of other robots in the same world after each tick, by name.
+    `solids`: the poses of movable solids at the end, by number.
     """
 
     happenings: tuple[Happening, ...]
@@ -68,12 +68,12 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class WhatIf:
-    """What happens from a moment on.
+    """A comparison of two courses from the same moment.
 
-    `tick`: after which tick the courses begin.
+    `tick`: the tick after which the courses begin.
     `begin`, `end`: seconds of the run.
-    `recorded`: how it went, or goes on if nothing is changed.
-    `changed`: how it goes with the other program.
+    `recorded`: the course with the original program, recorded or continued.
+    `changed`: the course with the changed program.
     `divergence`: the first difference; None if there is none.
     `open_loop`: whether the recorded readings of a real robot were fed, whatever the program commanded.
     """
@@ -95,8 +95,8 @@ class WhatIf:
 class Observation:
     """Watches a run, tick by tick.
 
-    `loop`: at the moment where the course begins.
-    `tick`: after which tick that is.
+    `loop`: the loop at the moment at which the course begins.
+    `tick`: the tick after which the course begins.
     """
 
     def __init__(self, loop: Loop, tick: int) -> None:
@@ -110,7 +110,7 @@ class Observation:
         self._present = present(loop.interpreter.history.state(tick), tick, loop.timing.now)
 
     def watch(self) -> bool:
-        """Note what a tick has brought; never ends the run."""
+        """Record the effects of a tick; never ends the run."""
         now, world = self._loop.timing.now, self._world
         if world is None:
             return False
@@ -122,11 +122,11 @@ class Observation:
             solid = min(new)
             name = _NAMES.get(solid, f"`{solid}`")
             self._touch = Touch(now, solid, f"The robot touches {name} at {now:.1f} s.")
-        self._touching &= touched  # what it has left can be touched again
+        self._touching &= touched  # a solid can be touched again after losing contact
         return False
 
     def course(self) -> Course:
-        """Return what was watched."""
+        """Return the observed course."""
         told = (*self._present, *happenings(self._loop, self._tick, gap=True))
         others = {name: tuple(way) for name, way in self._others.items()}
         solids = () if self._world is None else self._world.movable
@@ -152,7 +152,7 @@ _Told = tuple[float, str, tuple[str, ...], tuple[str, ...], str]
 
 
 def _told(each: Happening) -> _Told:
-    """Return what two runs of different programs have in common if they do the same."""
+    """Return the features of a happening that are equal in two programs with the same behaviour."""
     return each.time, each.kind, each.lane, each.state, each.call
 
 

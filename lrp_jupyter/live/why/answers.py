@@ -24,7 +24,7 @@ _INSTEAD = {
     "state": "Ask `why` about it.",
     "event": "Ask about a transition that waits for it.",
 }
-"""What to do where a name is that of another kind of element."""
+"""What to do if a name belongs to another kind of element."""
 
 
 class Answers:
@@ -48,7 +48,7 @@ class Answers:
         return self._answer(("transition",), transition, at)
 
     def why(self, what: str | Path, at: int | None = None) -> Reason:
-        """Return why a state was entered last, or why the robot got its last command (`robot.move`).
+        """Return why a state was last entered, or why the robot received its last command (`robot.move`).
 
         Raises UnknownElementError: there is no such state or command, or there are several.
         Raises ValueError: the tick is not recorded.
@@ -56,7 +56,7 @@ class Answers:
         return self._answer(("state", "command"), what, at)
 
     def explain(self, name: str | Path, at: int | None = None) -> Reason:
-        """Return why a transition did not fire or, if there is no such transition, what `why` returns.
+        """Return why a transition did not fire or, if there is no such transition, the result of :meth:`why`.
 
         Raises UnknownElementError: there is no such transition, state or command, or there are several.
         Raises ValueError: the tick is not recorded.
@@ -88,7 +88,7 @@ class Answers:
         return replace(reason, code="paused", time=time, sentence=sentence, facts=facts)
 
     def _then(self, element: Element, program: Program, tick: int) -> Element:
-        """Return an element of a program by the path that it had in a tick."""
+        """Return an element of a program with the path that it had in a tick."""
         if program is self._run.program(tick):
             return element
         return Element(element.kind, self._run.names(tick).of(element.kind, element.path, math.inf))

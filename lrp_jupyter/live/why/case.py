@@ -1,4 +1,4 @@
-"""A transition in a tick: what a question is about, with what is recorded of it."""
+"""A transition in a tick: the subject of a question, with the recorded data about it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Case:
 
     `element`: the transition, by path of definition.
     `label`: how it is displayed.
-    `line`: where it stands; 0 if nowhere.
+    `line`: its line; 0 if it has none.
     `cause`: why it fired, or did not.
     """
 
@@ -60,24 +60,24 @@ class Case:
 
     @property
     def noun(self) -> Transition:
-        """The transition as that program has it."""
+        """The transition in that program."""
         arrow = resolve(self.program).arrow(self.element)
         assert arrow is not None
         return arrow.noun
 
     @property
     def tested(self) -> tuple[Block, Scope] | None:
-        """The block that it tests and the scope of that, or None."""
+        """The block that it tests, and the scope of the block; or None."""
         arrow = resolve(self.program).arrow(self.element)
         return arrow.tested if arrow is not None else None
 
     @property
     def machine(self) -> PastMachine:
-        """Its machine, which ran."""
+        """Its machine, which was running."""
         assert self.cause.machine is not None
         return self.cause.machine
 
     @property
     def elapsed(self) -> float:
-        """For how many milliseconds the active state of its machine had been active."""
+        """The milliseconds for which the active state of its machine had been active."""
         return (self.time - self.machine.entered) * 1000

@@ -1,4 +1,4 @@
-"""An answer while it is written."""
+"""An answer that is being written."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from lrp_jupyter.live.reason import CommandCode, Reason, StateCode
 class AnswerDraft:
     """An answer that is being written.
 
-    `facts`: those of the reason, but the lines.
-    `lines`: the lines that the answer mentions, the first one to look at first; 0 stands for none.
+    `facts`: the facts of the reason, except for the lines.
+    `lines`: the lines that the answer mentions, the most relevant one first; 0 stands for none.
     """
 
     facts: dict[str, Any] = field(default_factory=dict)

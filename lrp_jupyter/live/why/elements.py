@@ -1,4 +1,4 @@
-"""Elements in the text of a program: the lines in which they begin, and what leads to them."""
+"""Elements in the text of a program: the lines in which they begin, and the elements that lead to them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def line_of_state(program: Program, path: Path) -> int:
 
 
 def spawns_of(program: Program, machine: Path) -> list[Spawning]:
-    """Return every spawn of a machine, whose path of definition is given."""
+    """Return every spawn of a machine, by its path of definition."""
     spawns = resolve(program).spawns
     return [each for each in spawns if each.machine is not None and each.machine.path == machine]
 

@@ -15,7 +15,7 @@ from lrp_jupyter.live.why.wording import restart_text, time_text
 
 
 def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: float) -> Reason:
-    """Return why a state, `called` so in the answer, was entered without a transition."""
+    """Return why a state was entered without a transition; `called` is its name in the answer."""
     *_, machine, name = entered.state
     tick, program = max(int(when), 1), run.program(int(when + 0.5))
     time = run.entered(entered.path, when)
@@ -59,13 +59,13 @@ def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: flo
 
 
 def restart_of(before: Iterable[Fact]) -> Commanded | None:
-    """Return the last restart in what happened before a tick; None if there was none."""
+    """Return the last restart among the facts before a tick; None if there was none."""
     restarts = [fact for fact in before if isinstance(fact, Commanded) and fact.kind == "restarted"]
     return restarts[-1] if restarts else None
 
 
 def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, int]:
-    """Return in words how the active state of a machine was entered before a tick, and the line."""
+    """Return a description of how the active state of a machine was entered before a tick, and the line."""
     names = run.names(tick)
     for when, fact in run.backward(tick, before=True):
         if isinstance(fact, (Fired, Entered)) and names.of("state", fact.state, when) == machine.state:
@@ -74,7 +74,7 @@ def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, 
 
 
 def how_entered(run: RecordedRun, entered: Fired | Entered, when: float) -> tuple[str, int]:
-    """Return in words how a state was entered, and the line."""
+    """Return a description of how a state was entered, and the line."""
     if isinstance(entered, Fired):
         line = line_of_transition(run.program(int(when)), entered.transition)
         return f" by `{entered.label}` (line {line})", line
@@ -86,7 +86,7 @@ def how_entered(run: RecordedRun, entered: Fired | Entered, when: float) -> tupl
 def enabled_in(run: RecordedRun, entered: Fired | Entered, tick: int) -> list[Enabled]:
     """Return the transition, if any, that kept a state from acting in the tick in which it was entered.
 
-    It leaves the state, or one around it that was entered in the same tick.
+    It leaves the state, or an enclosing one that was entered in the same tick.
     """
     enabled = [fact for fact in run.history.facts(tick) if isinstance(fact, Enabled)]
     return [

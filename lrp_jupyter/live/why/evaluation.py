@@ -1,4 +1,4 @@
-"""Evaluate what a transition tests again, over the values that were recorded."""
+"""Evaluate the test of a transition again, with the recorded values."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 
-_SEARCH = 0.03  # wall seconds for which the last time that a condition was true is searched
+_SEARCH = 0.03  # wall seconds to search for the last time a condition was true
 _IMMUTABLE = (int, float, complex, str, bytes, type(None))
 _UNCHANGING = (FunctionType, BuiltinFunctionType, ModuleType, type)
 
 
 class LastTrue(NamedTuple):
-    """When a condition was true before a tick.
+    """When a condition was last true before a tick.
 
-    `tick`: the last tick in which it was, if one is known.
-    `first`: the first tick that was looked at; the tick itself if none was.
+    `tick`: the last tick in which it was true, if one is known.
+    `first`: the first tick that was examined; the tick itself if none was.
     """
 
     tick: int | None
@@ -37,9 +37,9 @@ class LastTrue(NamedTuple):
 
 
 def evaluate_again(case: Case) -> Evaluation | Exception | None:
-    """Return a test with its parts: from what is recorded, else by running the tick again.
+    """Return a test with its parts: from recorded values, or else by running the tick again.
 
-    An exception says why they are not known; None means that there is no expression.
+    An exception says why they are unknown; None means that there is no expression.
     """
     if case.tested is None:
         return None
@@ -50,14 +50,14 @@ def evaluate_again(case: Case) -> Evaluation | Exception | None:
         cells, written = _cells(case.state, scope.path), case.run.history.written(case.tick)
         try:
             return evaluate(expression, _lookup(case.run, case.tick, cells, case.state.value, written))
-        except Exception as error:  # of the expression itself, or a value is not known
+        except Exception as error:  # from the expression itself, or because a value is unknown
             problem = error
     again = case.run.again(case.tick, case.element)
     return problem if again is None else again
 
 
 def delay_of(case: Case) -> float | None:
-    """Return the milliseconds of the delay of a transition; None if they are not known."""
+    """Return the delay of a transition in milliseconds; None if it is unknown."""
     trigger = case.noun.trigger
     assert isinstance(trigger, Delay)
     value: object
@@ -74,7 +74,7 @@ def delay_of(case: Case) -> float | None:
 
 
 def last_true(case: Case) -> LastTrue:
-    """Return when a condition was true before, whether it was tested then or not."""
+    """Return when a condition was last true before, whether it was tested then or not."""
     expression = expression_of(case.tested[0].text) if case.tested is not None else None
     if case.tested is None or expression is None:
         return LastTrue(None, case.tick)
@@ -95,7 +95,7 @@ def last_true(case: Case) -> LastTrue:
             value = evaluate(expression, _lookup(case.run, tick, seen, value_of)).value
         except UnknownValueError:
             break
-        except Exception:  # of the expression itself
+        except Exception:  # from the expression itself
             value = False
         first = tick
         if is_boolean(value) and value:
@@ -112,7 +112,7 @@ def _lookup(
     value_of: Callable[[CellType], object],
     written: frozenset[int] = frozenset(),
 ) -> Callable[[str], Any]:
-    """Return what returns the value that a name had in a tick."""
+    """Return a function that returns the value of a name in a tick."""
     record, nodes = run.loop.record, run.loop.bridge.nodes.table
     changes = [change for completed, change in run.changes if completed >= tick]
     readings = record.readings_of(record.moment(tick).sensed)

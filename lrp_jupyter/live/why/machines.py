@@ -1,4 +1,4 @@
-"""Why a machine did not run: what ended it, and what starts it."""
+"""Why a machine was not running: what ended it, and what starts it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lrp_jupyter.live.why.wording import restart_text, time_text
 
 
 def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so: str) -> None:
-    """Say why a machine, by path of definition, did not run when a tick began; `so` begins the sentence."""
+    """Say why a machine, by path of definition, was not running when a tick began, after the words `so`."""
     name, program = path[-1], run.program(tick)
     facts = run.history.facts(tick)
     spawns = spawns_of(program, path)
@@ -46,9 +46,9 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
 
 
 def _how_it_ended(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int) -> None:
-    """Say how a machine that did not run ended before, or that it never ran."""
+    """Say how a machine that was not running had ended, or that it had never run."""
     names = run.names(tick)
-    restart: tuple[float, Commanded] | None = None  # the first one after what is looked at
+    restart: tuple[float, Commanded] | None = None  # the first one after the current fact
     for when, fact in run.backward(tick, before=True):
         if isinstance(fact, Commanded) and fact.kind == "restarted":
             restart = when, fact
@@ -57,7 +57,7 @@ def _how_it_ended(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int) -
             draft.say(f"It ended at {time_text(run.time(when))}{by}.", line)
             return
         elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
-            if restart is not None:  # else it was taken out of the program
+            if restart is not None:  # otherwise it was removed from the program
                 at, command = restart
                 why = restart_text(command)
                 draft.say(f"It ended at {time_text(run.time(at))}, when the program restarted ({why}).")
@@ -67,7 +67,7 @@ def _how_it_ended(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int) -
 
 
 def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tuple[str, int]:
-    """Return in words what ended a machine, and the line of the transition if it was one."""
+    """Return a description of what ended a machine, and the line if it was a transition."""
     if int(when) != when:
         return ", by hand", 0
     for fired in [fact for fact in reversed(run.history.facts(when)) if isinstance(fact, Fired)]:

@@ -1,4 +1,4 @@
-"""A run as it is recorded: its facts in order, and the time and the program of every tick."""
+"""A recorded run: its facts in order, and the time and the program of every tick."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Again = Callable[[int, Element], Evaluation | Exception | None]
 
 
 class RecordedRun:
-    """Reads what is recorded of a run, for one question. Used on the thread that ticks, between two ticks.
+    """Reads the recorded data of a run, for one question. Used on the thread that ticks, between two ticks.
 
-    *When* something happened is a number: that of its tick, or, between two ticks, that of the first one and
-    a half.
+    The *when* of an event is the number of its tick; between two ticks, the number of the first one plus a
+    half.
 
     `again`: see :data:`Again`.
     """
@@ -35,9 +35,9 @@ class RecordedRun:
         self._states: dict[int, PastState] = {}
 
     def tick(self, at: int | None) -> int:
-        """Return the tick that a question is about; for None the last one.
+        """Return the tick that a question is about; for None, the last one.
 
-        Raises ValueError: it is not remembered.
+        Raises ValueError: the tick is not remembered.
         """
         ticks = self.history.ticks
         tick = ticks.stop - 1 if at is None else at
@@ -46,13 +46,13 @@ class RecordedRun:
         return tick
 
     def time(self, when: float) -> float:
-        """Return the time of a tick, or of the one before what happened between two."""
+        """Return the time of a tick; for an event between two ticks, the time of the first."""
         return self.history.time(int(when)) if int(when) in self.history.ticks else 0.0
 
     def entered(self, state: Path, when: float) -> float:
-        """Return the time at which a state, as spawned, was entered that is still active at the next tick.
+        """Return the time at which a state, as spawned, was entered, if it is still active at the next tick.
 
-        Of any other one it is the time of the tick before.
+        For any other state, return the time of the tick before.
         """
         if int(when) == when:
             return self.time(when)
@@ -70,7 +70,7 @@ class RecordedRun:
         return self._states[tick]
 
     def program(self, tick: int) -> Program:
-        """Return the program that ran in a tick; the present one for a tick that is still to come."""
+        """Return the program that ran in a tick; the current one for a future tick."""
         if tick in self.history.ticks:
             return self.state(tick).program
         return self.loop.interpreter.program
@@ -82,7 +82,7 @@ class RecordedRun:
     def backward(self, tick: int, *, before: bool = False) -> Iterator[Dated]:
         """Return what happened up to the end of a tick, the last fact first.
 
-        What happened since the last tick belongs to it. With `before`, only what came before the tick began.
+        Facts since the last tick belong to it. With `before`, return only facts from before the tick began.
         """
         after = 0.5 if tick == self.history.ticks.stop - 1 else 0
         return reversed(self.history.told(last=tick - 0.5 if before else tick + after))

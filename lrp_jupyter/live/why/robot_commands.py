@@ -1,4 +1,4 @@
-"""Why the robot got its last command, and what has become of it."""
+"""Why the robot received its last command, and what became of it."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_tex
 
 
 def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
-    """Return why the robot got its last command of a name.
+    """Return why the robot received its last command of a name.
 
-    `name`: that of the command; of one that sets the velocity, every other one that does counts, too.
-    `tick`: up to which tick.
-    `now`: whether what has happened since that tick counts, too.
+    `name`: the name of the command; if it sets the velocity, all commands that do so count.
+    `tick`: the last tick to consider.
+    `now`: whether to consider events since that tick, too.
     Raises UnknownElementError: the robot has no such command.
     """
     safety, time = run.loop.bridge.safety, run.time(tick)
@@ -62,12 +62,12 @@ def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
 
 
 def commands_of(bridge: Bridge) -> dict[str, RobotMethod]:
-    """Return the commands of a robot by their names."""
+    """Return the commands of a robot by name."""
     return {each.path: each for each in bridge.nodes.members() if isinstance(each, RobotMethod)}
 
 
 def _alike(bridge: Bridge, name: str) -> set[str]:
-    """Return the commands of which the last one is meant."""
+    """Return the names of the commands among which to find the last one."""
     methods = commands_of(bridge)
     if name not in methods:
         known = ", ".join(f"`{each}`" for each in methods) or "none"
@@ -102,13 +102,13 @@ def _lines_with(program: Program, attribute: str) -> list[int]:
 
 
 def _why_held(run: RecordedRun, tick: int) -> str:
-    """Return why the bridge sent no such command in a tick; empty if it was stopped or disarmed."""
+    """Return why the bridge did not send a command in a tick; empty if it was stopped or disarmed."""
     held = [each.what for each in run.loop.record.inputs.since(tick - 1) if each.tick == tick - 1]
     return next((each.lost or each.blind for each in held if isinstance(each, CommandsHeld)), "")
 
 
 def _fate(run: RecordedRun, last: CommandRecord, given: int, tick: int, now: bool) -> tuple[CommandCode, str]:
-    """Return what became of a command that was given in a tick: the code, and a sentence or nothing."""
+    """Return what became of a command given in a tick: the code, and a sentence or nothing."""
     safety = run.loop.bridge.safety
     if not last.sent and not safety.armed:
         return "disarmed", "It was not sent, because the robot is disarmed."
@@ -123,7 +123,7 @@ def _fate(run: RecordedRun, last: CommandRecord, given: int, tick: int, now: boo
         if when <= given:
             break
         if isinstance(fact, Commanded) and fact.kind == "resumed" and last.origin.block == "onresume":
-            break  # it was given then
+            break  # the command was given then
         if isinstance(fact, Commanded) and fact.kind == "paused":
             why = run.loop.reason if now else ""
             return "stopped", f"Then the program was paused, which stops the robot. {why}".strip()

@@ -1,4 +1,4 @@
-"""Why a state is active: how it was entered last."""
+"""Why a state is active: how it was last entered."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from lrp_jupyter.live.why.wording import time_text
 
 
 def state_reason(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
-    """Return why a state was entered last before the end of a tick.
+    """Return why a state was last entered before the end of a tick.
 
-    `state`: by path of definition, as it was called in the tick.
+    `state`: the state, by its path of definition in the tick.
     `name`: its name in the question.
     """
     names = run.names(tick)
@@ -49,7 +49,7 @@ def _entered_by(run: RecordedRun, fired: Fired, called: str, tick: int) -> Reaso
 
 
 def _never_entered(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
-    """Say so, and why its machine did not run or the transitions that lead to the state did not fire."""
+    """Say so, and why its machine was not running or the transitions to the state did not fire."""
     program, ticks, time = run.program(tick), run.history.ticks, run.time(tick)
     line = line_of_state(program, state)
     draft = AnswerDraft()

@@ -1,4 +1,4 @@
-"""Why a transition fired in a tick, or did not, in sentences: a function for each kind of cause."""
+"""Why a transition fired in a tick, or did not, in sentences: one function for each kind of cause."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from lrp_jupyter.live.why.wording import (
 
 
 def transition_reason(run: RecordedRun, element: Element, known: Program, tick: int) -> Reason:
-    """Return why a transition, of a program that is known to have it, fired in a tick, or did not."""
+    """Return why a transition, which the `known` program has, fired in a tick, or did not."""
     state = run.state(tick)
     cause = cause_in(state, run.history.facts(tick), element)
     arrow = resolve(known).arrow(element)
@@ -62,7 +62,7 @@ def transition_reason(run: RecordedRun, element: Element, known: Program, tick: 
 
 
 def because(draft: AnswerDraft, case: Case) -> str:
-    """Say what made a transition fire, as the end of a sentence, and keep the values in a draft."""
+    """Say what made a transition fire, as the end of a sentence, and add the values to the draft."""
     trigger = case.noun.trigger
     if case.cause.machine is None or isinstance(trigger, Epsilon):
         return ""
@@ -107,13 +107,13 @@ def _condition_false(draft: AnswerDraft, case: Case) -> None:
 
 
 def _line_and_place(case: Case) -> tuple[int, str]:
-    """Return the line of what is tested, and words for it if the transition stands in another one."""
+    """Return the line of the test, and a description of it if the transition is in another line."""
     line = line_of(case.program, case.tested[0] if case.tested is not None else None)
     return line, f" (line {line})" if line != case.line else ""
 
 
 def _last_true(draft: AnswerDraft, case: Case, what: str) -> None:
-    """Say when a condition, called `what`, was true before."""
+    """Say when a condition, called `what`, was last true before."""
     run, (tick, first) = case.run, last_true(case)
     entry = _last_enabled(case, first if tick is None else tick + 1)
     if entry is not None:
@@ -140,9 +140,9 @@ def _last_true(draft: AnswerDraft, case: Case, what: str) -> None:
 
 
 def _last_enabled(case: Case, first: int) -> tuple[int, str] | None:
-    """Return the last tick, from `first` on, in which it was enabled on entry of its state, and that state.
+    """Return the last tick since `first` in which it was enabled on entry of its state, and that state.
 
-    Its condition was tested then, with values that no tick has begun or ended with.
+    Its condition was tested then with values in the middle of a tick.
     """
     run = case.run
     for when, fact in run.backward(case.tick, before=True):
@@ -234,7 +234,7 @@ def _other_fired(draft: AnswerDraft, case: Case) -> None:
 
 
 def _failed(draft: AnswerDraft, case: Case) -> None:
-    """Say what the fault says."""
+    """Say that a fault prevented the transition, and what the fault says."""
     fault = case.cause.fact
     assert isinstance(fault, Faulted)
     what, line = case.did_not_fire, case.line

@@ -39,12 +39,12 @@ def _plain(value: object) -> object:
 
 
 def decided_text(evaluation: Evaluation) -> str:
-    """Say what the part that decides was; below a `not` that is the opposite of the whole."""
+    """Say the value of the part that decides; below a `not` it is the opposite of the whole."""
     return _rounded(scalar_of(evaluation.decided), _decides(evaluation))
 
 
 def values_text(evaluation: Evaluation) -> str:
-    """Say the values of the parts of what decides; empty if it has none."""
+    """Say the values within the part that decides; empty if there are none."""
     tree = _decides(evaluation)
     parts = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.expr)]
     shown = [
@@ -73,7 +73,7 @@ def _and(texts: list[str]) -> str:
 
 
 def one_of(texts: list[str]) -> str:
-    """Return a list of which any may be meant: ``a, b or c``."""
+    """Return alternatives as text: ``a, b or c``."""
     return _listed(texts, "or")
 
 
@@ -82,13 +82,13 @@ def _listed(texts: list[str], word: str) -> str:
 
 
 def block_text(block: Block) -> str:
-    """Return a block in a sentence; one of several lines by its first one."""
+    """Return a block for use in a sentence; if it has several lines, only the first."""
     first, *more = block.text.strip().splitlines() or [""]
     return f"`{first.rstrip()} …`" if more else f"`{first}`"
 
 
 def unknown_text(problem: Exception | None) -> str:
-    """Say why the values of a condition are not known; None if it is no expression."""
+    """Say why the values of a condition are unknown; None stands for one that is not an expression."""
     if isinstance(problem, UnknownValueError):
         return str(problem)
     return "the block is more than one expression." if problem is None else sentence_of(problem)
@@ -100,13 +100,13 @@ def restart_text(restart: Commanded) -> str:
 
 
 def call_text(name: str, arguments: Mapping[str, Any]) -> str:
-    """Return a command of the robot as a program writes it."""
+    """Return a command of the robot as written in a program."""
     given = ", ".join(f"{key}={_plain(value)}" for key, value in given_arguments(arguments).items())
     return f"`robot.{name}({given})`"
 
 
 def given_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a command: of a velocity those that are not zero, in their short forms."""
+    """Return the arguments of a command; for a velocity, the nonzero ones in their short form."""
     if arguments.keys() != Twist.FIELDS.keys():
         return dict(arguments)
     short_forms = {path: word for word, path in Twist.WORDS.items()}
