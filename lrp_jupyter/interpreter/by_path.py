@@ -1,4 +1,4 @@
-"""Variables by path: as a tuple or as text, or by a bare name where it is unambiguous."""
+"""Variables by path: as a tuple or as text, or by a bare name if it is unambiguous."""
 
 from __future__ import annotations
 
@@ -14,28 +14,14 @@ V = TypeVar("V", covariant=True)
 
 
 class ByPath(Mapping[Path, V]):
-    """A frozen mapping of the paths of variables.
+    """A frozen mapping with the paths of variables as keys.
 
     A key is a path, as a tuple (``("follower", "nobump")``) or as text (``"follower/nobump"``), or a bare
     name (``"nobump"``) if only one path ends with it. Iteration yields tuples.
 
-    Parameters
-    ----------
-    items : mapping of path to value
-        The paths are as spawned.
-    program : Program, optional
-        The program of the variables; with it, a key may be a path of definition, too.
-
-    Raises
-    ------
-    UnknownElementError
-        When a key names none of the paths, or several.
-
-    Examples
-    --------
-    >>> values = ByPath({("n",): 5, ("m", "k"): 2})
-    >>> values["n"], values["m/k"], values["k"], values["m", "k"]
-    (5, 2, 2, 2)
+    `items`: the values by path as spawned.
+    `program`: the program of the variables; with it, a key may also be a path of definition.
+    Raises UnknownElementError: a key names none of the paths, or several.
     """
 
     __slots__ = ("_items", "_program")
@@ -64,7 +50,7 @@ class ByPath(Mapping[Path, V]):
         return self[key] if known else default
 
     def items(self) -> ItemsView[Path, V]:
-        """Return all paths with their values."""
+        """Return all paths and their values."""
         return self._items.items()
 
     def __iter__(self) -> Iterator[Path]:

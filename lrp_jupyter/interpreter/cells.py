@@ -1,8 +1,8 @@
 """Cells: the variables of a running program, as its blocks see them and as the journal restores them.
 
-A block writes a variable by an instruction of its own, so its code shows which ones, without running
-it. What a function defined inside a block writes is another matter: that function may be called at
-any time, by anything, so such variables are compared after every tick instead.
+A block writes variables with instructions in its code, so they are known without running it. A function
+defined inside a block, however, may be called at any time by any code, so the variables that it writes are
+compared after every tick instead.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ class Slot:
     """An existing variable: its cell, and its value when it was last compared.
 
     `last`: up to date only if values are compared: the variable is `leaked`, or the run has observers.
-    `leaked`: a function that was defined in a block can write it, long after that block has returned.
+    `leaked`: whether a function defined in a block can write it, even long after that block has returned.
     `computed`, `assigned`: when its initialiser ran, and when a value was assigned by hand: the time in
-        seconds, and how many values of the run were assigned until then, for time may stand still.
+        seconds, and the number of assignments in the run until then, because time may stand still.
     """
 
     __slots__ = ("assigned", "cell", "computed", "last", "leaked")
@@ -34,7 +34,7 @@ class Slot:
         self.computed = self.assigned = (-inf, 0)
 
     def forget(self, now: float) -> None:
-        """Forget what was assigned or computed later than `now`, because it was undone."""
+        """Forget assignments and computations later than `now`, because they were undone."""
         self.computed = min(self.computed, (now, 0))
         if self.assigned[0] > now:
             self.assigned = (-inf, 0)
@@ -59,8 +59,8 @@ def put(cell: CellType, value: object) -> None:
 class Writes(NamedTuple):
     """The free variables that a code object writes.
 
-    `own`: those that it writes itself while it runs.
-    `inner`: those that functions, classes and comprehensions inside it write, possibly later.
+    `own`: the variables that it writes itself while it runs.
+    `inner`: the variables that functions, classes and comprehensions inside it write, possibly later.
     """
 
     own: tuple[str, ...]
@@ -77,7 +77,7 @@ def writes_of(code: CodeType) -> Writes:
     raw = code.co_code
     own: set[str] = set()
     if not _WRITING.isdisjoint(raw[::2]):
-        # `dis` takes 20 times as long. Free variables are numbered after all others.
+        # `dis` would take 20 times as long. Free variables are numbered after all others.
         first = len({*code.co_varnames, *code.co_cellvars})
         above = 0
         for operation, argument in zip(raw[::2], raw[1::2], strict=True):

@@ -1,9 +1,9 @@
-"""Copies of values: deep, of many values at once, so that what they share stays shared.
+"""Deep copies of many values at once, so that objects shared among them stay shared.
 
-Copied by pickling, which follows any object of Python and, unlike `copy.deepcopy`, lets a function be copied
-with the variables of the program that it closes over: the copy of a function writes the copies of its
-variables. What means something only where it is in the process is shared: modules, classes, code, functions
-that close over nothing, and whatever refuses to be copied, such as an open file.
+Values are copied by pickling, which follows any Python object and, unlike `copy.deepcopy`, allows a function
+to be copied with the variables of the program that it closes over: the copy of a function writes the copies
+of its variables. Objects that are meaningful only as themselves are shared: modules, classes, code, functions
+that close over nothing, and any object that cannot be copied, such as an open file.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Packed(NamedTuple):
     """Values packed for copying.
 
     `shared`: the objects that are not copied.
-    `uncopied`: the names of the types of those among them that could not be copied.
+    `uncopied`: the type names of shared objects that could not be copied.
     """
 
     data: bytes
@@ -49,10 +49,9 @@ class Packed(NamedTuple):
 def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[object], object]) -> Packed:
     """Pack values; they are read now, and can be unpacked any number of times.
 
-    `values`: one that cannot be copied, because of whatever it does or how deep it is nested, is shared.
+    `values`: the values; one that cannot be copied, for example because it is nested too deeply, is shared.
     `cells`: the numbers of the program's variables, by id of the cell.
-    `known`: returns what stands for an object that every copy has for itself, such as `robot`; None for any
-        other.
+    `known`: returns a token for an object that is specific to each copy, such as `robot`; None for any other.
     """
     refused: dict[int, object] = {}
     while True:
@@ -69,17 +68,17 @@ def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[ob
 def _is_packed(
     value: object, cells: Mapping[int, int], known: Callable[[object], object], refused: dict[int, object]
 ) -> bool:
-    """Return whether a value can be packed by itself."""
+    """Return whether a value can be packed on its own."""
     with suppress(Exception):
         return bool(_Packer(cells, known, refused).pack([value]))
     return False
 
 
 def unpack(packed: Packed, cells: list[CellType], find: Callable[[object], object]) -> list[Any]:
-    """Return new copies of the values that were packed.
+    """Return new copies of packed values.
 
     `cells`: the variables by number.
-    `find`: returns the object that stands here for what `known` returned.
+    `find`: returns the object for a token that `known` returned.
     Raises ValueError: the code of a value, such as its `__setstate__`, fails.
     """
     try:
@@ -131,7 +130,7 @@ class _Packer(pickle.Pickler):
         return "shared", number
 
     def _reduce(self, value: object) -> bool:
-        """Note what makes a copy of an object; return whether there is something."""
+        """Store how to copy an object; return whether it can be copied."""
         if id(value) in self._reduced:
             return True
         try:
@@ -140,7 +139,7 @@ class _Packer(pickle.Pickler):
         except Exception:
             return False
         if not isinstance(reduced, tuple) or not 2 <= len(reduced) <= 6 or not callable(reduced[0]):
-            return False  # it can be reduced only to its name, or to nothing that pickle knows
+            return False  # it can be reduced only to its name, or not at all
         self._reduced[id(value)] = value, reduced
         return True
 

@@ -1,9 +1,9 @@
-"""Debug a fault after it has happened, with any debugger of Python. Paper: §6.2.
+"""Debug a fault after it has happened, with any Python debugger. Paper: §6.2.
 
-A debugger looks into the frames of a traceback, and the frame of a block has only the variables that the
-block mentions. So every frame gets a stand-in at the same line of the same file, whose local names are those
-of the frame and, behind them, all that is in scope. It is an ordinary frame, of code that is executed with a
-mapping as its namespace, and any debugger can look into it.
+A debugger inspects the frames of a traceback, but the frame of a block has only the variables that the block
+mentions. Every frame is therefore replaced by a stand-in at the same line of the same file, whose local names
+are those of the frame followed by everything in scope. It is an ordinary frame, of code executed with a
+mapping as its namespace, so any debugger can inspect it.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ Assign = Callable[[str, Slot, object], object]
 
 
 class Raised(NamedTuple):
-    """What is kept of the last occurrence of an issue.
+    """The data kept of the last occurrence of an issue.
 
     `error`: the exception, or the fault that the interpreter found.
     `visible`: the variables in scope, with `robot` and `print`.
-    `state`: the path of the state whose block or transition it was, as spawned; empty outside of machines.
+    `state`: the path, as spawned, of the state whose block or transition failed; empty outside machines.
     """
 
     error: BaseException
@@ -34,10 +34,10 @@ class Raised(NamedTuple):
 
 
 class FrameNames(MutableMapping[str, object]):
-    """The names that a frame can see: its own, then the variables as they are now, `robot`, and `state`.
+    """The names visible in a frame: its own, then the current variables, `robot`, and `state`.
 
     `own`: the local names of the frame that are not variables of the program.
-    `hidden`: names that mean something else in this frame.
+    `hidden`: names with another meaning in this frame.
     `assign`: assigns a value to a variable.
     """
 
@@ -47,7 +47,7 @@ class FrameNames(MutableMapping[str, object]):
         self.variables = {
             name: slot
             for name, slot in raised.visible.items()
-            if not (name in own or name in hidden or name == "print")  # a debugger prints into its own output
+            if not (name in own or name in hidden or name == "print")  # a debugger prints to its own output
         }
         self._own = own
         if "state" not in (own | self.variables):
@@ -95,7 +95,7 @@ class _Place(NamedTuple):
 def scoped_traceback(
     program: Program, issue: Issue, raised: Raised, namespace: dict[str, Any], assign: Assign
 ) -> TracebackType | None:
-    """Return the traceback of an issue from its block on, with all that is in scope in each of its frames."""
+    """Return the traceback of an issue, starting at its block, with everything in scope in each frame."""
     places = _places(program, issue, raised) or [
         _Place(str(issue.element), program.filename, issue.line, namespace, {})
     ]
@@ -108,7 +108,7 @@ def scoped_traceback(
 
 
 def _places(program: Program, issue: Issue, raised: Raised) -> list[_Place]:
-    """Return the frames of a traceback from the block on; none if nothing of it was running."""
+    """Return the frames of a traceback, starting at the block; none if no block was running."""
     places: list[_Place] = []
     trace = raised.error.__traceback__
     while trace is not None:
@@ -121,7 +121,7 @@ def _places(program: Program, issue: Issue, raised: Raised) -> list[_Place]:
             places.append(_Place(code.co_name, code.co_filename, line, names, dict(own)))
         trace = trace.tb_next
     lines = [place.line for place in places if place.filename == program.filename]
-    moved = issue.line - lines[-1] if lines else 0  # by edits since then
+    moved = issue.line - lines[-1] if lines else 0  # lines, by edits since then
     return [
         place._replace(line=place.line + moved) if place.filename == program.filename else place
         for place in places

@@ -42,9 +42,9 @@ class TraceEvent(NamedTuple):
     `path`: the element, as spawned: a state (entered, left, forced), a machine (spawned, discarded), a
         transition (fired: the machine's path and the id), a variable (changed); empty for the program as a
         whole.
-    `tick`: the tick in which it happened; the first is 1. Between two ticks: that of the last one.
+    `tick`: the tick in which it happened; the first is 1. Between two ticks, the last one.
     `now`: seconds.
-    `data`: fired: the fact, a ``Fired``; changed: the new value or :data:`UNSET`; issue: the :class:`Issue`;
+    `data`: fired: a ``Fired`` fact; changed: the new value or :data:`UNSET`; issue: the :class:`Issue`;
         patched: the :class:`Patch`; restarted: the reason, a sentence; forced: ``"transition"``,
         ``"teleport"`` or ``"fire"``; commanded: the command of the robot; printed: the text; else None.
     """

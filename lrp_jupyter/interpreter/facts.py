@@ -1,7 +1,7 @@
 """Facts: what happened in a run, as small values that the journal keeps among its undo records.
 
-They cost a tick almost nothing: a transition's fact is made when it fires for the first time, and the journal
-logs a reference to it with every firing. Everything else here is rare.
+Their cost per tick is negligible: a transition's fact is made when it fires for the first time, and the
+journal logs a reference to it with every firing. All other facts are rare.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ class Fired(NamedTuple):
     """A transition fired, and its destination was entered.
 
     `label`: how the transition is displayed.
-    `machine`: where it stands, as spawned.
+    `machine`: its machine, as spawned.
     `source`: the name of the state that was left.
     `state`: the state that was entered, by path of definition.
-    `path`: the same, as spawned; in the outer machine, if the transition is an ``exit``.
+    `path`: the same state, as spawned; in the outer machine if the transition is an ``exit``.
     """
 
     transition: Element
@@ -41,8 +41,8 @@ class Enabled(NamedTuple):
     """A transition was enabled in the tick in which its source was entered, which therefore did not act.
 
     `label`: how the transition is displayed.
-    `machine`: where it stands, as spawned.
-    `state`: the state that it could leave, by path of definition.
+    `machine`: its machine, as spawned.
+    `state`: its source state, by path of definition.
     """
 
     transition: Element
@@ -55,8 +55,8 @@ class Enabled(NamedTuple):
 class Spawned(NamedTuple):
     """A machine was spawned.
 
-    `machine`: as spawned.
-    `by`: the state whose ``onentry`` did it, as spawned; empty for a top-level spawn.
+    `machine`: its path as spawned.
+    `by`: the state whose ``onentry`` spawned it, as spawned; empty for a top-level spawn.
     `defined`: the machine, by path of definition.
     """
 
@@ -67,7 +67,7 @@ class Spawned(NamedTuple):
 
 @weightless
 class Entered(NamedTuple):
-    """A state was entered other than by a transition: it was spawned or forced."""
+    """A state was entered without a transition: it was spawned or forced."""
 
     state: Path
     path: Path
@@ -87,8 +87,8 @@ class Faulted(NamedTuple):
 
     `ordinal`: index of the block within the element.
     `kind`: one of the kinds of issues.
-    `machine`: if a transition was tested: the machine in which it stands, as spawned.
-    `transition`: the transition that was tested.
+    `machine`: the machine of the tested transition, if any, as spawned.
+    `transition`: the tested transition.
     """
 
     element: Element
@@ -101,7 +101,7 @@ class Faulted(NamedTuple):
 
 @weightless
 class Commanded(NamedTuple):
-    """A command was applied between two ticks; what it did comes before it.
+    """A command was applied between two ticks; the facts of its effects precede it.
 
     `kind`: ``patched``, ``renamed``, ``restarted``, ``forced``, ``assigned``, ``paused`` or ``resumed``.
     `text`: the reason of a restart, ``transition``, ``teleport`` or ``fire``, the variable that was assigned,

@@ -1,7 +1,7 @@
 """Turn an exception of a block into an issue: its kind, its message, its location.
 
-Depends only on the exception and the program's text: nothing here runs anything, and the consequences of
-an issue are decided by the run. Paper: §6.2.
+This depends only on the exception and the program's text: no code runs, and the run decides the consequences
+of an issue. Paper: §6.2.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter
 
 
 class Interrupted(BaseException):
-    """A block did not return and was interrupted, from outside. Becomes an issue of that block."""
+    """A block did not return and was interrupted from outside; becomes an issue of that block."""
 
     def __str__(self) -> str:
         return (
@@ -44,7 +44,7 @@ def kind_and_message(program: Program, error: BaseException) -> tuple[IssueKind,
         kind, message = _kind_and_message(program, error)
     except BaseException:  # an exception may have any attributes
         kind, message = "exception", name_of(type(error))
-    message = str.__getitem__(message, slice(None))  # of a subclass of str, too
+    message = str.__getitem__(message, slice(None))  # even for a subclass of str
     return kind, message if len(message) <= _LONGEST else message[: _LONGEST - 1] + "…"
 
 
@@ -93,7 +93,7 @@ def traceback_of(program: Program, error: BaseException | None) -> str:
 def _first_line(error: BaseException) -> str:
     """Return the type and the first line of an exception, without notes or the source of a SyntaxError.
 
-    What this package itself raises is already a sentence, so its type is left out.
+    Messages raised by this package are sentences, so their type is left out.
     """
     lines = tracebacks.format_exception_only(error)
     first = next(line for line in lines if not line.startswith(" ")).splitlines()[0]
@@ -102,7 +102,7 @@ def _first_line(error: BaseException) -> str:
 
 
 def _name_error(program: Program, error: NameError) -> str:
-    """Return what to do about a name without a value in a block; empty if it is in code of another file."""
+    """Return a hint about a name without a value in a block; empty if it is in code of another file."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

@@ -1,8 +1,8 @@
 """Forced states: *transition here*, *teleport here* and *fire now*. Paper: §6.4.
 
-All touch only what lies below the innermost running machine that contains the target. What is
-missing on the path down is created: enclosing states become active without their spawns, so that
-only the path to the target is created.
+They affect only the part of the tree below the innermost running machine that contains the target. Missing
+machines on the path down are created: enclosing states become active without their spawns, so that only the
+path to the target is created.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def find_destination(run: Run, wanted: str | Path) -> StatePlan:
     """Return the state to which a transition leads from the active state of its machine.
 
     Raises UnknownElementError: there is no such transition, or there are several.
-    Raises ValueError: it does not leave the active state, or leads nowhere.
+    Raises ValueError: the active state is not one of its sources, or it leads nowhere.
     """
     element = find(run.program, "transition", wanted)
     act = run.live.get(element.path[:-1])
@@ -55,7 +55,7 @@ def force(run: Run, target: StatePlan, how: How) -> None:
     run.remember()
     before = len(run.events)
     _go(run, target, blocks=how != "teleport")
-    if run.observers:  # only now is the target's path as spawned known
+    if run.observers:  # the target's path as spawned is only known now
         where = (*run.live[target.path[:-1]].path, target.name)
         run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))
 
@@ -85,7 +85,7 @@ def _create(run: Run, state: StatePlan, parent: Activation | None) -> Activation
     machine = run.plan.machines[state.path[:-1]]
     if parent is not None:
         return run.create(machine, parent, None, state)
-    # A root machine starts as by a top-level spawn; with nothing active the program starts with it.
+    # A root machine starts as if by a top-level spawn; if nothing is active, the program starts with it.
     spawns = [spawn.identity for spawn in run.plan.spawns]
     own = next((identity for identity in spawns if identity[0] == machine.name), None)
     if not run.roots:

@@ -1,11 +1,11 @@
 """The recent past of a run: what happened in each tick, and the state after it.
 
-The journal is written for undoing, from the end. Read backward without undoing anything, the same records
-give every earlier state: each says what a variable, an active state or the tree of machines was *before*. So
-the past costs a running program nothing until a question is asked.
+The journal is written to be undone from the end. Read backward without undoing anything, the same records
+give every earlier state: each says what a variable, an active state or the tree of machines was *before*. The
+history therefore costs a running program nothing until a question is asked.
 
-A value that was changed in place is shown as it is now: only its variable is in the journal. Who needs its
-earlier content runs the tick again.
+A value that was changed in place is shown as it is now: the journal contains only its variable. To get its
+earlier content, run the tick again.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _when = itemgetter(0)
 
 
 class Dated(NamedTuple):
-    """What happened, and when: in which tick; between two ticks, that of the first one and a half."""
+    """A fact, and when it happened: the number of the tick; between two ticks, the first one plus a half."""
 
     when: float
     fact: Fact
@@ -43,11 +43,11 @@ class Dated(NamedTuple):
 class PastMachine:
     """A machine that ran.
 
-    `path`: as spawned.
+    `path`: its path as spawned.
     `state`: its active state, by path of definition.
-    `entered`: when that was entered, in seconds.
+    `entered`: when the active state was entered, in seconds.
     `cells`: the variables that its blocks can access.
-    `own`: those that are its own.
+    `own`: its own variables among them.
     `inside`: the machines that the active state had spawned, in order.
     """
 
@@ -115,8 +115,8 @@ class History:
         self.run = run
         self._last = 0  # the last tick that was read
         self._times: list[float] = []  # of the ticks that were read, in order
-        self._told: list[Dated] = []  # what happened in them and since
-        self._seen = run.epoch, 0, 0  # what there was to read the last time
+        self._told: list[Dated] = []  # the facts in these ticks and since
+        self._seen = run.epoch, 0, 0  # what was available the last time
         self._programs: dict[object, Program] = {}
 
     @property
@@ -131,7 +131,7 @@ class History:
         return self.run.journal.log if self.run.journal is not None else []
 
     def refusal(self, tick: int, first: int = 0) -> str:
-        """Return a sentence: why a tick is unknown, and which ones from `first` on are known."""
+        """Return a sentence about why a tick is unknown, and which ticks, starting at `first`, are known."""
         ticks = self.ticks
         if self.run.journal is None:
             return "No tick is remembered, because `journal` is 0."
@@ -152,23 +152,23 @@ class History:
         return self._times[tick - self._last - 1]
 
     def told(self, first: float = 0, last: float = math.inf) -> list[Dated]:
-        """Return what happened, in order: all that the journal holds, or from one moment to another."""
+        """Return the facts in order: everything in the journal, or from one moment to another."""
         self._read()
         begin, end = bisect_left(self._told, first, key=_when), bisect_right(self._told, last, key=_when)
         return self._told[begin:end]
 
     def facts(self, when: float) -> list[Fact]:
-        """Return what happened in a tick, or between two, in order."""
+        """Return the facts in a tick, or between two, in order."""
         return [fact for _, fact in self.told(when, when)]
 
     def _read(self) -> None:
-        """Read what was added to the journal, and forget what it has dropped."""
+        """Read new records of the journal, and forget those that it has dropped."""
         run = self.run
         seen, self._seen = self._seen, (run.epoch, run.ticks, len(self._log))
         if self._seen == seen:
             return
         first, last = self.ticks.start, self._last
-        if run.epoch != seen[0]:  # it was undone, and other ticks may have the same numbers now
+        if run.epoch != seen[0]:  # ticks were undone, and new ones may have their numbers
             last = min(last, run.kept)
         begun = self._last - len(self._times) + 1
         del self._times[max(0, last + 1 - begun) :]
@@ -187,7 +187,7 @@ class History:
                     break
                 times.append(values[0])
             elif function is note or function is undo_fired:
-                if type(values[0]) is Commanded:  # what comes before it happened before the tick
+                if type(values[0]) is Commanded:  # preceding facts happened before the tick
                     when = tick - 0.5
                 told.append(Dated(when, values[0]))
         self._last = run.ticks
@@ -219,11 +219,11 @@ class History:
         return self._built(view)
 
     def followed(self, paths: Iterable[Path], after: int = 0) -> Iterator[tuple[int, dict[Path, object]]]:
-        """Return the ticks after a tick, the last one first, each with the values of variables at its end.
+        """Return the ticks after a tick, newest first, each with the values of variables at its end.
 
-        All that is read of the run is copied now, so that any thread can go through them later.
+        Everything that is read of the run is copied now, so that any thread can iterate later.
 
-        `paths`: as spawned; one that did not exist then is missing.
+        `paths`: the variables, by path as spawned; one that did not exist at the time is missing.
         """
         run, first = self.run, max(after + 1, self.ticks.start)
         view = _View()
@@ -251,12 +251,12 @@ class History:
     def scopes_before(
         self, tick: int, machine_at: Callable[[int], Path]
     ) -> Iterator[tuple[int, Mapping[str, CellType], Callable[[CellType], object]]]:
-        """Yield the ticks before a tick in which a machine ran when they began, the last one first.
+        """Yield the earlier ticks at whose beginning a machine was running, newest first.
 
-        Each comes with the variables that the blocks of the machine could access, and with what returns the
-        value that a cell held.
+        With each tick come the variables that the blocks of the machine could access, and a function that
+        returns the value that a cell held.
 
-        `machine_at`: returns the path of definition that the machine had in a tick; empty for the top level.
+        `machine_at`: returns the path of definition of the machine in a tick; empty for the top level.
         """
         view = _View()
         cells: Mapping[str, CellType] | None = None
@@ -321,15 +321,15 @@ class History:
 
 
 class _View:
-    """The values of attributes and cells at an earlier moment, where they differ from the present ones."""
+    """The values of attributes and cells at an earlier moment that differ from the current ones."""
 
     def __init__(self) -> None:
         self._attributes: dict[tuple[int, str], Any] = {}
         self._cells: dict[int, object] = {}
         self.written = set[int]()
-        """The ids of the cells whose writing was undone."""
+        """The ids of the cells for which a write was undone."""
         self.is_other = True
-        """Whether other machines may run, or see other variables, than when this was set to False."""
+        """Whether the machines or their visible variables may have changed since this was set to False."""
 
     def get(self, part: object, name: str) -> Any:
         key = id(part), name
@@ -366,9 +366,9 @@ class _View:
 
 
 def _moments(log: Log, ticks: int, view: _View) -> Iterator[float]:
-    """Undo a log, which ends after some ticks, in a view; yield each end of a tick and each beginning.
+    """Undo a log, which ends after some ticks, in a view; yield each end and each beginning of a tick.
 
-    The end of a tick has its number, and its beginning half less: what was commanded before comes before it.
+    The end of a tick has its number, and its beginning half less: commands between two ticks precede it.
     """
     tick, has_begun = ticks + 1, True
     for function, values in _backward(log):
@@ -383,7 +383,7 @@ def _moments(log: Log, ticks: int, view: _View) -> Iterator[float]:
 
 
 def _backward(log: Log) -> Iterator[_Record]:
-    """Yield the records of a log, the last one first: a function and its values, or None and a time."""
+    """Yield the records of a log, newest first: a function and its values, or None and a time."""
     place = len(log) - 1
     while place >= 0:
         item = log[place]

@@ -1,10 +1,8 @@
 """The interpreter: runs a program that can be changed while it runs.
 
-How it works
-------------
-*A program is a value, an edit is a diff of two values, a tick is a function of time.* There is
-no clock, no thread and no input or output here: :meth:`Interpreter.step` is the loop of §5.1
-of the paper and nothing else. The caller decides when to call it, and passes the time.
+How it works ------------ *A program is a value, an edit is a diff of two values, a tick is a function of
+time.* There is no clock, no thread and no input or output here: :meth:`Interpreter.step` is exactly the loop
+of §5.1 of the paper. The caller decides when to call it, and passes the time.
 
 It is built from three parts:
 
@@ -15,11 +13,11 @@ It is built from three parts:
   closures are, so a variable is as fast as a local variable of Python.
 - a **run** (``run``): the tick over that tree, with entering, leaving, spawning and faults.
 
-A tick walks from the roots down. In each machine the transitions that leave the active state are
-tested in the order of the text; the first that is enabled and leads somewhere fires: the active
-state is left (innermost first) and the destination is entered. Its transitions are tested in the same tick;
-one that is enabled fires in the next tick at the earliest. Where none is enabled, the ``running`` actions run
-and the machines inside are ticked.
+A tick walks from the roots down. In each machine the transitions that leave the active state are tested in
+the order of the text; the first that is enabled and leads somewhere fires: the active state is left
+(innermost first) and the destination is entered. The transitions of the destination are tested in the same
+tick, but an enabled one fires in the next tick at the earliest. If none is enabled, the ``running`` actions
+run and the machines inside are ticked.
 
 An edit (``patching``) is applied between two ticks: link, decide, swap. Activations are carried over
 by path; only what §6.1 calls an undefined situation restarts. A ``journal`` records how to undo
@@ -64,18 +62,16 @@ from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.rename import rename as renamed_text
 from lrp_jupyter.language.unmeant import Unmeant
 
-__all__ = ["Interpreter", "VariableMapping"]
-
 
 def nothing(_: object) -> None:
-    """Return None: no object stands for another."""
+    """Return None: no object is represented by another."""
 
 
 _KEPT = 20  # number of recent edits whose maps are kept
 
 
 _CARRIED = ("on_active_edit", "on_issue", "paused", "patch_reason", "restarts", "restart_reason", "revision")
-"""What a snapshot has of an interpreter besides its run."""
+"""The attributes of an interpreter that a snapshot contains besides its run."""
 
 _POLICIES = {"on_active_edit": ("restart", "keep"), "on_issue": ("record", "pause")}
 
@@ -148,12 +144,12 @@ class Interpreter:
         self.revision = 0
         self.moved: tuple[tuple[int, Successors], ...] = ()
         self.moves: deque[tuple[int, Successors]] = deque(maxlen=EDITS)
-        """The edits and renames that gave an element another path: after which tick, and the map."""
+        """The edits and renames that changed the path of an element: the tick before each, and the map."""
         self.patch_reason = ""
         self._robot = robot
         self.namespace: dict[str, Any] = {} if namespace is None else namespace
         """Names that blocks can read."""
-        self.namespace.setdefault("__builtins__", builtins)  # by which C code such as numpy's imports
+        self.namespace.setdefault("__builtins__", builtins)  # C code such as numpy's imports with it
         self._new_run = partial(
             Run,
             robot=robot,
@@ -175,7 +171,7 @@ class Interpreter:
             check_choice(name, value, _POLICIES[name])
         super().__setattr__(name, value)
 
-    # ---- what can be seen -------------------------------------------------------------------
+    # ---- state ------------------------------------------------------------------------------
 
     @property
     def program(self) -> Program:
@@ -207,7 +203,7 @@ class Interpreter:
 
     @property
     def tick(self) -> int:
-        """The number of ticks so far, which is the number of the last one."""
+        """The number of ticks so far, which is also the number of the last tick."""
         return self._run.ticks
 
     @property
@@ -217,7 +213,7 @@ class Interpreter:
 
     @property
     def journal(self) -> int:
-        """How many ticks :meth:`rewind` can go back now."""
+        """The number of ticks that :meth:`rewind` can go back now."""
         run = self._run
         return run.journal.reach(run.ticks) if run.journal is not None else 0
 
@@ -229,7 +225,7 @@ class Interpreter:
         return self._history
 
     def resolve_issues(self, is_over: Callable[[BaseException], bool]) -> None:
-        """Resolve, between two ticks, the issues whose last exception is of no concern any more."""
+        """Resolve, between two ticks, the issues for whose last exception `is_over` is true."""
         issues = self._run.issues
         issues.resolve(
             lambda _, issue: (raised := issues.raised(issue)) is not None and is_over(raised.error)
@@ -277,19 +273,19 @@ class Interpreter:
         return self._run.event_values or {}
 
     def watch_events(self) -> None:
-        """Record the result of each event's test from now on: for views, at a small cost."""
+        """Start recording the result of each event's test, for views; this has a small cost."""
         if self._run.event_values is None:
             self._run.event_values = {}
             self._run.rebind()
 
     def holds(self, test: BlockTest) -> bool:
-        """Return whether a block is True now; raises what :meth:`BlockTest.holds` raises."""
+        """Return whether a block is True now; raises the same exceptions as :meth:`BlockTest.holds`."""
         return test.holds(self._run)
 
     def watch_test(self, element: Element, seen: Callable[[Evaluation | Exception], object]) -> None:
         """Evaluate the test of a transition part by part in the next tick, and call `seen` with each result.
 
-        Only a test that is one expression is watched.
+        A test is watched only if it is a single expression.
         """
         for act in [act for root in self._run.roots for act in root.walk()]:
             edge = act.row.edge
@@ -306,14 +302,14 @@ class Interpreter:
         return self._run.observe(callback)
 
     def emit(self, kind: str, data: object, now: float) -> None:
-        """Tell the observers, in its order, what the owner of this interpreter has noticed.
+        """Notify the observers, in order with other events, of an event that the owner has detected.
 
         Parameters
         ----------
         kind : str
         data : object
         now : float
-            Seconds; between two ticks it is later than what the interpreter knows.
+            Seconds; between two ticks it is later than :attr:`now`.
         """
         run = self._run
         if run.observers:
@@ -332,7 +328,7 @@ class Interpreter:
         Paper: §5.1. Deviation: the delay of the loop is not waited for between leaving a state (step 7) and
         entering the next one (step 2), so that a robot has no gap between onexit and onentry.
         """
-        # In one piece: in Python a call costs as much as a block of a program.
+        # Not split into functions: in Python a call costs as much as a block of a program.
         run = self._run
         if not now >= run.now:
             self._advance(now)
@@ -343,7 +339,7 @@ class Interpreter:
         if act is None:
             run.start()
         left: Activation  # the machine whose transition has fired
-        entered = None  # the one whose state was entered then
+        entered = None  # the machine whose state was then entered
         while act is not None:
             edge = act.row.edge
             while edge is not None:
@@ -369,7 +365,7 @@ class Interpreter:
                             count.times += 1
                             count.tick = run.ticks
                             action = edge.actions
-                            entered = act  # which is ticked next
+                            entered = act  # it is ticked next
                         else:  # not in the tick of the entry: the state does not act
                             if log is not None:
                                 log += (edge.enabled, note)
@@ -439,7 +435,7 @@ class Interpreter:
             raise interrupted
 
     def weigh(self) -> None:
-        """Have the journal weigh its values after the next tick; for loops, a few times a second."""
+        """Have the journal weigh its values after the next tick; loops call this a few times a second."""
         self._run.full = 0
 
     # ---- changes ----------------------------------------------------------------------------
@@ -453,8 +449,8 @@ class Interpreter:
         now : float, optional
             Seconds; by default the last time.
         unmeant : Unmeant, optional
-            What of the program is still being typed: the program without it runs instead if it would disturb
-            what is active.
+            The part of the program that is still being typed: the program without it runs instead if this
+            part would disturb active states.
 
         Returns
         -------
@@ -545,7 +541,7 @@ class Interpreter:
             Whatever the expression raises; the variable keeps its value.
         """
         value = evaluate(self._run, path, expression)
-        self._advance(now)  # no time has passed if it fails: then it is not part of the run
+        self._advance(now)  # not before it has succeeded: a failure is not part of the run
         assign(self._run, path, value)
         self._note("assigned", path_text(as_path(path)))
         self._done()
@@ -584,7 +580,7 @@ class Interpreter:
         self._force("teleport", find_state(self._run, path), now)
 
     def fire(self, path: Path | str, now: float | None = None) -> None:
-        """Go where a transition leads, with the actions on the way, whatever its condition. Paper: §6.4.
+        """Follow a transition, with the actions on the way, regardless of its condition. Paper: §6.4.
 
         The destination is forced: the transition is not counted as one that the program has fired.
 
@@ -598,7 +594,7 @@ class Interpreter:
         UnknownElementError
             If there is no such transition; nothing changes.
         ValueError
-            If no state that it leaves is active, or it leads nowhere; nothing changes.
+            If none of its source states is active, or it leads nowhere; nothing changes.
         """
         self._force("fire", find_destination(self._run, path), now)
 
@@ -627,8 +623,8 @@ class Interpreter:
         Parameters
         ----------
         known : callable
-            Returns what stands for an object that every run has for itself, such as its robot; None for any
-            other object, which is copied.
+            Returns a token for an object that is specific to each run, such as its robot; None for any other
+            object, which is copied.
         beside : mapping of str to object
             Values that are copied together with the variables.
         """
@@ -636,18 +632,18 @@ class Interpreter:
         return replace(taken, settings={name: getattr(self, name) for name in _CARRIED})
 
     def begin(self, snapshot: Snapshot, find: Callable[[object], object] = nothing) -> dict[str, Any]:
-        """Continue from a snapshot, in place of the present run.
+        """Continue from a snapshot instead of the current run.
 
         Parameters
         ----------
         snapshot : Snapshot
         find : callable
-            Returns the object of this run that stands for what `known` returned.
+            Returns the object of this run for a token that `known` returned.
 
         Returns
         -------
         dict
-            The copies of what was `beside`.
+            The copies of the values that were `beside`.
         """
         before = self._run
         program = before.program if before.source == snapshot.source else snapshot.program
@@ -663,9 +659,9 @@ class Interpreter:
         return beside
 
     def renew(self, program: Program, now: float) -> None:
-        """Start from nothing with a program, whatever condition the present run is in.
+        """Start afresh with a program, whatever the condition of the current run.
 
-        Issues, counts and the journal begin again; settings and observers stay. The tick after it starts the
+        Issues, counts and the journal are reset; settings and observers are kept. The next tick starts the
         program.
         """
         before, self._run = self._run, self._new_run(program)
@@ -746,7 +742,7 @@ class Interpreter:
             self.moves.append((self._run.ticks, successors))
 
     def _note_moved(self, successors: Successors) -> bool:
-        """Publish the map of the newest revision if any element has another path now: return whether."""
+        """Publish the map of the newest revision and return True if the path of any element has changed."""
         moved = any(old != new for old, new in successors.moved.items())  # not only labels
         if moved:
             self.moved = (*self.moved, (self.revision, successors))[-_KEPT:]
@@ -768,7 +764,7 @@ class Interpreter:
                 run.fault(block.site, error)
 
     def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
-        """Log that a command was applied, unless the one before was the same."""
+        """Log that a command was applied, unless the previous one was the same."""
         log, fact = self._run.log, Commanded(kind, text, state)
         if log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == fact):
             log += (fact, note)

@@ -1,6 +1,6 @@
 """Faults of a running program: values that are recorded, counted, resolved and reopened.
 
-Paper: §6.2. A fault never stops the loop; the entity that caused it is ignored for that tick.
+A fault never stops the loop; the element that caused it is ignored for that tick. Paper: §6.2.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class Issue:
 
 
 Key = tuple[Element, int, str]
-"""Element, ordinal of the block within it, kind."""
+"""The element, the ordinal of the block within it, and the kind."""
 
 
 class IssueLog(Sequence[Issue]):
@@ -124,10 +124,10 @@ class IssueLog(Sequence[Issue]):
         line: int = 0,
         raised: object = None,
     ) -> Issue | None:
-        """Count a fault; return the issue if it is new or reopened, else None.
+        """Count a fault; return the issue if it is new or reopened, otherwise None.
 
         The issue describes the last occurrence: it is replaced if the message, the line or the text differs.
-        What was `raised` is kept of the last one only: it holds frames.
+        `raised` is kept only for the last occurrence because it holds frames.
         """
         self._raised[key] = raised
         known, last = self._all.get(key), self._last.get(key)
@@ -152,14 +152,14 @@ class IssueLog(Sequence[Issue]):
         self.open_blocks = {key[:2] for key, issue in self._all.items() if not issue.resolved}
 
     def raised(self, issue: Issue) -> Any:
-        """Return what the last occurrence of an issue, or a later one, has raised, or None."""
+        """Return the data that was `raised` at the last occurrence of an issue, or None."""
         place = attrgetter("element", "kind", "line", "column")
         found = [self._raised[key] for key, known in self._all.items() if place(known) == place(issue)]
         return found[0] if found else None
 
     @property
     def newest(self) -> Issue | None:
-        """The issue that occurred last; of those in one tick, the one that is listed last."""
+        """The most recent issue; if several are in one tick, the last in the list."""
         return max(reversed(self), key=attrgetter("last_tick", "first_tick"), default=None)
 
     def move(self, shift: Callable[[Issue], tuple[int, int]], successors: Successors) -> None:
@@ -173,7 +173,7 @@ class IssueLog(Sequence[Issue]):
             if (line, column) != (issue.line, issue.column) or element is not old:
                 issue = replace(issue, line=line, column=column, element=element)
             known = moved.get((element, ordinal, kind))
-            if known is None or known.resolved:  # the element of a resolved one may be gone, its name reused
+            if known is None or known.resolved:  # its element may be gone, and the name reused
                 moved[element, ordinal, kind] = issue
                 self._raised[element, ordinal, kind] = raised[old, ordinal, kind]
         self._all = moved

@@ -1,17 +1,16 @@
 """The journal: an undo log for stepping back.
 
-Code that changes a run first pushes onto the log how to undo the change: values, then a function
-that pops them and restores them. The end of a tick is logged as its time, so a tick in which nothing
-changed costs one number. What happens between two ticks (an edit, a forced state) is rare and saves
-everything in one saved state. Objects changed in place are not recorded: exact replay is a new run from
-recorded inputs.
+Code that changes a run first pushes onto the log how to undo the change: values, then a function that pops
+them and restores them. The end of a tick is logged as its time, so a tick in which nothing changed costs one
+number. Changes between two ticks (an edit, a forced state) are rare, and each saves everything in one saved
+state. Objects changed in place are not recorded: exact replay is a new run from recorded inputs.
 
 The log is one flat list. A tuple per record would cost four times as much, because Python's garbage
 collector visits each of them.
 
-It keeps the last ticks, as many as were asked for; by default :data:`TICKS` or those of the last
-:data:`SECONDS`, whichever are more. It is also bounded by memory. Weighing every value would cost more than
-the tick, so a sample is weighed now and then; once there are large values, all of them are, after every tick.
+It keeps the requested number of ticks; by default :data:`TICKS` or those of the last :data:`SECONDS`,
+whichever are more. It is also bounded by memory. Weighing every value would cost more than the tick, so a
+sample is weighed from time to time; once there are large values, all values are weighed after every tick.
 """
 
 from __future__ import annotations
@@ -29,14 +28,14 @@ Kind = TypeVar("Kind")
 
 
 Log = list[Any]
-"""A stack of records: values and the function that pops them; or the time at which a tick ended, seconds."""
+"""A stack of records: values and the function that pops them; or the end of a tick, in seconds."""
 
 Undo = Callable[[Log], None]
 _VALUES: dict[Undo, int] = {}
 
 
 def undoes(values: int) -> Callable[[Undo], Undo]:
-    """Declare how many `values` a function pops from a log to undo a change."""
+    """Declare the number of `values` that a function pops from a log to undo a change."""
 
     def declare(undo: Undo) -> Undo:
         _VALUES[undo] = values
@@ -71,20 +70,20 @@ def values_of(item: object) -> int | None:
 
 
 TICKS, SECONDS = 10_000, 600.0
-"""How many ticks, and seconds, are kept at least, if not another number of ticks is asked for."""
+"""Minimum number of ticks and of seconds to keep, unless another number of ticks is requested."""
 EDITS = 3_000
-"""Maximum number of saved states: each is that of a whole run, and people type for hours."""
+"""Maximum number of saved states: each holds a whole run, and people type for hours."""
 MOST = 100_000_000
 """Maximum number of bytes of values and texts, roughly; beyond it the older half is dropped."""
 LONGEST = 8_000_000
 """Maximum number of items of the log; beyond it fewer ticks are kept."""
 
-_TICK = 30  # items of the log that take as much memory as what a session keeps of each tick
+_TICK = 30  # items of the log that take as much memory as the data that a session keeps of each tick
 _MARKS = 8  # places where the log can be cut, if the fewest ticks are kept
-_PAUSE = 256  # ticks between two weighings of small values, if nothing asks for one before
-_SAMPLE = 16  # items of the log, and a 64th of the new ones
-_HEAVY = 100_000  # bytes after which everything is weighed
-_PARTS = 8  # of a collection, from which the size of the others is inferred
+_PAUSE = 256  # ticks between two weighings of small values, unless one is requested earlier
+_SAMPLE = 16  # items of the log to weigh, in addition to a 64th of the new ones
+_HEAVY = 100_000  # bytes above which everything is weighed
+_PARTS = 8  # parts of a collection from which the size of the others is inferred
 _LIGHT = {id(kind) for kind in (int, float, bool, NoneType, CellType, FunctionType)}  # `==` may be foreign
 
 
@@ -122,11 +121,11 @@ class Journal:
         self._ticks = TICKS if ticks is None else ticks
         self._seconds = SECONDS if ticks is None else 0.0
         self._stride = max(1, self._ticks // _MARKS)
-        # Ticks, and after how many items of the log they ended. The first is the last that cannot be undone.
+        # Ticks, and the items of the log up to their ends. The first is the last that cannot be undone.
         self._marks: deque[tuple[int, int]] = deque([(0, 0)])
         self._gone = 0  # items of the log that were dropped
-        self._saved: deque[int] = deque()  # the ticks after which they were made
-        self._weights: deque[tuple[int, int]] = deque()  # ticks, and the bytes added since the one before
+        self._saved: deque[int] = deque()  # the ticks after which states were saved
+        self._weights: deque[tuple[int, int]] = deque()  # ticks, and the bytes added since the previous one
         self._bytes = 0  # their sum
         self._weighed = 1  # items of the log that are weighed
         self._known: set[int] = set()  # ids of large values in the log: each is weighed once
@@ -139,7 +138,7 @@ class Journal:
         self.log[:] = [now]
 
     def reach(self, tick: int) -> int:
-        """Return how many ticks can be undone after `tick` ticks."""
+        """Return the number of ticks that can be undone after `tick` ticks."""
         held = tick - self._marks[0][0]
         return held if self._seconds else min(held, self._ticks)
 
@@ -155,7 +154,7 @@ class Journal:
             self._drop(self._saved[0] + 1)
 
     def trim(self, tick: int) -> int:
-        """Drop what is too old or too much; return after how many ticks to call this again."""
+        """Drop records beyond the bounds; return the number of ticks after which to call this again."""
         marks = self._marks
         if tick - marks[-1][0] >= self._stride:
             marks.append((tick, self._gone + len(self.log) - 1))
@@ -172,14 +171,14 @@ class Journal:
         return max(1, min(self._pause, marks[-1][0] + self._stride - tick))
 
     def _covers(self, marked: int, place: int, tick: int) -> bool:
-        """Return whether what came after a mark is all that is to be kept after `tick` ticks."""
+        """Return whether the records after a mark are all that must be kept after `tick` ticks."""
         ticks, items = tick - marked, len(self.log) - (start := place - self._gone)
         if start == 0 or items + ticks * _TICK > LONGEST:
             return True
         return ticks >= self._ticks and self.log[-1] - self.log[start] >= self._seconds
 
     def _weigh(self) -> int:
-        """Return roughly how many bytes the log holds that were not weighed before."""
+        """Return roughly the number of bytes in the log that have not been weighed before."""
         log, new = self.log, len(self.log) - self._weighed
         self._weighed = len(log)
         count = new if self._pause == 1 else min(new, new // 64 + _SAMPLE)
@@ -189,7 +188,7 @@ class Journal:
         return weight * new // count
 
     def _weight(self, value: object) -> int:
-        """Return roughly the bytes of a value, 0 if it is known; contents are followed by one step only."""
+        """Return roughly the bytes of a value, 0 if it is known; contents are followed one level deep."""
         try:
             weight = getsizeof(value)
             kind = type(value)
@@ -227,19 +226,19 @@ class Journal:
         cut, self._gone = place - self._gone, place
         del self.log[:cut]
         self._weighed = max(self._weighed - cut, 0)
-        self._known.clear()  # other values may have the ids of what is dropped
+        self._known.clear()  # other values may reuse the ids of dropped ones
         while self._weights and self._weights[0][0] < first:
             self._bytes -= self._weights.popleft()[1]
         while self._saved and self._saved[0] < first:
             self._saved.popleft()
 
     def since(self, tick: int) -> Log:
-        """Return a copy of the log from the beginning of a tick on, or from that of an earlier one."""
+        """Return a copy of the log since the beginning of a tick, or of an earlier one."""
         place = next((place for marked, place in reversed(self._marks) if marked < tick), self._gone)
         return self.log[place - self._gone :]
 
     def ends(self) -> list[int]:
-        """Return the indices in the log at which ticks end, the last one first."""
+        """Return the indices in the log at which ticks end, newest first."""
         ends = []
         place = len(self.log) - 1
         while place >= 0:
@@ -250,11 +249,12 @@ class Journal:
         return ends
 
     def undo(self, tick: int, ticks: int) -> float:
-        """Undo what came after the last tick, then `ticks` ticks, then what came before those.
+        """Undo changes after the last tick, then `ticks` ticks, then the changes right before those.
+
+        Return the time at which the tick that is now the last one ended.
 
         `tick`: the number of the last tick.
-        The time at which the tick that is now the last one ended.
-        Raises ValueError: if the journal does not reach back that far.
+        Raises ValueError: the journal does not reach back that far.
         """
         if not 0 <= ticks <= self.reach(tick):
             raise ValueError(f"Cannot go back {ticks} ticks: the journal holds {self.reach(tick)}.")
@@ -294,7 +294,8 @@ def _inside(value: object) -> int:
 class SavedState:
     """A copy of attributes of objects and of the contents of cells.
 
-    There may be hundreds, each of a whole run: flat lists, so that the garbage collector has little to visit.
+    There may be hundreds, each holding a whole run, so they are flat lists: the garbage collector has less to
+    visit.
 
     `parts`: objects, and the names of the attributes to save. Their values are not copied.
     """
@@ -309,7 +310,7 @@ class SavedState:
         self._values = [content(cell) for cell in self._cells]
 
     def values(self) -> Iterator[object]:
-        """Yield what may be large: the contents of cells, and texts among the attributes."""
+        """Yield values that may be large: the contents of cells, and texts among the attributes."""
         yield from self._values
         for item in self._parts:
             if type(item) is tuple and item and type(item[0]) is str:

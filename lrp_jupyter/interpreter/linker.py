@@ -1,11 +1,11 @@
 """The linker: compiles a program to a plan, with names resolved and blocks compiled.
 
 A plan is immutable and belongs to one program, which caches it. It is a tree: elements that could form a
-circle refer to machines by path, so that the plan of the last text is gone as soon as it is replaced,
-without the garbage collector, whose collections stop the loop. An edit links the whole new program (compiled
-blocks are cached, so this is cheap) and the interpreter swaps plans between two ticks; no plan
-is ever patched in place. An unresolved reference is kept as a sentence and becomes an issue only when
-the interpreter tries it. Paper: §5.2, §6.2.
+cycle refer to machines by path, so that an old plan is freed as soon as it is replaced, without the garbage
+collector, whose collections stop the loop. An edit links the whole new program (compiled blocks are cached,
+so this is cheap) and the interpreter swaps plans between two ticks; a plan is never patched in place. An
+unresolved reference is kept as a sentence and becomes an issue only when the interpreter tries it. Paper:
+§5.2, §6.2.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Broken:
 
 
 class Site(NamedTuple):
-    """What a fault is attributed to: an element, the index of its block, and the offset in the text."""
+    """The place of a fault: an element, the index of its block, and the offset in the text."""
 
     element: Element
     ordinal: int
@@ -63,7 +63,7 @@ class VariablePlan:
 
     @property
     def reads(self) -> tuple[str, ...]:
-        """The variables that its initialiser mentions, and what a program is provided with."""
+        """The names that its initialiser mentions: variables, and names provided to every program."""
         code = self.initial.code
         return () if isinstance(code, Broken) else code.co_freevars
 
@@ -94,7 +94,7 @@ class SpawnPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgePlan:
-    """A transition; `test` is the event or block to test, the reason why there is none, or None."""
+    """A transition; `test` is the event or block to test, the reason for its absence, or None."""
 
     site: Site
     label: str
@@ -151,7 +151,7 @@ class Plan:
 def link(program: Program) -> Plan:
     """Resolve every name of a program and compile its blocks.
 
-    The plan is cached with the program: a caller that checks a text on another thread can link it there,
+    The plan is cached with the program: a caller that checks a text on another thread can also link it there,
     so that the loop is blocked only for the swap.
     """
     kept: dict[str, Plan] = program.__dict__
@@ -163,7 +163,7 @@ def link(program: Program) -> Plan:
 def show_in_tracebacks(program: Program) -> None:
     """Register the text with :mod:`linecache`: tracebacks and debuggers show the lines that run."""
     text = program.text.encode("utf-8", "replace").decode()  # a traceback cannot contain a lone surrogate
-    lines = [line.rstrip() + "\n" for line in LINE_END.split(text)]  # otherwise the carets are misaligned
+    lines = [line.rstrip() + "\n" for line in LINE_END.split(text)]  # otherwise carets are misaligned
     linecache.cache[program.filename] = (len(program.text), None, lines, program.filename)
 
 
@@ -179,7 +179,7 @@ class _Linker:
     def link(self) -> Plan:
         plan, names = self.plan, self.names
         top = names.top
-        plan.duplicates = tuple(  # none of their blocks is run, so no run resolves their issue
+        plan.duplicates = tuple(  # their blocks never run, so no run resolves their issue
             [Site(repeat.element, -1, repeat.again.span.start) for repeat in names.repeats]
         )
         for scope in names.scopes:
@@ -198,7 +198,7 @@ class _Linker:
         plan.spawns = tuple(self.spawns.get((), {}).values())
         plan.onpause = self._blocks(Element("onpause", ()))
         plan.onresume = self._blocks(Element("onresume", ()))
-        # Copied all at once, the code of the blocks is contiguous in memory instead of scattered among
+        # When copied all at once, the code of the blocks is contiguous in memory instead of scattered among
         # leftovers of the compiler: a ring of 1,000 states runs a third faster.
         for block in self.blocks:
             if not isinstance(block.code, Broken):

@@ -1,12 +1,12 @@
 """Live patching: decide the effect of an edit on a running program, then apply it.
 
-:func:`decide` compares what runs with the new plan and changes nothing; :func:`adopt` swaps the
-plans and carries over the tree of activations, and :func:`carry_issues` the issues, both by one map
-from old elements to new ones. This happens between two ticks, so an edit is applied as a whole
-or not at all. Paper: §6.1.
+:func:`decide` compares the running program with the new plan and changes nothing; :func:`adopt` swaps the
+plans and carries over the tree of activations, and :func:`carry_issues` the issues, both with the same map
+from old elements to new ones. This happens between two ticks, so an edit is applied as a whole or not at all.
+Paper: §6.1.
 
-Deviation: §6.1 restarts whenever the active state is gone. Here the old program keeps running
-until the new one can start, so that a half-typed name does not stop the robot.
+Deviation: §6.1 restarts whenever the active state is gone. Here the old program keeps running until the new
+one can start, so that a half-typed name does not stop the robot.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ class Patch:
     """The effect of an edit.
 
     `changes`: the differences in meaning.
-    `applied`: false: the old program keeps running, or one without what is not meant yet.
-    `restarted`: the program starts again at the next tick.
-    `reason`: why it restarted, was not applied, or was applied only in part: a sentence.
+    `applied`: if false, the old program keeps running, or a program without the part that is still being
+        typed.
+    `restarted`: whether the program starts again at the next tick.
+    `reason`: a sentence about why it restarted, was not applied, or was applied only in part.
     """
 
     changes: ChangeSet
@@ -50,7 +51,7 @@ class Patch:
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The decision what to do with a new plan."""
+    """The decision about a new plan."""
 
     apply: bool = True
     restart: bool = False
@@ -58,7 +59,7 @@ class Decision:
 
 
 def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
-    """Decide the effect of an edit to `plan`, by the table in the language reference."""
+    """Decide the effect of an edit to `plan`, according to the table in the language reference."""
     startable = any(spawn.resolves for spawn in plan.spawns)
     acts = [act for root in run.roots for act in root.walk()]
     for act in acts:
@@ -101,11 +102,11 @@ def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
 
 
 def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool = False) -> None:
-    """Swap plans and carry over what runs; every active state must exist in `program`.
+    """Swap plans and carry over the running machines; every active state must exist in `program`.
 
-    After an explicit rename nothing is initialised or spawned: only names have changed. Else, what
-    was computed from a variable whose initialiser has changed is recomputed, so that an edited number counts
-    at once. Paper: §4 (increasing `maxlook` immediately widens the sweeps).
+    After an explicit rename nothing is initialised or spawned: only names have changed. Otherwise, variables
+    computed from a variable whose initialiser has changed are recomputed, so that an edited number takes
+    effect at once. Paper: §4 (increasing `maxlook` immediately widens the sweeps).
     """
     old, plan = run.plan, link(program)
     run.replace_program(program, successors)
@@ -151,9 +152,9 @@ def _carry(
     successors: Successors,
     anew: set[Slot] | None,
 ) -> None:
-    """Keep the cells of variables that stay; initialise what is new, changed, or computed from what changed.
+    """Keep the cells of remaining variables; initialise new, changed and dependent ones.
 
-    `anew`: the variables that have been reinitialised so far; None: reinitialise nothing.
+    `anew`: the variables that have been reinitialised so far; None to reinitialise nothing.
     """
     kept = {}
     for variable in old:
@@ -174,7 +175,7 @@ def _carry(
 
 
 def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:
-    """Return the spawns of machines that `old` does not spawn; another start state does not count."""
+    """Return the spawns of machines that `old` does not spawn; a different start state does not count."""
     known = {item.identity[0] for item in old.onentry if isinstance(item, SpawnPlan)}
     return [item for item in new.onentry if isinstance(item, SpawnPlan) and item.identity[0] not in known]
 

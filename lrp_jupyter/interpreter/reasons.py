@@ -1,7 +1,7 @@
 """Why a transition fired in a tick, or did not: exactly one reason holds for each transition and tick.
 
-Which one follows from what was active when the tick began and what fired and failed in it, as the journal has
-it: a running program pays nothing for it. Paper: §5.1 (the order of a tick).
+It follows from the states that were active when the tick began and from the firings and faults in it, which
+are in the journal, so it costs a running program nothing. Paper: §5.1 (the order of a tick).
 """
 
 from __future__ import annotations
@@ -47,8 +47,9 @@ _OF_FAULTS: Mapping[str, ReasonCode] = {
 class Cause:
     """Why a transition fired in a tick, or did not, in terms of the tick.
 
-    `machine`: the machine of the transition when the tick began, if it ran.
-    `fact`: the firing of it, or of the one in the way; or the fault; or the entry of its source in this tick.
+    `machine`: the machine of the transition when the tick began, if it was running.
+    `fact`: the firing of it, or of the one that prevented it; or the fault; or the entry of its source in
+        this tick.
     """
 
     code: ReasonCode
@@ -59,8 +60,8 @@ class Cause:
 def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause:
     """Return why a transition fired in a tick, or did not.
 
-    `state`: that of the run when the tick began.
-    `facts`: what happened in the tick.
+    `state`: the state of the run when the tick began.
+    `facts`: the facts of the tick.
     `element`: the transition, by path of definition.
     """
     names = resolve(state.program)
@@ -94,10 +95,10 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
 
 
 def _is_source(noun: Transition, element: Element, state: Path) -> bool:
-    """Return whether a transition leaves a state, which is of any machine."""
+    """Return whether a transition leaves a state of any machine."""
     return state[:-1] == element.path[:-1] and noun.leaves(state[-1])
 
 
 def _is_inside(path: Path, outer: Path) -> bool:
-    """Return whether a machine as spawned is another one, or inside it."""
+    """Return whether the path of a machine as spawned is `outer` or lies inside it."""
     return path[: len(outer)] == outer

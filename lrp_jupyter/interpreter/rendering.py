@@ -1,8 +1,8 @@
 """Values as text, bounded in length and work.
 
-Values of Python's own types are written without calling any foreign code: only as many items and characters
-are read as are shown. Any other value has a ``__repr__`` of its own, which may take any time and raise
-anything; who calls it is the caller's choice.
+Values of built-in types are written without calling foreign code, and only the items and characters that are
+shown are read. Any other value has its own ``__repr__``, which may take any time and raise any exception; the
+caller decides how to call it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from lrp_jupyter.errors import name_of
 LONGEST = 400
 """Maximum number of characters of a rendered value."""
 _DEEPEST, _ITEMS = 3, 12
-_STRING, _NUMBER = 160, 60  # characters of one text or object, of one integer
+_STRING, _NUMBER = 160, 60  # maximum characters of one text or object, and of one integer
 _BITS = 4096  # of the largest integer whose digits are computed
 
 Foreign = Callable[[object], str]
@@ -29,9 +29,9 @@ Foreign = Callable[[object], str]
 def render(value: object, foreign: Foreign = repr) -> str:
     """Return a value as text of bounded depth and length.
 
-    Only a KeyboardInterrupt is raised; whatever else prevents a text is named in it.
+    Only a KeyboardInterrupt is raised; any other exception is named in the text.
 
-    `foreign`: returns the text of a value, or a part of one, that has a ``__repr__`` of its own.
+    `foreign`: returns the text of a value, or a part of one, that has its own ``__repr__``.
     """
     writer = _Writer(foreign)
     try:
@@ -60,13 +60,13 @@ def short(value: object) -> str:
 
 
 def is_scalar(value: object) -> bool:
-    """Return whether a value is a number, a text or None of exactly Python's own types."""
+    """Return whether a value is a number, a text or None, of exactly a built-in type."""
     kind = type(value)
     return kind is float or kind is int or kind is str or kind is bool or kind is NoneType
 
 
 def scalar_of(value: object) -> object:
-    """Return the value of Python's own types that a scalar of numpy stands for; any other value itself."""
+    """Return a numpy scalar as a value of a built-in type; any other value unchanged."""
     numpy = sys.modules.get("numpy")
     if numpy is None or not issubclass(type(value), numpy.generic):
         return value
@@ -75,7 +75,7 @@ def scalar_of(value: object) -> object:
 
 
 class _Writer:
-    """Collects the parts of a text until it is long enough."""
+    """Collects the parts of a text up to its maximum length."""
 
     def __init__(self, foreign: Foreign) -> None:
         self.parts: list[str] = []
@@ -87,7 +87,7 @@ class _Writer:
         self._left -= len(text)
 
     def write(self, value: Any, depth: int) -> None:
-        """Write a value, by the ``__repr__`` that its type has or inherits."""
+        """Write a value, using the ``__repr__`` that its type has or inherits."""
         if self._left <= 0:
             return
         own = type.__getattribute__(type(value), "__repr__")
@@ -96,7 +96,7 @@ class _Writer:
                 write(self, value, depth)
                 return
         try:
-            text = str.__getitem__(self._foreign(value), slice(None))  # exactly a str, not of a subclass
+            text = str.__getitem__(self._foreign(value), slice(None))  # exactly a str, not a subclass
         except KeyboardInterrupt:
             raise
         except BaseException as error:
@@ -141,7 +141,7 @@ def _cut(text: str, most: int) -> str:
 
 
 def _ends(value: Any, read: Callable[[Any, slice], Any], length: int) -> Any:
-    """Return the parts of a long text that are shown, joined."""
+    """Return the visible parts of a long text, joined."""
     return (
         value if length <= 2 * _STRING else read(value, slice(_STRING)) + read(value, slice(-_STRING, None))
     )
@@ -190,7 +190,7 @@ def _frozenset(writer: _Writer, value: frozenset[Any], depth: int) -> None:
 
 
 def _sorted(items: Iterator[Any], count: int) -> Iterable[Any]:
-    """Return the items of a set, sorted if that is quick and runs no foreign code."""
+    """Return the items of a set, sorted if this is quick and runs no foreign code."""
     if count > 200:
         return items
     every = list(items)
@@ -237,4 +237,4 @@ _WRITERS: list[tuple[object, Callable[[_Writer, Any, int], None]]] = [
     (Counter.__repr__, _named_dict),
     (array.array.__repr__, _array),
 ]
-"""By the ``__repr__`` that a type has or inherits, compared by identity, which runs no foreign code."""
+"""Writers by the ``__repr__`` that a type has or inherits; comparison by identity runs no foreign code."""

@@ -1,7 +1,7 @@
-"""One run of a program: what entering, leaving and spawning mean, faults, counts, and the journal's records.
+"""One run of a program: entering, leaving and spawning, faults, counts, and the journal's records.
 
-:class:`Run` is the lower half of the interpreter: everything in it happens inside one tick (or
-inside one command between two ticks), and it knows nothing of edits. Paper: §5.1.
+:class:`Run` is the lower half of the interpreter: everything in it happens within one tick (or one command
+between two ticks), and it does not handle edits. Paper: §5.1.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
 
-_new = tuple.__new__  # a third of the time that a NamedTuple's own constructor takes
+_new = tuple.__new__  # takes a third of the time of a NamedTuple's constructor
 
 
 class Run:
@@ -73,15 +73,15 @@ class Run:
         self.journal = None if journal == 0 else Journal(journal)
         self.log: Log | None = self.journal.log if self.journal is not None else None
         self.full = 0
-        """The tick after which the journal is trimmed the next time."""
+        """The tick after which the journal is trimmed next."""
         self.counts: dict[Element, Count] = {}
         self.firings: dict[tuple[Element, Element], Count] = {}
-        """How often a transition has led to a state since that was last added to `counts`: one number to
-        increase per firing, and not two."""
+        """How often a transition has led to a state since the last update of `counts`: a firing increases one
+        number instead of two."""
         self._undone: tuple[str, str] | Program | None = None
-        """The `source` to which the journal has gone back, not yet parsed."""
+        """The `source` restored by the journal, not yet parsed."""
         self.epoch = 0
-        """How often ticks were undone."""
+        """The number of times that ticks were undone."""
         self.kept = sys.maxsize
         """The tick up to which nothing was ever undone."""
         self.observers: list[Observer] = []
@@ -89,17 +89,17 @@ class Run:
         self.interrupted: BaseException | None = None
         self.event_values: dict[Path, bool | None] | None = None
         self.unmeant: Element | None = None
-        """The element in which the user is typing a word; its faults are not reported."""
+        """The element in which the user is typing; its faults are not reported."""
         self.faulted = False
         """Whether an issue has occurred, for the first time or again, since the last tick or command."""
         self.stale = False
         self.leaking = False
         self.assigned = 0
-        """How many values were assigned by hand."""
+        """The number of values assigned by hand."""
         self.watched = False
         """Whether any variable is compared after a tick: it leaks, or there are observers."""
         self.attention = False
-        """Whether there is anything to do after a tick but to log its end."""
+        """Whether there is anything to do after a tick besides logging its end."""
         self.clear()
 
     def clear(self) -> None:
@@ -120,7 +120,7 @@ class Run:
     # ---- the tick ---------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Execute the top-level spawns; the first time, initialise the globals before."""
+        """Execute the top-level spawns; the first time, initialise the globals first."""
         self.remember(self.ticks - 1)
         if not self.started:
             self.begin()
@@ -134,7 +134,7 @@ class Run:
         self.initialise(self.globals, self.plan.variables, self.base)
 
     def spawn_top(self, only: frozenset[tuple[str, str]] | None) -> None:
-        """Execute the top-level spawns in order, in a tick: all, or `only` some of them."""
+        """Execute the top-level spawns in order, in a tick: all, or `only` the given ones."""
         self.remember(self.ticks - 1)
         self.pending = frozenset()
         for spawn in self.plan.spawns:
@@ -146,7 +146,7 @@ class Run:
     def tick_entered(self, act: Activation) -> None:
         """Tick a machine whose active state was entered in this tick: it acts unless it could be left.
 
-        One that is enabled fires in the next tick, if it is still enabled then. Paper: §5.1, steps 3-5.
+        An enabled transition fires in the next tick, if it is still enabled then. Paper: §5.1, steps 3-5.
         """
         edge = act.row.edge
         while edge is not None:
@@ -176,7 +176,7 @@ class Run:
         return False
 
     def find_destination(self, edge: Edge) -> Row | None:
-        """Bind what firing an edge does, the first time that it fires, or report that it leads nowhere."""
+        """Bind the actions of an edge the first time that it fires, or report that it leads nowhere."""
         if edge.target is None:
             self.report(edge.site, "unknown state", edge.missing, edge)
             return None
@@ -242,7 +242,7 @@ class Run:
         for child in reversed(act.children):
             leave(child)
             if self.watched:
-                if self.log is not None:  # a function may write them after they are no longer compared
+                if self.log is not None:  # a function may still write them, no longer compared
                     for slot in child.own.values():
                         if slot.leaked:
                             self.log += (slot.last, slot.cell, undo_write)
@@ -312,7 +312,7 @@ class Run:
         self, environment: Environment, variables: tuple[VariablePlan, ...], outer: Mapping[str, Slot]
     ) -> None:
         """Initialise variables in the order of the text; each sees those before it."""
-        environment.own, environment.visible = {}, dict(outer)  # new ones: a saved state may have the others
+        environment.own, environment.visible = {}, dict(outer)  # a saved state may hold the old dicts
         for variable in variables:
             slot = Slot(CellType())
             self.evaluate(variable, environment.visible, slot)
@@ -338,9 +338,9 @@ class Run:
     # ---- faults -----------------------------------------------------------------------------
 
     def fault(self, site: Site, error: BaseException, edge: Edge | None = None) -> None:
-        """Record what a block raised as an issue, or count it, unless it is being typed. Paper: §6.2."""
+        """Record an exception of a block as an issue, or count it, unless it is being typed. Paper: §6.2."""
         type_ = type(error)  # `isinstance` may call code of the exception
-        if issubclass(type_, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
+        if issubclass(type_, KeyboardInterrupt):  # raised after the tick, so that it is complete
             self.interrupted = error
             self.attention = True
             return
@@ -348,13 +348,13 @@ class Run:
             return
         if issubclass(type_, NoDataYet) and site.element.kind in ("event", "transition"):
             self._note_fault(site, "no data yet", str(error), edge)
-            return  # there it just does not occur
+            return  # without data it just does not occur
         kind, message = kind_and_message(self.program, error)
         self._note_fault(site, kind, message, edge)
         program, tick = self.program, self.ticks
         raised = None if issubclass(type_, (Fault, NoDataYet)) else error
         if raised is None:
-            error.__traceback__ = None  # the issue keeps the error, and frames keep earlier programs
+            error.__traceback__ = None  # the issue keeps the error, whose frames would keep earlier programs
 
         def make() -> Issue:
             place, trace = place_of(program, site, raised), traceback_of(program, raised)
@@ -369,7 +369,7 @@ class Run:
             self.emit("issue", site.element.path, issue)
 
     def _raised(self, site: Site, error: BaseException, edge: Edge | None) -> Raised:
-        """Return what a debugger needs of a fault."""
+        """Return the data about a fault that a debugger needs."""
         element = site.element
         state: Path = ()
         path = next(path for n in range(len(element.path), -1, -1) if (path := element.path[:n]) in self.live)
@@ -396,7 +396,7 @@ class Run:
         self.stale = self.attention = True
 
     def rebind(self) -> None:
-        """Discard all rows, because what they were bound to has changed."""
+        """Discard all rows, because the objects they were bound to have changed."""
         self.stale = False
         for act in self._walk():
             act.unbind()
@@ -408,8 +408,8 @@ class Run:
             yield from root.walk()
 
     def refresh(self) -> None:
-        """Update what is computed from the tree of activations; between two ticks."""
-        while self.stale:  # binding may find that a variable leaks, after others were bound to it
+        """Update the data computed from the tree of activations; called between two ticks."""
+        while self.stale:  # binding may reveal that a variable leaks after other blocks were bound to it
             self.rebind()
         if self.unordered:
             self.unordered = False
@@ -419,7 +419,7 @@ class Run:
                 following = act
             self.first = following
 
-    # ---- what others can know ---------------------------------------------------------------
+    # ---- counts and observers ---------------------------------------------------------------
 
     def count(self, element: Element) -> Count:
         """Return the count of a state or transition, by its element of definition."""
@@ -429,7 +429,7 @@ class Run:
         return count
 
     def firing(self, transition: Element, state: Element) -> Count:
-        """Return the count of firings of a transition that lead to a state, not yet in `counts`."""
+        """Return the count of firings of a transition to a state that are not yet in `counts`."""
         count = self.firings.get((transition, state))
         if count is None:
             count = self.firings[transition, state] = Count()
@@ -455,7 +455,7 @@ class Run:
         }
 
     def replace_program(self, program: Program, successors: Successors) -> None:
-        """Continue with another program: the counts of what it still has are kept, the others dropped."""
+        """Continue with another program: the counts of its elements are kept, the others dropped."""
         self.add_firings()
         self.program, self.plan = program, link(program)
         self._set_counts(successors.carry(self.counts))
@@ -495,11 +495,11 @@ class Run:
         """
         if self.journal is not None:
             self.journal.save(self.ticks if ended is None else ended, self.saved_state)
-            self.full = 0  # it may be large
+            self.full = 0  # the saved state may be large
 
     @property
     def source(self) -> tuple[str, str] | Program:
-        """What a saved state keeps of the program: text and file name, a thousandth of the objects."""
+        """How a saved state keeps the program: text and file name, a thousandth of the objects."""
         program = self.program
         return (program.text, program.filename) if program.text else program
 
@@ -528,7 +528,7 @@ class Run:
         """Return to the end of the tick that was `ticks` before the last one."""
         assert self.journal is not None
         self.add_firings()
-        counts = self.counts  # they are not undone, but what they count may have its old name again
+        counts = self.counts  # not undone, but the counted elements may have their old names again
         self.now = self.journal.undo(self.ticks, ticks)
         if self._undone is not None and self._undone != self.source:
             self.program = parse(*self._undone) if isinstance(self._undone, tuple) else self._undone
@@ -553,15 +553,15 @@ class Run:
         self.refresh()
 
     def leak(self, slot: Slot) -> None:
-        """Compare a variable after every tick from now on: a function inside a block writes it."""
+        """Start comparing a variable after every tick, because a function inside a block writes it."""
         if not slot.leaked:
             slot.leaked = self.leaking = self.watched = self.attention = self.stale = True
-            self.log_cell(slot.cell)  # bound blocks log it as before, until the end of the tick
+            self.log_cell(slot.cell)  # bound blocks still log it until the end of the tick
             if not self.observers:
                 slot.last = content(slot.cell)
 
     def note(self, fact: Fact) -> None:
-        """Log what happened, if there is a journal."""
+        """Log a fact, if there is a journal."""
         if self.log is not None:
             self.log += (fact, note)
 
@@ -577,7 +577,7 @@ class Run:
             self.log += (content(cell), cell, undo_write)
 
     def settle(self, environments: Iterable[Environment]) -> None:
-        """Compare the variables that may have changed unnoticed, for the journal and the observers."""
+        """Compare the variables that may have changed undetected, for the journal and the observers."""
         for environment in environments:
             for name, slot in environment.own.items():
                 if not (slot.leaked or self.observers):
@@ -607,7 +607,7 @@ def undo_change(log: Log) -> None:
 
 @undoes(5)
 def undo_fired(log: Log) -> None:
-    """Undo the change of state of a transition that fired, with the fact of it."""
+    """Undo the change of state of a transition that fired, and drop its fact."""
     undo_change(log)
     log.pop()
 

@@ -1,7 +1,7 @@
 """Snapshots: the whole state of a run as a value, from which any number of independent runs can begin.
 
-Variables are copied deeply, together, with the functions that close over them; what cannot be copied is
-shared, and named. A snapshot belongs to no run: the one that it was taken of can go on.
+Variables are deep-copied together, with the functions that close over them; objects that cannot be copied are
+shared, and reported. A snapshot is independent of the run from which it was taken, which can continue.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Snapshot:
     `source`: the text of the program and its file name; the program itself if it has no text.
     `now`: seconds.
     `values`: the contents of the variables, and the values beside them.
-    `beside`: the names of the latter.
+    `beside`: the names of the values beside the variables.
     """
 
     source: tuple[str, str] | Program
@@ -63,11 +63,11 @@ class Snapshot:
 
     @property
     def shared(self) -> tuple[str, ...]:
-        """The names of the types of what could not be copied."""
+        """The type names of objects that could not be copied."""
         return self.values.uncopied
 
     def contents(self) -> dict[Path | str, object]:
-        """Return new copies of the variables, by path of definition, and of what is beside them, by name."""
+        """Return new copies of the variables, by path of definition, and of values beside them, by name."""
         cells = [CellType() for _ in range(_count(self))]
         owned = [((), self.own), *((machine.place[:-1], machine.own) for machine in self.machines)]
         names: list[Path | str] = [(*path, name) for path, own in owned for name, _, _ in own]
@@ -80,7 +80,7 @@ def take(
 ) -> Snapshot:
     """Take a snapshot of a run, between two ticks.
 
-    `known`: returns what stands for an object that every run has for itself, such as its robot; None for any
+    `known`: returns a token for an object that is specific to each run, such as its robot; None for any
         other.
     `beside`: values that are copied together with the variables.
     """
@@ -125,10 +125,10 @@ def take(
 
 
 def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dict[str, Any]:
-    """Continue a new run from a snapshot of its program; return the copies of what was `beside`."""
+    """Continue a new run from a snapshot of its program; return the copies of the values `beside`."""
     cells = [CellType() for _ in range(_count(snapshot))]
     values = unpack(snapshot.values, cells, find)
-    for cell, value in zip(cells, values, strict=False):  # the others are those beside
+    for cell, value in zip(cells, values, strict=False):  # the remaining values are those beside
         put(cell, value)
     run.ticks, run.now = snapshot.tick, snapshot.now
     run.started, run.pending = snapshot.started, snapshot.pending

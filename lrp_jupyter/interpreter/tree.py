@@ -1,10 +1,10 @@
 """The tree of activations, and the bound rows that a tick follows.
 
-An activation is one running machine: its active state, when that state was entered, one cell
-per variable, and the machines that the state spawned. A row is what one state of one activation
-does, its blocks bound to the cells once, when the state is first entered: a tick follows chains of
-bound callables without any lookup. Rows are discarded whenever something about them
-changes (a patch, a fault that begins or ends); they are cheap to create again.
+An activation is one running machine: its active state, when that state was entered, one cell per variable,
+and the machines that the state spawned. A row is the behaviour of one state of one activation, with its
+blocks bound to the cells once, when the state is first entered: a tick follows chains of bound callables
+without any lookup. Rows are discarded whenever something about them changes (a patch, a fault that begins or
+ends); they are cheap to recreate.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ Call = Callable[[], object]
 
 
 class Count:
-    """How often a state was entered or a transition fired: `times`, and the last time in `tick`."""
+    """How often a state was entered or a transition fired (`times`), and the tick of the last time."""
 
     __slots__ = ("tick", "times")
 
@@ -53,7 +53,7 @@ class Count:
 
 
 class Environment:
-    """Variables by name: `own` are those of its machine, `visible` all that its blocks can access."""
+    """Variables by name: `own` are those of its machine, `visible` are all that its blocks can access."""
 
     __slots__ = ("own", "path", "visible")
 
@@ -88,7 +88,7 @@ class Activation(Environment):
         self.outer = outer
         self.spawn = spawn
         self.place = state.path
-        """The path of definition of the active state: what the journal keeps of it, for any plan."""
+        """The path of definition of the active state, which the journal keeps because it suits any plan."""
         self.row: Row
         self.rows: dict[str, Row] = {}
         self.entered = 0.0
@@ -107,16 +107,16 @@ class Activation(Environment):
         return (*self.path, self.place[-1])
 
     def retire(self) -> None:
-        """Drop what belongs to the present plan: the journal may keep a discarded activation for long.
+        """Drop everything of the current plan, because the journal may keep a discarded activation for long.
 
-        A tick that still comes to it finds nothing to do.
+        A tick that still reaches it finds nothing to do.
         """
         self.row = _IDLE
         self.unbind()
         self.machine = _NO_MACHINE
 
     def unbind(self) -> None:
-        """Drop all rows, and the links between them: those of states that lead to each other are a circle."""
+        """Drop all rows and the links between them, which form a cycle if states lead to each other."""
         for row in self.rows.values():
             edge = row.edge
             while edge is not None:
@@ -155,22 +155,22 @@ class Edge:
         self.test = _test(run, act, plan)
         self.next = following
         self.row: Row | None = None
-        """Of the destination, once it has fired."""
+        """The row of the destination, once it has fired."""
         self.actions: Action | None = None
         """The actions of its firing: the onexit actions of the source, then the onentry actions of `row`."""
         self.fact: Fired | None = None
-        """What the journal keeps of its firing."""
+        """The fact that the journal keeps when it fires."""
         self.enabled: Enabled | None = None
-        """What the journal keeps if it was enabled in the tick in which its source was entered."""
+        """The fact that the journal keeps if it was enabled in the tick in which its source was entered."""
         home = act.parent if plan.noun.outward else act
-        self.home = home or act  # whose state it changes
+        self.home = home or act  # the activation whose state it changes
         self.target = home.machine.states.get(str(plan.noun.destination)) if home else None
         element = plan.site.element
         self.count = run.firing(element, Element("state", self.target.path)) if self.target else Count()
 
     @property
     def site(self) -> Site:
-        """The transition itself, as a source of faults."""
+        """The site of the transition itself."""
         return self.plan.site._replace(ordinal=1)  # 0 is its condition or delay
 
     @property
@@ -181,7 +181,7 @@ class Edge:
 
     @property
     def missing(self) -> str:
-        """Why it leads nowhere, if there is no `target`."""
+        """Why it leads nowhere, if it has no `target`."""
         destination, machine = self.plan.noun.destination, self.home.machine.name
         if self.plan.noun.outward and self.home.path == self.path:
             return f"`exit` cannot lead to `{destination}`: `{machine}` is not nested in a state."
@@ -189,10 +189,10 @@ class Edge:
 
 
 class Action:
-    """A bound block or a spawn, the site of its faults, and the action after it.
+    """A bound block or a spawn, the site of its faults, and the next action.
 
-    A chain of actions is run by following `next`: most states have one or two actions, and starting a
-    `for` loop costs as much as running a block.
+    A chain of actions is run by following `next`: most states have one or two actions, and starting a `for`
+    loop costs as much as running a block.
     """
 
     __slots__ = ("call", "cell", "next", "site")
@@ -255,7 +255,7 @@ def is_boolean(value: object) -> bool:
 
 
 def not_boolean(value: object) -> str:
-    """Return a sentence: why a value that is not a boolean is no condition."""
+    """Return a sentence about why a value that is not a boolean cannot be a condition."""
     if issubclass(type(value), NotAValue):
         return str(value._not_a_value())  # type: ignore[attr-defined]
     return f"A condition must be True or False, not {short(value)}. Compare it with something."
@@ -331,7 +331,7 @@ def _bind(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call,
 
 
 def _with_degrees(namespace: Mapping[str, Any], cell: CellType, call: Call) -> Call:
-    """Give `degrees` to a block, unless the notebook has a name like this when the block runs."""
+    """Give `degrees` to a block, unless the notebook defines this name when the block runs."""
 
     def block() -> object:
         cell.cell_contents = namespace.get("degrees", degrees)
@@ -355,7 +355,7 @@ def bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
 
 
 def _bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
-    """Bind a block to variables; while it has an open issue, a run without a fault resolves it."""
+    """Bind a block to variables; if it has an open issue, the next run without a fault resolves it."""
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
     call, cell = _bind(run, plan.code, visible)
@@ -374,7 +374,7 @@ def _bind_actions(run: Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan
 
 
 def watched(run: Host, site: Site, call: Call) -> Call:
-    """Wrap a call whose site has an open issue, which a run without a fault resolves."""
+    """Wrap a call whose site has an open issue: a run without a fault resolves it."""
 
     def again() -> object:
         value = call()
@@ -401,7 +401,7 @@ def bind_row(run: Host, act: Activation, state: StatePlan) -> Row:
 
 
 def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
-    """Wrap the condition of an event to record the result of its last test, None if it was not boolean."""
+    """Wrap the condition of an event to record the result of its last test, None if it was not a boolean."""
 
     def test() -> object:
         values[event] = None
@@ -472,11 +472,11 @@ _TESTS: dict[type[Trigger], Callable[[Host, Activation, EdgePlan], Call]] = {
     Delay: _is_due,
     Epsilon: _always,
 }
-"""How each kind of trigger is tested."""
+"""The function that binds the test of each kind of trigger."""
 
 
 TOLERANCE = 1e-6
-"""Milliseconds: sums of periods such as 0.1 s are not exact, and that must not cost a tick."""
+"""Milliseconds: sums of periods such as 0.1 s are not exact, which must not delay a transition by a tick."""
 
 
 def _reader(name: str, cell: CellType) -> Call:

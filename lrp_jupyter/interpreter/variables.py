@@ -24,9 +24,9 @@ EXPRESSION = "<expression>"
 
 
 class VariableMapping(Mapping[Path, object]):
-    """The existing variables and their values; keys are as those of ``ByPath``.
+    """The existing variables and their values; keys are those of ``ByPath``.
 
-    Variables that have no value (their initialiser failed) are absent.
+    Variables without a value (their initialiser failed) are absent.
     """
 
     def __init__(self, run: Run) -> None:
@@ -95,11 +95,11 @@ def assign(run: Run, path: Path | str, value: object) -> None:
 
 
 class Outdated(NamedTuple):
-    """What a variable was computed from has been assigned by hand since.
+    """A variable was computed from another one that has since been assigned by hand.
 
-    `source`: the other one, as spawned.
-    `computed`: when, in seconds.
-    `initial`: its initialiser, if that is an expression; else empty.
+    `source`: the other variable, by path as spawned.
+    `computed`: when it was computed, in seconds.
+    `initial`: its initialiser, if it is an expression; otherwise empty.
     """
 
     source: Path
@@ -117,7 +117,7 @@ def outdated(run: Run) -> dict[Path, Outdated]:
         variables = run.plan.machines[machine].variables if machine else run.plan.variables
         for variable in variables:
             slot = environment.own.get(variable.name)
-            if slot is None:  # the program begins again with the next tick
+            if slot is None:  # the program restarts at the next tick
                 continue
             for name in variable.reads:
                 read = environment.visible.get(name)
@@ -132,19 +132,19 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
     """Return the value of a Python expression, evaluated in a variable's scope.
 
     Raises UnknownElementError: if there is no such variable now.
-    Raises Exception: whatever the expression raises.
+    Raises Exception: the expression raised it.
     """
     environment, _ = find_variable(run, path)
     return bind_code(run, _compiled(expression, environment), environment.visible)()
 
 
 class BlockTest:
-    """A block that is tested in the scope of a machine, again and again: an expression, or that of an event.
+    """A block that is tested repeatedly in the scope of a machine: an expression, or the block of an event.
 
-    It is compiled and bound when the program or the variables of that scope are others than before.
+    It is compiled and bound again when the program or the variables of that scope change.
 
-    `machine`: path of definition; empty for the top level.
-    `filename`: that of tracebacks.
+    `machine`: the machine, by path of definition; empty for the top level.
+    `filename`: the file name in tracebacks.
     """
 
     def __init__(self, block: Block, machine: Path = (), filename: str = EXPRESSION) -> None:
@@ -157,8 +157,8 @@ class BlockTest:
         """Return whether it is True now; False while the machine does not run.
 
         Raises SyntaxError: a variable that it declares `nonlocal` is missing.
-        Raises LRPError: its value is no boolean.
-        Raises Exception: whatever the block raises.
+        Raises LRPError: its value is not a boolean.
+        Raises Exception: the block raised it.
         """
         environment = run.live.get(self._machine)
         visible = (environment or run.globals).visible
@@ -175,9 +175,9 @@ class BlockTest:
 
 
 def check_expression(expression: str) -> str:
-    """Return an expression without the space around it.
+    """Return an expression without surrounding whitespace.
 
-    Raises SyntaxError: it is not an expression of Python.
+    Raises SyntaxError: it is not a Python expression.
     """
     text = expression.strip()
     if not facts_of(text).valid:

@@ -24,19 +24,19 @@ class Shown(str):
 
 
 def items(evaluation: Evaluation) -> list[tuple[str, object]]:
-    """Return the parts with their values, without those that are parts of a robot."""
+    """Return the parts with their values, except for parts of a robot."""
     found = evaluation.values.items()
     return [(text, scalar_of(value)) for text, value in found if not isinstance(value, NotAValue)]
 
 
 def _shown(value: object) -> object:
-    """Return a value that stays as it is; the text of one that may change."""
+    """Return a value if it is immutable, otherwise its text."""
     value = scalar_of(value)
     return value if is_scalar(value) else Shown(short(value))
 
 
 def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]) -> None:
-    """Replace the test of a bound transition by one that shows its parts; of a delay, only show them."""
+    """Replace the test of a bound transition by one that shows its parts; for a delay, only show them."""
     arrow = resolve(run.program).arrow(edge.plan.site.element)
     if arrow is None or arrow.tested is None:
         return
