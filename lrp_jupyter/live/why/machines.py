@@ -63,7 +63,7 @@ def _how_it_ended(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int) -
                 draft.say(f"It ended at {time_text(run.time(at))}, when the program restarted ({why}).")
             return
     first = run.history.ticks.start
-    draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")
+    draft.say("It had never been spawned." if first == 1 else f"It has not been spawned since tick {first}.")
 
 
 def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tuple[str, int]:

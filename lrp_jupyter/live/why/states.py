@@ -56,7 +56,7 @@ def _never_entered(run: RecordedRun, state: Path, name: str, tick: int) -> Reaso
     machine = next((each for each in run.state(tick).walk() if each.state[:-1] == state[:-1]), None)
     if machine is not None and machine.state == state:
         entered = f"`{name}` was entered at {time_text(machine.entered)}."
-        draft.say(f"{entered} How is not known: only the ticks from {ticks.start} on are remembered.", line)
+        draft.say(f"{entered} How is unknown: only ticks from {ticks.start} onward are remembered.", line)
         return draft.reason("never", tick, time)
     so = (
         f"`{name}` has not been entered"
@@ -64,7 +64,7 @@ def _never_entered(run: RecordedRun, state: Path, name: str, tick: int) -> Reaso
         else f"`{name}` had not been entered by {time_text(time)}"
     )
     if ticks.start > 1:
-        so += f" (only the ticks from {ticks.start} on are remembered)"
+        so += f" (only ticks from {ticks.start} onward are remembered)"
     if not line:
         draft.say(f"{so}. The program of tick {tick} had no such state.")
     elif machine is None:

@@ -126,9 +126,7 @@ def _last_true(draft: AnswerDraft, case: Case, what: str) -> None:
             draft.say(f"{what} was never true before.")
         elif first < case.tick:
             draft.facts["false_since"] = first
-            draft.say(
-                f"{what} was not true at any time that is still recorded, since {time_text(run.time(first))}."
-            )
+            draft.say(f"{what} was not true at any time still recorded (since {time_text(run.time(first))}).")
         return
     draft.facts["last_true"] = tick
     here = run.names(tick).of("state", case.machine.state, case.tick)

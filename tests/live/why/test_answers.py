@@ -269,7 +269,7 @@ def test_a_machine_whose_end_is_not_remembered_is_not_said_to_have_never_run():
     with session(INNER, journal=20) as live:
         live.run(5)
         first = live.frame.tick - 19
-        assert f"`i` was not running. It was not spawned since tick {first}." in str(live.why_not("go"))
+        assert f"`i` was not running. It has not been spawned since tick {first}." in str(live.why_not("go"))
 
 
 def test_a_machine_that_waits_for_its_spawner_was_never_spawned():
@@ -772,10 +772,10 @@ def test_a_state_that_was_entered_later_had_not_been_entered_by_then():
 def test_a_state_that_is_active_for_longer_than_is_remembered_was_entered():
     with session(BESIDE.replace("(state b)", "(state b) (ontime 300 a -> b)"), journal=20) as live:
         live.run(5)
-        how = "How is not known: only the ticks from 31 on are remembered."
+        how = "How is unknown: only ticks from 31 onward are remembered."
         assert str(live.why("b")) == f"`b` was entered at 0.3 s. {how}"
         assert str(live.why("a")).startswith(
-            "`a` has not been entered (only the ticks from 31 on are remembered)."
+            "`a` has not been entered (only ticks from 31 onward are remembered)."
         )
 
 
@@ -809,7 +809,7 @@ def test_how_long_a_condition_was_not_true_is_told_as_far_as_it_is_known(monkeyp
         live.teleport_to("m/t")
         live.run(0.1)
         reason = live.why_not("go")
-        assert str(reason).endswith("It was not true at any time that is still recorded, since 2.1 s.")
+        assert str(reason).endswith("It was not true at any time still recorded (since 2.1 s).")
         assert (reason.facts["false_since"], "last_true" in reason.facts) == (22, False)
         monkeypatch.setattr(evaluation, "_SEARCH", 0.0)
         assert "true since" not in str(live.why_not("go"))
