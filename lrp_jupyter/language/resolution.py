@@ -189,7 +189,7 @@ class Spawning(NamedTuple):
         """Why nothing can be spawned, or None."""
         name, machine = self.noun.machine, self.machine
         if machine is None:
-            message = f"There is no machine `{name}` that could be spawned here."
+            message = f"There is no machine `{name}` that can be spawned here."
             return Unresolved("unknown machine", message)
         if self.noun.state not in machine.states:
             message = f"The machine `{machine.path[-1]}` has no state `{self.noun.state}`."

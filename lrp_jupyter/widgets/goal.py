@@ -207,7 +207,7 @@ class Goal:
         if not hints:
             raise LRPError("Press Check first: a hint is about what went wrong there.")
         if self._hinted >= len(hints):
-            raise LRPError("There is no other hint.")
+            raise LRPError("There are no more hints.")
         self._hinted += 1
         self._wake()
 
@@ -238,7 +238,7 @@ class Goal:
         bridge, check = _simulated(session), self._check
         made = None if check is None else check.made.get(index)
         if check is None or made is None:
-            raise LRPError("This run is not known any more. Check again.")
+            raise LRPError("This run is no longer known. Check again.")
         if check.text != session.text:
             raise LRPError("The program has changed since this check. Check again, then show the run.")
         job = check.jobs[index]

@@ -55,7 +55,7 @@ def test_an_unresolved_spawn_has_a_reason() -> None:
     names = resolve(parse(NESTED))
     assert [spawning.unresolved for spawning in names.spawns] == [
         None,
-        ("unknown machine", "There is no machine `gone` that could be spawned here."),
+        ("unknown machine", "There is no machine `gone` that can be spawned here."),
         ("unknown state", "The machine `tool` has no state `gone`."),
         None,
         None,

@@ -47,7 +47,7 @@ def edited(old, new):
         ("(on far left", "(on fa| left", "waits: there is no event `fa` here"),
         ("(on far left", "(on far lef|", "waits: `m` has no state `lef`"),
         ("(spawn m left)", "(spawn m lef|)", "waits: `m` has no state `lef`"),
-        ("(spawn m left)", "(spawn mm| left)", "waits: there is no machine `mm` that could be spawned here"),
+        ("(spawn m left)", "(spawn mm| left)", "waits: there is no machine `mm` that can be spawned here"),
         ("(running [forward])", "(running [forwa|])", "waits: `forwa` is not defined"),
         ("(var forward", "(var forwar|", "waits: `forward` is not defined"),
         ("(state left", "(state lef|", "waits: `m` has no state `left`"),

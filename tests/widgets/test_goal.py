@@ -202,7 +202,7 @@ def test_hints_come_one_at_a_time_and_only_when_they_are_asked_for():
     for number in range(goal.shown["more_hints"]):
         goal.hint()
         assert len(goal.shown["hints"]) == number + 1
-    with pytest.raises(LRPError, match="no other hint"):
+    with pytest.raises(LRPError, match="no more hints"):
         goal.hint()
     goal.session.close()
 
@@ -268,5 +268,5 @@ def test_the_commands_of_a_page_reach_the_goal(bench):
     assert page.do("start_over", world=-1) is None
     assert lab.session.bridge.world.name == "far"
     assert page.do("hint").startswith("Press Check first")
-    assert page.do("show_attempt", index=0).startswith("This run is not known")
+    assert page.do("show_attempt", index=0).startswith("This run is no longer known")
     assert page.merged("goal")["name"] == "stay"

@@ -33,8 +33,8 @@ def check_acting(report: Reporter, names: Resolution) -> None:
         for span, what, outside in _acts(place.block.text):
             if not outside or (outside in report.names and outside not in place.visible):
                 message = (
-                    f"`{what}` acts on the world past `robot`: nothing records, limits or stops that, and a "
-                    "replay or `what_if` does it again. Let a bridge of your own do it."
+                    f"`{what}` bypasses `robot`: nothing records, limits or stops what it does, and a "
+                    "replay or `what_if` does it again. Do it in your own bridge."
                 )
                 report.add("LRP550", place.block.at(span), message)
                 break

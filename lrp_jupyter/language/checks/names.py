@@ -44,7 +44,7 @@ def _hiding(report: Reporter, scope: Scope, variable: Variable) -> None:
         report.add("LRP203", name.span, message)
     elif outer:
         line = report.line(outer.variables[name].name.span)
-        message = f"The variable `{name}` hides the `{name}` of line {line}. Give one of them another name."
+        message = f"The variable `{name}` hides the `{name}` in line {line}. Give one of them another name."
         report.add("LRP202", name.span, message)
     elif name in BUILTINS:
         message = (
@@ -63,7 +63,7 @@ def _colliding(report: Reporter, scope: Scope) -> None:
             report.add(
                 "LRP205",
                 transition.span,
-                f"Only the condition distinguishes this transition from that of line "
+                f"Only the condition distinguishes this transition from the one in line "
                 f"{report.line(first.span)}, so an edit may confuse the two. Give it {remedy}.",
             )
 

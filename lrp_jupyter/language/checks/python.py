@@ -182,7 +182,7 @@ class _Python:
             return f"The variable belongs to `{path_text(scope.path)}`. Declare it further out"
         if name in self._assigned:
             line = self.report.line(self._assigned[name])
-            return f"Line {line} sets it for its own block only. Declare `(var {name} := [value])` to keep it"
+            return f"Line {line} sets it only in its own block. Declare `(var {name} := [value])` to keep it"
         return None
 
     @cached_property

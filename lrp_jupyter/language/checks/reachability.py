@@ -184,7 +184,7 @@ def _untested(report: Reporter, scope: Scope, arrows: list[MeantArrow]) -> None:
         elif found and all(found) and found[0]:
             reason, first = found[0]
             message = (
-                f"This transition is never tested, because that of line {report.line(first.span)} leaves "
+                f"This transition is never tested, because the one in line {report.line(first.span)} leaves "
                 f"`{sources[0]}` first {reason}. Move this one up, or remove one of them."
             )
             report.add("LRP404", transition.span, message)

@@ -103,7 +103,7 @@ class _References:
             self.links.spawned.append(MeantSpawn(noun, scope, state, swapped, str(name)))
             return
         if machine is None:
-            problem = f"There is no machine `{name}` that could be spawned here"
+            problem = f"There is no machine `{name}` that can be spawned here"
             creates = None
             if name in scope.path[::2]:
                 remedy = "A machine can spawn neither itself nor a machine that contains it"
@@ -263,5 +263,5 @@ class _References:
         """Return a remedy for a name that is defined, but out of scope here; else None."""
         path = next((scope.path for scope in self.scopes if defines(scope)), None)
         return (
-            f"The one of `{path_text(path)}` is out of scope. Move its definition outward" if path else None
+            f"The definition at `{path_text(path)}` is out of scope here. Move it outward" if path else None
         )

@@ -278,8 +278,9 @@ def _arguments(
     if parameters.fields:
         return _by_position(use, call, path, parameters, plain, is_number)
     if parameters.positional is not None and len(plain) > parameters.positional:
-        accepted = f"takes `{parameters.text}`" if parameters.names else "takes no arguments"
-        message = f"`{path}` {accepted}. Remove what is too much."
+        message = f"`{path}` takes no arguments. Remove them."
+        if parameters.names:
+            message = f"`{path}` takes `{parameters.text}`. Remove the extra arguments."
         extra = plain[parameters.positional :]
         removal: Fix | None = None
         if not parameters.names and len(plain) == len(call.arguments):
@@ -310,7 +311,8 @@ def _not_a_number(argument: Argument) -> Remedied:
     if _is_number(number):
         message = f"`{argument.name}` must be a number, not a text. Write `{number}` without quotes."
         return Remedied("LRP521", argument.value, message, replace(argument.value, number))
-    message = f"`{argument.name}` must be a number, not {_ARTICLES.get(argument.kind, '`None`')}. Write one."
+    wrong = _ARTICLES.get(argument.kind, "`None`")
+    message = f"`{argument.name}` must be a number, not {wrong}. Write a number."
     return Remedied("LRP521", argument.value, message)
 
 

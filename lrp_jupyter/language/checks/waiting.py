@@ -22,8 +22,8 @@ _MESSAGES = {
         "Remove the loop, because `running` is repeated at every tick, or add a `break`."
     ),
     "LRP541": (
-        "Nothing in this loop changes its condition, because sensors are read once per tick: it never ends. "
-        "Use a state with a transition that tests the condition."
+        "Nothing in this loop changes its condition, because sensors are read only once per tick, so it "
+        "never ends. Use a state with a transition that tests the condition."
     ),
     "LRP542": (
         "This holds up the whole program: until it returns, nothing else runs and no edit is applied. "
