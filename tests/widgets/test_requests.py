@@ -67,7 +67,7 @@ def test_members_complete_by_the_living_value(page):
 
 def test_degrees_complete_and_are_explained_unless_the_notebook_has_that_name(lab, page):
     assert options(page, "degr")["degrees"]["detail"] == "(angle: float) -> float"
-    assert "in degrees, in radians" in page.ask("hover", chain="degrees", scope="m")["hover"]["doc"]
+    assert "from degrees to radians" in page.ask("hover", chain="degrees", scope="m")["hover"]["doc"]
     lab.session.namespace["degrees"] = twice
     assert options(page, "degr")["degrees"]["info"] == "Return twice as much."
     assert page.ask("hover", chain="degrees", scope="m")["hover"]["doc"] == "Return twice as much."
