@@ -17,7 +17,7 @@ from lrp_jupyter.language.source import Block, Name
 
 TransitionKind = Literal["on", "ontime", "eps", "exit"]
 Purpose = Literal["action", "initialiser", "condition", "delay"]
-"""What the value of a block is used for; that of an action is not used."""
+"""The use of a block's value; that of an action is not used."""
 
 
 @dataclass(frozen=True, slots=True)

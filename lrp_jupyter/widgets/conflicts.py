@@ -55,7 +55,7 @@ class Conflict:
     text: str
     file: str = ""
     number: int = field(default_factory=count(1).__next__)
-    """What distinguishes it from all others."""
+    """An identifier that distinguishes it from all others."""
 
     def question(self, name: str, given_in: str) -> ConflictView:
         """Return the question to the user about a program of this name.

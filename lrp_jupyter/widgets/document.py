@@ -35,7 +35,7 @@ class Document:
 
     def __init__(self, text: str = "") -> None:
         self.name = token_hex(8)
-        """What distinguishes this document from that of another kernel."""
+        """An identifier that distinguishes this document from that of another kernel."""
         self.revision = 1
         self.text = text
         """The text as the program has it: in characters, with its own line ends."""

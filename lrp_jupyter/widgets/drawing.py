@@ -32,7 +32,7 @@ DrawingAct = Literal[
     "nest",
     "unnest",
 ]
-"""What is done to an element; `to` names the other state, `form` holds what was written."""
+"""The changes that can be made to an element; `to` names the other state, `form` holds what was written."""
 
 
 @question("edits")

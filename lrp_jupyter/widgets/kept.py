@@ -122,7 +122,7 @@ class Kept:
         self.folder = Path(folder)
         self.name = name
         self.home = os.path.realpath(self.folder / name)
-        """What distinguishes this program from one of the same name in another folder."""
+        """An identifier that distinguishes this program from one of the same name in another folder."""
         self._known: dict[str, tuple[_Signature | None, str]] = {}  # by suffix: as last read or written here
 
     def file(self, ending: str) -> Path:

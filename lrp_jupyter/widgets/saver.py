@@ -28,8 +28,7 @@ class Saver:
 
     `texts`: they continue with the kept text of the cell.
     `kept`: the files in which the texts are kept; None: in memory only.
-    `home`: without files: what distinguishes this program from one of the same name elsewhere; default:
-        nothing.
+    `home`: without files, an identifier that distinguishes this program from one of the same name elsewhere.
     """
 
     def __init__(self, texts: Texts, kept: Kept | None = None, home: str = "") -> None:
@@ -38,7 +37,7 @@ class Saver:
         self.problem = ""
         """Why the texts cannot be kept at the moment; empty if they are."""
         self.home = home if kept is None else kept.home
-        """What distinguishes this program from one of the same name elsewhere; empty if nothing does."""
+        """An identifier that distinguishes this program from one of the same name elsewhere; may be empty."""
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
         self._looked = self._again = float("-inf")

@@ -390,7 +390,7 @@ class Texts:
     def _came_from_elsewhere(self) -> bool:
         """Return whether the session's text came from no view: another cell's edit, a rename, a rewind."""
         is_other = not self.hold and self.session.text != self.text
-        return is_other and self.session.status != "closed"  # which accepts no text any more
+        return is_other and self.session.status != "closed"  # a closed session accepts no text
 
     def _adopt(self) -> bool:
         """Continue with the session's text, if no view sent it; return whether so."""
