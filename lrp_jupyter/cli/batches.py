@@ -11,7 +11,7 @@ import typer
 from rich.text import Text
 
 from lrp_jupyter.cli.console import plain_console
-from lrp_jupyter.cli.excerpt import finding_text
+from lrp_jupyter.cli.excerpt import print_findings
 from lrp_jupyter.cli.lists import show_table, table_of
 from lrp_jupyter.cli.options import check_outputs, pairs_of
 from lrp_jupyter.cli.source import read_source
@@ -77,8 +77,7 @@ def sweep_file(
         with shown_progress("sweep", lines=True) as progress:
             result = sweep_axes(source.text, task, axes, seeds, how, progress)
     except LRPSyntaxError as error:
-        for finding in error.findings:
-            plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
+        print_findings(source.name, source.text, error.findings)
         return 1
     _show_sweep(result)
     for path in out:

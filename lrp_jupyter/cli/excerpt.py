@@ -1,14 +1,16 @@
-"""Findings as text: location, message, the line of the source with carets, the fix."""
+"""Findings as text: location, message, the line of the source with carets, the fix; and how a run ended."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from rich.cells import cell_len
 from rich.text import Text
 
+from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.codes import style_of
 from lrp_jupyter.language.program import Finding, line_starts
+from lrp_jupyter.live.frame import Frame
 
 COLOURS = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
 _TAB = 4
@@ -66,6 +68,22 @@ def finding_text(name: str, text: str, finding: Finding) -> Text:
     if finding.fix is not None:
         out.append(f"      = fix: {finding.fix.title}\n", "green")
     return out
+
+
+def print_findings(
+    name: str, text: str, findings: Iterable[Finding], show: Callable[[Text], object] | None = None
+) -> None:
+    """Print the findings about a text, on stderr unless something else shows them."""
+    show = show or plain_console(stderr=True).print
+    for finding in findings:
+        show(finding_text(name, text, finding))
+
+
+def ran(name: str, frame: Frame) -> str:
+    """Return how a run ended: its time, its ticks and what was active."""
+    active = ", ".join("/".join(path) for path in frame.active) or "nothing"
+    ticks = "1 tick" if frame.tick == 1 else f"{frame.tick} ticks"
+    return f"{name}: {frame.time:.1f} s, {ticks}; {active} active"
 
 
 def summary(findings: Iterable[Finding]) -> str:

@@ -13,7 +13,7 @@ from rich.text import Text
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.console import plain_console
-from lrp_jupyter.cli.excerpt import finding_text, summary
+from lrp_jupyter.cli.excerpt import finding_text, print_findings, summary
 from lrp_jupyter.cli.options import check_outputs
 from lrp_jupyter.cli.source import Source, read_source
 from lrp_jupyter.codes import address_of
@@ -148,8 +148,7 @@ def format_files(files: Sequence[str], only_check: bool = False) -> int:
                 code = max(code, int(only_check))
                 console.print(f"{source.name}: {'would be formatted' if only_check else 'formatted'}")
         except LRPSyntaxError as error:
-            for finding in error.findings:
-                complaints.print(finding_text(source.name, source.text, finding))
+            print_findings(source.name, source.text, error.findings)
             code = max(code, 1)
         except FileError as error:
             complaints.print(f"lrp: {error}")
@@ -166,8 +165,7 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
     source = read_source(file)
     program, findings = scan(source.text, source.name)
     if program is None:
-        for finding in findings:
-            plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
+        print_findings(source.name, source.text, findings)
         return 1
     picture = _rendered(program, machine, kind)
     if output is None:

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.events import SHOWN, EventPrinter
-from lrp_jupyter.cli.excerpt import excerpt, finding_text
+from lrp_jupyter.cli.excerpt import excerpt, print_findings, ran
 from lrp_jupyter.cli.options import Assignment, check_outputs, with_initials
 from lrp_jupyter.cli.source import read_source
 from lrp_jupyter.errors import LRPError, UnknownElementError, printable
@@ -56,11 +56,8 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None,
             printer.write(event, text or recording.start.text)
 
     again = _run_again(recording, end, text, show)
-    with again.session as session:
-        frame = session.frame
-        active = ", ".join("/".join(path) for path in frame.active) or "nothing"
-        ticks = "1 tick" if frame.tick == 1 else f"{frame.tick} ticks"
-        console.print(f"{recording.name}: {frame.time:.1f} s, {ticks}; {active} active")
+    with again.session:
+        console.print(ran(recording.name, again.session.frame))
         if recording.cut:
             complaints.print("The recording is cut off; it was replayed up to its last complete tick.")
         if again.difference is None:
@@ -156,8 +153,7 @@ def _other_program(program: str | None) -> str | None:
     source = read_source(program)
     parsed, findings = scan(source.text, source.name)
     if parsed is None:
-        for finding in findings:
-            plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
+        print_findings(source.name, source.text, findings)
         raise typer.Exit(1)
     return source.text
 

@@ -32,7 +32,7 @@ from lrp_jupyter.bridges.options import options_of, refuse_options
 from lrp_jupyter.cli.board import Board, BoardState
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.events import EventCollector, EventPrinter
-from lrp_jupyter.cli.excerpt import finding_text
+from lrp_jupyter.cli.excerpt import print_findings, ran
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, check_outputs, with_initials
@@ -43,7 +43,7 @@ from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import called, find, means
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
@@ -77,7 +77,7 @@ def run_file(file: str, wanted: RunOptions) -> int:
     complaints = plain_console(stderr=True)
     program, findings = scan(source.text, source.name)
     if program is None:
-        _report(complaints.print, source.name, source.text, findings)
+        print_findings(source.name, source.text, findings)
         if not wanted.watch:
             return 1
         complaints.print("Nothing runs yet. Correct the text and save it.")
@@ -213,11 +213,6 @@ def _is_meant(session: Session, until: str, state: Path) -> bool:
     return means(session.interpreter.program, until, state)
 
 
-def _report(show: Any, name: str, text: str, findings: tuple[Finding, ...]) -> None:
-    for finding in findings:
-        show(finding_text(name, text, finding))
-
-
 class _Run:
     """One run, controlled from the main thread."""
 
@@ -309,7 +304,7 @@ class _Run:
             if program is None:
                 self._differs = "The file on disk does not run: it has errors."
             else:
-                _report(self.print, self.source.name, program.text, session.check(program))
+                print_findings(self.source.name, program.text, session.check(program), self.print)
             if self._board is not None:
                 self._output(self._board.__enter__)
                 stack.callback(self._output, self._board.__exit__)
@@ -532,7 +527,7 @@ class _Run:
         self._differs = "" if program else "The file on disk is not what runs: it has errors."
         if program is None:
             self.print(Text(f"{head}not a valid program; the last one keeps running", "bold red"))
-            _report(self.print, self.source.name, text, findings)
+            print_findings(self.source.name, text, findings, self.print)
             return
         try:
             command = do.ReplaceProgram(with_initials(program, self.wanted.assignments))
@@ -571,7 +566,7 @@ class _Run:
             self.print(Text(f"{head}applied while it runs: {patch.changes}", "green"))
         if self._keys is None and self._is_paused():  # at an issue, and there is no keyboard
             self.session.ask(do.Resume())
-        _report(self.print, self.source.name, text, self.session.check(text))
+        print_findings(self.source.name, text, self.session.check(text), self.print)
 
     # -- the end ------------------------------------------------------------------------------------
 
@@ -588,9 +583,7 @@ class _Run:
             why = f" at an issue:\n{by.traceback or by}" if isinstance(by, Issue) else f": {frame.reason}"
             self.print(f"Paused{why}")
         self._report_breakpoints()
-        active = ", ".join("/".join(path) for path in frame.active) or "nothing"
-        ticks = "1 tick" if frame.tick == 1 else f"{frame.tick} ticks"
-        words = f"{self.session.name}: {frame.time:.1f} s, {ticks}; {active} active"
+        words = ran(self.session.name, frame)
         if issues := sum(not issue.resolved for issue in frame.issues):
             words += f"; {issues} issue" + ("s" if issues > 1 else "")
         if self.wanted.speed == math.inf and wall > 0:
