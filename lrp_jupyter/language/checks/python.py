@@ -58,9 +58,8 @@ class _Python:
             return literal is not None and literal[0] == "a number"
 
         wrong = set()
-        is_condition, is_action = place.purpose == "condition", place.purpose == "action"
-        for use, known in suspicious_uses(place.block.text, self.robot, is_condition, is_action):
-            remedied = known or check_robot(use, self.robot, is_condition, is_action, is_number)
+        for use, known in suspicious_uses(place.block.text, self.robot, place.purpose):
+            remedied = known or check_robot(use, self.robot, place.purpose, is_number)
             if remedied is not None:
                 wrong.add(use.span)
                 self._remedied(place, remedied)

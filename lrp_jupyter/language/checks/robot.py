@@ -13,6 +13,7 @@ from lrp_jupyter.language.checks.report import nearest, replace
 from lrp_jupyter.language.checks.uses import Argument, Other, RobotCall, RobotUse, robot_uses
 from lrp_jupyter.language.program import Edit, Fix, Span
 from lrp_jupyter.language.robot import Parameters, RobotMember, RobotMembers
+from lrp_jupyter.language.triggers import Purpose
 
 
 class Remedied(NamedTuple):
@@ -27,35 +28,32 @@ class Remedied(NamedTuple):
 _KINDS = {"int": "number", "float": "number", "number": "number", "bool": "truth value", "str": "text"}
 _ARTICLES = {"number": "a number", "truth value": "`True` or `False`", "text": "a text"}
 _TYPES: dict[str, type] = {"int": int, "float": float, "bool": bool, "str": str, "tuple": tuple}
-_USED = frozenset({"compared", "computed", "tested"})
-_CALLABLE = frozenset({*_USED, "value"})
+_USED = frozenset({"compared", "computed", "tested", "value"})
 
 
 @lru_cache(maxsize=20_000)
 def suspicious_uses(
-    text: str, members: RobotMembers, is_condition: bool, is_action: bool
+    text: str, members: RobotMembers, purpose: Purpose
 ) -> tuple[tuple[RobotUse, Remedied | None], ...]:
     """Return the uses of the robot in a block that are wrong, and those that depend on a variable."""
     found = []
     for use in robot_uses(text):
-        remedied = check_robot(use, members, is_condition, is_action, lambda _: False)
+        remedied = check_robot(use, members, purpose, lambda _: False)
         if remedied or (use.call and any(argument.root for argument in use.call.arguments)):
             found.append((use, remedied))
     return tuple(found)
 
 
 def check_robot(
-    use: RobotUse,
-    members: RobotMembers,
-    is_condition: bool,
-    is_action: bool,
-    is_number: Callable[[str], bool],
+    use: RobotUse, members: RobotMembers, purpose: Purpose, is_number: Callable[[str], bool]
 ) -> Remedied | None:
-    """Return what is wrong with a use of the robot.
+    """Return what is wrong with a use of the robot in a block for a purpose.
 
-    `is_condition`, `is_action`: what the block is.
     `is_number`: whether a name is a variable that is a number at first.
     """
+    if purpose == "action" and use.role == "value":  # nothing uses the value of an action
+        use = use._replace(role="stated")
+    is_condition = purpose == "condition"
     path = ""
     for index, name in enumerate(use.names):
         around, path = path, f"{path}.{name}" if path else name
@@ -67,13 +65,13 @@ def check_robot(
                     return _inside_method(use, member, index)
                 if is_condition and use.is_value and member.acts and members.complete:
                     return _command(use, member)
-                return _method(use, member, member.parameters, is_action, is_number)
+                return _method(use, member, member.parameters, is_number)
             if left:
                 return _inside_reading(use, member, index) if members.complete else None
-            return _reading(use, member, is_condition, is_action) if members.complete else None
+            return _reading(use, member, is_condition) if members.complete else None
         if not members.inside(path):
             return _unknown(use, members, around, index) if members.complete else None
-    return _part(use, members, path, is_condition, is_action) if path else None
+    return _part(use, members, path, is_condition) if path else None
 
 
 def _command(use: RobotUse, member: RobotMember) -> Remedied:
@@ -115,9 +113,7 @@ def _by_arguments(use: RobotUse, members: RobotMembers, around: str) -> str | No
     return found[0] if used and len(found) == 1 else None
 
 
-def _part(
-    use: RobotUse, members: RobotMembers, path: str, is_condition: bool, is_action: bool
-) -> Remedied | None:
+def _part(use: RobotUse, members: RobotMembers, path: str, is_condition: bool) -> Remedied | None:
     known = members.inside(path)
     end = use.span.end
     readings = [name for name in known if members.members.get(f"{path}.{name}", _METHOD).parameters is None]
@@ -134,10 +130,10 @@ def _part(
         assert use.call is not None
         fix = replace(use.call.brackets, f".{data}", f"Change to `robot.{path}.{data}`") if data else None
         return Remedied("LRP522", use.span, what, fix if not use.call.arguments else None)
-    if use.role in _USED or (use.role == "value" and not is_action):
+    if use.role in _USED:
         fix = Fix(f"Insert `.{data}`", (Edit(end, end, f".{data}"),)) if data else None
         return Remedied("LRP522", use.span, what, fix)
-    if use.role == "stated" or (use.role == "value" and is_action):
+    if use.role == "stated":
         return Remedied("LRP507", use.span, f"This only names `robot.{path}` and does nothing. Remove it.")
     return None
 
@@ -164,7 +160,7 @@ def _inside_reading(use: RobotUse, member: RobotMember, index: int) -> Remedied 
     return Remedied("LRP520", span, message, fix)
 
 
-def _reading(use: RobotUse, member: RobotMember, is_condition: bool, is_action: bool) -> Remedied | None:
+def _reading(use: RobotUse, member: RobotMember, is_condition: bool) -> Remedied | None:
     path, kind = f"robot.{member.path}", _KINDS.get(member.type, "")
     if use.role == "called":
         assert use.call is not None
@@ -178,7 +174,7 @@ def _reading(use: RobotUse, member: RobotMember, is_condition: bool, is_action: 
         return Remedied(
             "LRP523", use.span, f"`{path}` belongs to the robot and cannot be deleted. Remove the `del`."
         )
-    if use.role == "stated" or (use.role == "value" and is_action):
+    if use.role == "stated":
         return Remedied("LRP507", use.span, f"This only reads `{path}` and does nothing with it. Remove it.")
     if use.role == "value" and is_condition and kind in ("number", "text"):
         message = f"A condition is `True` or `False`, but `{path}` is {_ARTICLES[kind]}. Compare it with one."
@@ -228,11 +224,7 @@ def _is_number(text: str) -> bool:
 
 
 def _method(
-    use: RobotUse,
-    member: RobotMember,
-    parameters: Parameters,
-    is_action: bool,
-    is_number: Callable[[str], bool],
+    use: RobotUse, member: RobotMember, parameters: Parameters, is_number: Callable[[str], bool]
 ) -> Remedied | None:
     path = f"robot.{member.path}"
     call = f"{path}{parameters.text}"
@@ -248,11 +240,11 @@ def _method(
     end = use.span.end
     is_plain = not (parameters.names or parameters.required)
     fix = Fix("Insert `()`", (Edit(end, end, "()"),)) if is_plain else None
-    if use.role == "stated" or (use.role == "value" and is_action):
+    if use.role == "stated":
         written = f"{path}()" if is_plain else call
         message = f"This only names `{path}` and does nothing. Write `{written}` to call it, or remove it."
         return Remedied("LRP507", use.span, message, fix)
-    if use.role in _CALLABLE:
+    if use.role in _USED:
         message = f"`{path}` is a method. Write `{path}{'()' if is_plain else parameters.text}` to call it."
         return Remedied("LRP524", use.span, message, fix)
     return None
