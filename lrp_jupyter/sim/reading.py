@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import fields
 from difflib import get_close_matches
 from keyword import iskeyword
 from pathlib import Path
@@ -88,8 +89,7 @@ def read_world(value: object) -> World:
     `value`: as :meth:`World.to_dict` writes it; only ``version``, ``size`` and ``robots`` must be there.
     Raises WorldError: the message begins with the place of the first mistake.
     """
-    known = ("version", "name", "size", "seed", "open", "floor", "solids", "robots", "zones")
-    record = _record(value, "", known, ("version", "size", "robots"))
+    record = _record(value, "", ("version", *_keys(World)), ("version", "size", "robots"))
     if record["version"] != VERSION or isinstance(record["version"], bool):
         raise WorldError(f"`version`: Expected {VERSION}, not {_shown(record['version'])}.")
     width, height = _numbers(record["size"], "size", 2, low=0.1, high=_FAR)
@@ -118,7 +118,7 @@ def read_world(value: object) -> World:
 
 
 def _floor(value: object, place: str) -> FloorSpec:
-    record = _record(value, place, ("grey", "strokes"))
+    record = _record(value, place, _keys(FloorSpec))
     return FloorSpec(
         grey=_grey(record.get("grey", 255), f"{place}.grey"),
         strokes=_each(record.get("strokes", []), f"{place}.strokes", _stroke),
@@ -126,7 +126,7 @@ def _floor(value: object, place: str) -> FloorSpec:
 
 
 def _stroke(value: object, place: str) -> Stroke:
-    record = _record(value, place, ("path", "arc", "circle", "width", "grey"))
+    record = _record(value, place, _keys(PathStroke, ArcStroke, CircleStroke))
     shape = _one_of(record, place, ("path", "arc", "circle"))
     width = _number(record.get("width", 0.03), f"{place}.width", low=_SMALL, high=_FAR)
     grey = _grey(record.get("grey", 0), f"{place}.grey")
@@ -150,7 +150,7 @@ def read_solid(value: object, place: str) -> Solid:
 
     Raises WorldError: it is not a solid.
     """
-    record = _record(value, place, ("box", "circle", "angle", "push", "name", "patrol"))
+    record = _record(value, place, _keys(BoxSolid, DiscSolid))
     shape = _one_of(record, place, ("box", "circle"))
     angle = _number(record.get("angle", 0), f"{place}.angle", low=-_FAR, high=_FAR)
     push = record.get("push")
@@ -165,7 +165,7 @@ def read_solid(value: object, place: str) -> Solid:
 
 
 def _patrol(value: object, place: str) -> Patrol:
-    record = _record(value, place, ("path", "speed", "closed"), ("path",))
+    record = _record(value, place, _keys(Patrol), ("path",))
     path = _each(record["path"], f"{place}.path", _point)
     if not path:
         raise WorldError(
@@ -190,7 +190,7 @@ def read_zone(value: object, place: str) -> Zone:
 
     Raises WorldError: it is not a zone.
     """
-    record = _record(value, place, ("box", "circle"))
+    record = _record(value, place, _keys(BoxZone, CircleZone))
     shape = _one_of(record, place, ("box", "circle"))
     if shape == "box":
         return BoxZone(_box(record[shape], f"{place}.{shape}"))
@@ -198,8 +198,7 @@ def read_zone(value: object, place: str) -> Zone:
 
 
 def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
-    known = ("pose", "radius", "light", "bumper", "distance", "limits", "noise", "name")
-    record = _record(value, place, known, ("pose",))
+    record = _record(value, place, _keys(RobotSpec), ("pose",))
     standard = RobotSpec((0.0, 0.0, 0.0))
     x, y, heading = _numbers(record["pose"], f"{place}.pose", 3, low=-_FAR, high=_FAR)
     _inside((x, y), f"{place}.pose", size)
@@ -237,8 +236,7 @@ _MEMBERS = frozenset(
 
 
 def _noise(value: object, place: str) -> Noise:
-    known = ("motor", "light", "distance", "gyro", "odom", "dropout")
-    record = _record(value, place, known)
+    record = _record(value, place, _keys(Noise))
     return Noise(
         **{key: _number(item, f"{place}.{key}", low=0.0, high=255.0) for key, item in record.items()}
     )
@@ -265,6 +263,11 @@ def _inside(point: tuple[float, float], place: str, size: tuple[float, float]) -
 def _point(value: object, place: str) -> tuple[float, float]:
     x, y = _numbers(value, place, 2)
     return x, y
+
+
+def _keys(*kinds: type) -> tuple[str, ...]:
+    """Return the names of the fields of some dataclasses, each once."""
+    return tuple(dict.fromkeys(field.name for kind in kinds for field in fields(kind)))
 
 
 def _record(

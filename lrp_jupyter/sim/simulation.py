@@ -458,11 +458,7 @@ class Simulation:
             )
         self._queue.clear()
         checkpoint, inputs = self._log.cut(step, most)
-        self._restore(checkpoint)
-        for at, what in inputs:
-            self._advance_to(at)
-            self._apply_now(what)
-        self._advance_to(step)
+        self._restore(checkpoint, inputs, step)
         self.revision += 1
 
     def forget(self, before: WorldMoment) -> None:
@@ -482,11 +478,7 @@ class Simulation:
         fork = Simulation(checkpoint.world, history=WorldHistory(), original=self.original)
         fork._log = InputLog()
         fork._log.add(replace(checkpoint, marks=marks, inputs=[]))
-        fork._restore(fork._log.last)
-        for at, what in inputs:
-            fork._advance_to(at)
-            fork._apply_now(what)
-        fork._advance_to(to.step)
+        fork._restore(fork._log.last, inputs, to.step)
         return fork
 
     def repeated(self, first: WorldMoment, last: WorldMoment, every: int) -> Iterator[Simulation]:
@@ -538,7 +530,8 @@ class Simulation:
         self._log.add(checkpoint)
         self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
 
-    def _restore(self, checkpoint: Checkpoint) -> None:
+    def _restore(self, checkpoint: Checkpoint, inputs: list[tuple[int, Input]], step: int) -> None:
+        """Return to a checkpoint, and repeat the run from there to a step, with its inputs."""
         self._clock.steps, self._inputs = checkpoint.moment
         self._base = checkpoint.base
         self.world = checkpoint.world
@@ -551,6 +544,10 @@ class Simulation:
         while self.track and self.track[-1][0] > self.steps:
             self.track.pop()
         self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
+        for at, what in inputs:
+            self._advance_to(at)
+            self._apply_now(what)
+        self._advance_to(step)
 
     def _start(self) -> None:
         for robot in self.robots:
