@@ -16,7 +16,6 @@ import sys
 from collections import deque
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
-from functools import partial
 from pathlib import Path as FilePath
 from queue import Empty, SimpleQueue
 from time import perf_counter
@@ -83,7 +82,9 @@ def run_file(file: str, wanted: RunOptions) -> int:
         complaints.print("Nothing runs yet. Correct the text and save it.")
     running = Program(filename=source.name) if program is None else with_initials(program, wanted.assignments)
     if program is not None and wanted.until is not None and not wanted.watch:
-        _check_state(program, wanted.until)
+        missing = missing_state(wanted.until, program)
+        if missing is not None:
+            raise typer.BadParameter(f"--until: {missing}")
     if source.path is not None:
         sys.path.insert(0, str(source.path.parent.absolute()))  # for imports of modules beside the file
     with ExitStack() as outputs:
@@ -203,16 +204,6 @@ def _opened(trace: str | None, stack: ExitStack) -> IO[str] | None:
     return stack.enter_context(open_log(trace))
 
 
-def _check_state(program: Program, until: str) -> None:
-    if (missing := missing_state(until, program)) is not None:
-        raise typer.BadParameter(f"--until: {missing}")
-
-
-def _is_meant(session: Session, until: str, state: Path) -> bool:
-    """Return whether a state is the one that ends the run."""
-    return means(session.interpreter.program, until, state)
-
-
 class _Run:
     """One run, controlled from the main thread."""
 
@@ -225,8 +216,7 @@ class _Run:
         self._quit = False  # by the key q
         self._trace = trace
         self._cut = False  # the trace is not read any more
-        until = None if wanted.until is None else partial(_is_meant, session, wanted.until)
-        self._events = EventCollector(until, trace is not None)
+        self._events = EventCollector(self._ends if wanted.until else None, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(plain_console(soft_wrap=False)) if drawn else None
@@ -335,6 +325,10 @@ class _Run:
     def _must_end(self) -> bool:
         """Return whether a person wants the end, or cannot see anything any more."""
         return bool(self._caught) or self._quit or self._output.failure is not None
+
+    def _ends(self, state: Path) -> bool:
+        """Return whether a state is the one that ends the run."""
+        return means(self.session.interpreter.program, self.wanted.until or "", state)
 
     def _end_if_reached(self) -> None:
         if self._events.reached.is_set():
