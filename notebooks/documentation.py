@@ -141,6 +141,8 @@ def api() -> str:
         if isinstance(public, type):
             kind = "exception" if issubclass(public, Exception) else "class"
         members = "" if kind == "function" else "\n   :members:"
+        if public is lrp_jupyter.Session:  # much of it is its base class, which no one else uses
+            members += "\n   :inherited-members:"
         entry = f"```{{eval-rst}}\n.. auto{kind}:: lrp_jupyter.{name}{members}\n```"
         parts[_PARTS[public.__module__.split(".")[1]]].append(entry)
     order = dict.fromkeys(_PARTS.values())

@@ -7,8 +7,7 @@ from support.sessions import seen
 
 from lrp_jupyter.errors import SessionTimeoutError
 from lrp_jupyter.language.program import Element
-from lrp_jupyter.live import checkpoints
-from lrp_jupyter.live import session as live_session
+from lrp_jupyter.live import checkpoints, questions
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.fork import private_namespace
 from lrp_jupyter.live.loop import Loop
@@ -306,7 +305,7 @@ HANGING = """(var n := [0])
 
 
 def test_a_block_that_does_not_return_is_not_repeated_for_ever(monkeypatch):
-    monkeypatch.setattr(live_session, "_REPEATING", 0.2)
+    monkeypatch.setattr(questions, "REPEATING", 0.2)
     with Session(HANGING, clock=VirtualClock()) as session:
         with pytest.raises(SessionTimeoutError):
             session.run(1, limit=0.2)
@@ -317,8 +316,8 @@ def test_a_block_that_does_not_return_is_not_repeated_for_ever(monkeypatch):
             with pytest.raises(SessionTimeoutError, match=r"^Tick 5 cannot be repeated: a block did not"):
                 ask(6)
         late = Element("transition", ("m", "late"))
-        assert session.call(lambda: session._test_again(5, late)) is None
-        assert session.call(lambda: session._test_again(8, late)) is None
+        assert session.call(lambda: questions.test_again(session, 5, late)) is None
+        assert session.call(lambda: questions.test_again(session, 8, late)) is None
 
 
 def test_a_fork_that_fails_is_closed(monkeypatch):

@@ -1,0 +1,256 @@
+"""What a session can be asked: what was, why, how it would go on, and what if something were otherwise.
+
+Nothing changes in the session. Its record answers between two ticks; *what if* runs forks, which are sessions
+themselves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from types import NoneType
+from typing import Any, Literal, TypeVar, cast
+
+from lrp_jupyter.arguments import check_callable, check_number, check_type
+from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.errors import BridgeError, SessionTimeoutError
+from lrp_jupyter.language.expressions import Evaluation
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private_namespace
+from lrp_jupyter.live.frame import Frame
+from lrp_jupyter.live.past import animation_of, frame_at, tick_of
+from lrp_jupyter.live.plots import Plot, plotting_named
+from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.replay import tested_again, without_edits
+from lrp_jupyter.live.runner import REPEATING, Runner, Until
+from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
+from lrp_jupyter.live.trials import Trial, Trials
+from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
+from lrp_jupyter.live.why.answers import Answers
+
+Moment = int | float | None
+"""A tick; a time in seconds, as a float: then the last tick that was not after it; None: now."""
+Asked = TypeVar("Asked", bound=Runner)
+
+
+def at(session: Runner, tick: int | float) -> Frame:
+    """Return the frame of an earlier moment."""
+    _check_moment("tick", tick)
+    return cast(Frame, session._value("at", lambda: frame_at(session._loop, _tick_of(session, tick))))
+
+
+def animation(session: Runner, begin: Moment, end: Moment) -> str:
+    """Return how the simulated world moved between two moments, as an animated SVG."""
+    for name, at in (("begin", begin), ("end", end)):
+        if at is not None:
+            _check_moment(name, at)
+
+    def start() -> Callable[[], str] | None:
+        ticks = [None if at is None else _tick_of(session, at) for at in (begin, end)]
+        return animation_of(session._loop, *ticks)
+
+    draw = session._value("animation", start)
+    if draw is None:
+        raise BridgeError(f"`{session.bridge.name}` has no simulated world that could be drawn.")
+    return cast(str, draw())
+
+
+def timeline(session: Runner, since: TimelineCursor | None, plots: Mapping[str, int] | None) -> Timeline:
+    """Return what happened, in order, since an earlier answer."""
+    check_type("since", since, (TimelineCursor, NoneType), "the `cursor` of a timeline")
+    check_type("plots", plots, (Mapping, NoneType), "a mapping of names to ticks")
+    timeline: Callable[[], Timeline] = session._value(
+        "timeline", partial(timeline_of, session._loop, since, plots)
+    )
+    return timeline()
+
+
+def plots(session: Runner, names: Iterable[str]) -> list[Plot]:
+    """Return the recorded samples of variables and readings."""
+    wanted = _listed("names", names, '["robot.light.data"]')
+    for name in wanted:
+        check_type("names", name, str, "a list of texts")
+    plot: Callable[[], list[Plot]] = session._value("plots", partial(plotting_named, session._loop, wanted))
+    return plot()
+
+
+def answer(
+    session: Runner, question: Literal["why", "why_not", "explain"], name: str | Path, at: Moment
+) -> Reason:
+    """Return why an element of the program, or the robot, did or did not do something."""
+    if at is not None:
+        _check_moment("at", at)
+
+    def answer() -> Reason:
+        tick = None if at is None else _tick_of(session, at)
+        answers = Answers(session._loop, partial(test_again, session))
+        reason: Reason = getattr(answers, question)(name, tick)
+        return reason
+
+    return cast(Reason, session._value(question, answer))
+
+
+def test_again(session: Runner, tick: int, element: Element) -> Evaluation | Exception | None:
+    """Run a tick again in a fork, and return what the test of a transition was there."""
+    try:
+        start = fork_start(session._loop, tick - 1)
+        if isinstance(start.bridge, RecordedBridge):
+            return None
+        with _forked(session, start) as copy, copy.driving(REPEATING):
+            return tested_again(copy._loop, copy._script, element)
+    except (ValueError, BridgeError, SessionTimeoutError):
+        return None
+
+
+def fork(session: Asked, at: Moment, program: str | Program | None, inputs: bool) -> Asked:
+    """Return an independent copy of a session, now or after an earlier tick."""
+    if at is not None:
+        _check_moment("at", at)
+    check_type("program", program, (str, Program, NoneType), "a text or a Program")
+    if isinstance(program, str):
+        program = parse(program, session.program.filename)
+
+    def start() -> ForkStart:
+        return fork_start(session._loop, None if at is None else _tick_of(session, at))
+
+    copy = _forked(session, session._value("fork", start))
+    with copy._closed_on_error(), copy._driver.exclusive("fork"):
+        if program is not None:
+            copy._loop.apply(do.ReplaceProgram(program))
+            copy._text = program.text
+            copy._script = deque(without_edits(copy._script))
+        if not inputs:
+            copy._script.clear()
+        if not copy._script:
+            copy._loop.rest()
+        copy._loop.publish()
+    return copy
+
+
+def what_if(session: Runner, at: Moment, program: str | Program | None, seconds: float) -> WhatIf:
+    """Return how another program would go on from a moment, beside how it went."""
+    check_number("seconds", seconds, "a number of seconds", above=0)
+    if math.isinf(seconds):
+        raise ValueError("Both runs last so many `seconds`. Pass a number that is not infinite.")
+    session._driver.refuse_inside("what_if")
+    if program is None and at is not None:
+        program = session.program
+    with fork(session, at, program, True) as copy:
+        tick, begin = copy.frame.tick, copy.frame.time
+        changed, end, open_loop = _observed(copy, tick, seconds)
+    if at is None and program is None:
+        recorded = changed
+    else:
+        with fork(session, at, None, True) as copy:
+            recorded, _, _ = _observed(copy, tick, seconds)
+    return WhatIf(tick, begin, end, recorded, changed, divergence(recorded, changed), open_loop)
+
+
+def _observed(copy: Runner, tick: int, seconds: float) -> tuple[Course, float, bool]:
+    """Run a fork, and return its course, its end in seconds, and whether readings were fed."""
+    observation = Observation(copy._loop, tick)
+    copy.run(seconds, limit=REPEATING, after_tick=observation.watch)
+    open_loop = isinstance(copy.bridge, RecordedBridge)
+    return observation.course(), copy._loop.timing.now, open_loop
+
+
+def try_values(
+    session: Asked,
+    variable: str | Path,
+    values: Iterable[object],
+    seconds: float,
+    until: Until | None,
+    outcome: Callable[[Asked], object] | None,
+    at: Moment,
+) -> Trials:
+    """Run on from one moment with different values of a variable, each in a fork."""
+    check_number("seconds", seconds, "a number of seconds", least=0)
+    if math.isinf(seconds) and until is None:
+        raise ValueError("A run without `until` never ends. Pass `until`, or other `seconds`.")
+    if outcome is not None:
+        check_callable("outcome", outcome)
+    session._driver.refuse_inside("try_values")
+    trials = []
+    for value in _listed("values", values, "[0.2, 0.3]"):
+        with fork(session, at, None, False) as copy:
+            copy.variables[variable] = value
+            trials.append(_tried(copy, value, seconds, until, outcome))
+    awaited = "" if until is None else "the condition" if callable(until) else path_text(as_path(until))
+    return Trials(path_text(as_path(variable)), tuple(trials), awaited)
+
+
+def _tried(
+    copy: Asked,
+    value: object,
+    seconds: float,
+    until: Until | None,
+    outcome: Callable[[Asked], object] | None,
+) -> Trial:
+    """Run a fork, and return what came of it."""
+    begin, way = copy.frame.time, []
+    ends = None if until is None else copy._watch(until)
+
+    def after_tick() -> bool:
+        if (world := copy.bridge.simulated) is not None:
+            way.append(world.pose[:2])
+        return ends is not None and ends()
+
+    reached = copy.run(seconds, after_tick=after_tick)
+    frame = copy.frame
+    return Trial(
+        value,
+        round(frame.time - begin, 9),
+        round(frame.time - begin, 9) if reached and until is not None else None,
+        None if outcome is None else outcome(copy),
+        frame.active,
+        sum(not issue.resolved for issue in frame.issues),
+        tuple(way),
+    )
+
+
+def _forked(session: Asked, start: ForkStart) -> Asked:
+    """Return a copy of a session, at the moment for which it was prepared."""
+    checkpoint = start.checkpoint
+    copy = type(session)(
+        checkpoint.snapshot.program,
+        start.bridge,
+        VirtualClock(),
+        namespace=private_namespace(start.namespace, checkpoint.random),
+        name=f"{session.name} fork",
+        journal=session._journal,
+    )
+    with copy._closed_on_error():
+        copy._loop.begin(checkpoint)
+        if start.entries:
+            copy._repeat(start.entries)
+        if start.recorded is not None:
+            check_repeated(start.recorded, copy.interpreter)
+    copy._text = copy.interpreter.program.text
+    copy._script.extend(start.later)
+    return copy
+
+
+def _listed(name: str, values: Iterable[Any], example: str) -> list[Any]:
+    """Return the values of an argument that is a list, for which a text is taken by mistake."""
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        kind = type(values).__name__
+        raise TypeError(f"`{name}` must be a list, such as `{example}`, not {kind}.")
+    return list(values)
+
+
+def _check_moment(name: str, at: object) -> None:
+    """Raise an error if an argument is neither a tick nor a time."""
+    check_type(name, at, (int, float), "the number of a tick, or a time in seconds")
+    if isinstance(at, float):
+        check_number(name, at, "a time in seconds", least=0)
+
+
+def _tick_of(session: Runner, at: int | float) -> int:
+    """Return the tick that is meant by its number, or by a time in seconds."""
+    return at if isinstance(at, int) else tick_of(session._loop, at)
