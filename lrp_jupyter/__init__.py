@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from lrp_jupyter.interpreter.interpreter import Interpreter as Interpreter
     from lrp_jupyter.interpreter.issues import Issue as Issue
     from lrp_jupyter.language.diff import diff as diff
-    from lrp_jupyter.language.parser import parse as parse
     from lrp_jupyter.language.printer import to_source as to_source
+    from lrp_jupyter.language.parser import parse as parse
     from lrp_jupyter.language.program import Machine as Machine
     from lrp_jupyter.language.program import Program as Program
-    from lrp_jupyter.live.checking import check as check
     from lrp_jupyter.live.clock import VirtualClock as VirtualClock
-    from lrp_jupyter.live.frame import Frame as Frame
+    from lrp_jupyter.live.running.checking import check as check
+    from lrp_jupyter.live.running.frame import Frame as Frame
     from lrp_jupyter.live.session import Session as Session
     from lrp_jupyter.sim import World as World
     from lrp_jupyter.widgets.lab import Controls as Controls
@@ -71,11 +71,11 @@ _HOMES = {
     "language.parser": ("parse",),
     "language.printer": ("to_source",),
     "language.program": ("Machine", "Program"),
-    "live.checking": ("check",),
+    "live.running.checking": ("check",),
     "live.clock": ("VirtualClock",),
     "grading.grade": ("grade",),
     "grading.sweep": ("sweep",),
-    "live.frame": ("Frame",),
+    "live.running.frame": ("Frame",),
     "live.session": ("Session",),
     "sim": ("World",),
     "graph.state_graph": ("state_graph",),

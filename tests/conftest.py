@@ -44,7 +44,7 @@ def _no_workers_left():
 @pytest.fixture(autouse=True)
 def _no_suspension(monkeypatch):
     """Have no time pass for guards of this process: a test that the machine holds up is not suspended."""
-    from lrp_jupyter.bridges import guard
+    from lrp_jupyter.bridges.guarding import guard
 
     present = guard.now()
     monkeypatch.setattr(guard, "now", lambda: present)

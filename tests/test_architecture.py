@@ -82,9 +82,18 @@ def test_a_class_name_has_one_meaning(package: Package):
     assert [name for name, count in Counter(package.classes).items() if count > 1] == []
 
 
+def test_a_module_name_has_one_meaning():
+    """Robots are packages of a kind: each has a bridge, a link, a protocol."""
+    robots = PACKAGE / "bridges"
+    files = [file for file in PACKAGE.rglob("*.py") if file.parents[1] != robots]
+    names = [file.parent.name if file.stem == "__init__" else file.stem for file in files]
+    twice = {name for name, count in Counter(names).items() if count > 1}
+    assert twice == {"interpreter", "sim"}  # the module of the package's name, and the bridge to it
+
+
 def test_two_modules_write_the_files_of_a_user_whole_ones_and_lines(package: Package):
     writing = {name for name in package.writing if not name.startswith("site/")}  # which fills a new folder
-    pipes = {"bridges/guard_process.py", "cli/run.py", "grading/worker.py"}
+    pipes = {"bridges/guard_process.py", "cli/run_command.py", "grading/worker.py"}
     assert writing == {"files.py", "logs.py"} | pipes
 
 

@@ -12,14 +12,14 @@ from typer.testing import CliRunner
 
 import lrp_jupyter
 from lrp_jupyter import Session, check
-from lrp_jupyter.bridges.safety import NoticeKind
+from lrp_jupyter.bridges.guarding.safety import NoticeKind
 from lrp_jupyter.cli import app
 from lrp_jupyter.codes import CODES, FINDINGS, Code, explain
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.issues import ISSUE_CODES
-from lrp_jupyter.interpreter.reasons import ReasonCode
-from lrp_jupyter.live import driver, monitor
+from lrp_jupyter.interpreter.tick_reasons import ReasonCode
 from lrp_jupyter.live.reason import CommandCode, StateCode
+from lrp_jupyter.live.running import driver, monitor
 
 PACKAGE = Path(lrp_jupyter.__file__).parent
 NO_PROGRAM_BRINGS_IT = {"LRP699", "exit-3", "exit-130", "exit-154"}

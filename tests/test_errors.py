@@ -22,9 +22,9 @@ from lrp_jupyter.errors import (
     did_you_mean,
 )
 from lrp_jupyter.graph.state_graph import find_machine
-from lrp_jupyter.language import drawing
-from lrp_jupyter.language.initials import with_initial
-from lrp_jupyter.language.rename import rename
+from lrp_jupyter.language.edits import drawing
+from lrp_jupyter.language.edits.initials import with_initial
+from lrp_jupyter.language.edits.rename import rename
 
 FIX = Fix("Close it", (Edit(8, 8, ")"),))
 FINDINGS = (

@@ -10,11 +10,11 @@ from typer.testing import CliRunner
 from lrp_jupyter.cli import app
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.still import svg
-from lrp_jupyter.language import drawing
-from lrp_jupyter.language.initials import with_initial
+from lrp_jupyter.language.edits import drawing
+from lrp_jupyter.language.edits.initials import with_initial
+from lrp_jupyter.language.edits.rename import rename
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.rename import rename
 from lrp_jupyter.live.session import Session
 
 TWIN = """

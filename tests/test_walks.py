@@ -10,8 +10,8 @@ from support.waiting import until
 
 from lrp_jupyter import Lab
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.changes import difference
-from lrp_jupyter.widgets.plain import packed, unpacked
+from lrp_jupyter.widgets.wire.changes import difference
+from lrp_jupyter.widgets.wire.packing import packed, unpacked
 
 TEXT = (Path(__file__).parents[1] / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
 TOUR = dict(

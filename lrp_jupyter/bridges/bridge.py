@@ -57,14 +57,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, ClassVar
 
-from lrp_jupyter.bridges.bounded import failure_of
+from lrp_jupyter.bridges.guarding.bounded import failure_of
+from lrp_jupyter.bridges.guarding.safety import Notice
 from lrp_jupyter.bridges.interface import Interface, part
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.options import no_option
 from lrp_jupyter.bridges.panel import STOP, Field, Panel
 from lrp_jupyter.bridges.robot import Robot, attach
-from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = [

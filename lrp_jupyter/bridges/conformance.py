@@ -38,8 +38,8 @@ from functools import partial
 from typing import ClassVar
 
 from lrp_jupyter.bridges.bridge import Bridge, BridgeStatus, ConnectionState, NullBridge
+from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.probes import (
     ConformanceError,
     NotChecked,

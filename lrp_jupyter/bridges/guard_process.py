@@ -1,4 +1,4 @@
-"""The guard process: stops a robot whose program is dead or suspended; see `lrp_jupyter.bridges.guard`.
+"""The guard process, which stops a robot whose program is dead or suspended: see `guarding/guard.py`.
 
 Its standard input has an order in a line: a `Stopper` as JSON, its parent, and how long that may be silent.
 Then a byte for each beat: ``m``, the robot may move; ``s``, it stands; ``x``, stop it, which the parent could
@@ -23,7 +23,7 @@ from io import BufferedReader
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
-from lrp_jupyter.bridges.guard import now
+from lrp_jupyter.bridges.guarding.guard import now
 from lrp_jupyter.errors import BridgeError, sentence_of
 
 _EVERY = 0.1  # s between two stops

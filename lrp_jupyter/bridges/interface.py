@@ -15,14 +15,14 @@ from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 from weakref import WeakValueDictionary
 
-from lrp_jupyter.bridges.fed import FedValues
-from lrp_jupyter.bridges.guard import UNGUARDED, Guard, Stopper
+from lrp_jupyter.bridges.guarding.guard import UNGUARDED, Guard, Stopper
+from lrp_jupyter.bridges.guarding.safety import CommandRecord, Notice, NoticeKind, Origin, Safety
+from lrp_jupyter.bridges.interventions import RobotArmed, RobotCommanded, RobotStopped
+from lrp_jupyter.bridges.latched_values import FedValues
+from lrp_jupyter.bridges.member_tree import Limits, Nodes, RobotMethod, RobotVariable
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message, stands
-from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
-from lrp_jupyter.bridges.outside import RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.robot import Robot
-from lrp_jupyter.bridges.safety import CommandRecord, Notice, NoticeKind, Origin, Safety
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 _STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
@@ -77,10 +77,10 @@ class Interface:
     readings : dict of str to object
         What was read in this tick, by path; the error where a reading failed.
     origin : callable
-        Returns the :class:`~lrp_jupyter.bridges.safety.Origin` of a command that is given now.
+        Returns the :class:`~lrp_jupyter.bridges.guarding.safety.Origin` of a command that is given now.
     outside : callable
-        Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.outside` or
-        inputs of a simulated world, and with whether it was certainly not the program that did it.
+        Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.interventions`
+        or inputs of a simulated world, and with whether it was certainly not the program that did it.
     """
 
     name: ClassVar[str]

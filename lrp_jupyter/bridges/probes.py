@@ -11,8 +11,8 @@ from collections.abc import Callable
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message
-from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 _SLICE = 0.01  # s

@@ -12,8 +12,8 @@ from inspect import Parameter, Signature
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain, real_number
-from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import NoDataYet
 
 

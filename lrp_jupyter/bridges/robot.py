@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from typing import Any, NoReturn
 
+from lrp_jupyter.bridges.member_tree import MemberOwner, RobotMethod, RobotVariable
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.bridges.nodes import MemberOwner, RobotMethod, RobotVariable
 from lrp_jupyter.errors import NotAValue, did_you_mean
 
 

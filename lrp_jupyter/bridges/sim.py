@@ -20,16 +20,16 @@ from typing import Any, NamedTuple, cast
 
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel, SimulatedWorld
+from lrp_jupyter.bridges.guarding.safety import Motion
+from lrp_jupyter.bridges.interventions import WorldLoaded
 from lrp_jupyter.bridges.message import Message, Twist
-from lrp_jupyter.bridges.outside import WorldLoaded
-from lrp_jupyter.bridges.safety import Motion
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.animation import EVERY, animated
-from lrp_jupyter.sim.edits import Become, Draw, Edition, PutSolid, WorldEdit, WorldHistory, is_edit
-from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.sensors import Readings, light_directions, ray_directions
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, Solid, World, WorldError, can_move
+from lrp_jupyter.sim.world_edits import Become, Draw, Edition, PutSolid, WorldEdit, WorldHistory, is_edit
+from lrp_jupyter.sim.world_inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 
 __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
 

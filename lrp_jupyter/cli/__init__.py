@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import sys
 
-from lrp_jupyter.cli.commands import app
+from lrp_jupyter.cli.command_line import app
 from lrp_jupyter.cli.console import Colours
 
 __all__ = ["app", "main"]

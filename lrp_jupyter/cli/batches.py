@@ -13,8 +13,8 @@ from rich.text import Text
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.excerpt import print_findings
 from lrp_jupyter.cli.lists import show_table, table_of
-from lrp_jupyter.cli.options import check_outputs, pairs_of
-from lrp_jupyter.cli.source import read_source
+from lrp_jupyter.cli.program_source import read_source
+from lrp_jupyter.cli.run_options import check_outputs, pairs_of
 from lrp_jupyter.errors import FileError, LRPSyntaxError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.grading.attempt import Attempt

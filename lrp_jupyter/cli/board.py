@@ -15,7 +15,7 @@ from rich.text import Text
 from lrp_jupyter.cli.excerpt import excerpt
 from lrp_jupyter.cli.map import framed
 from lrp_jupyter.language.program import Path
-from lrp_jupyter.live.frame import Frame
+from lrp_jupyter.live.running.frame import Frame
 
 _STATUS = {"running": ("▶", "bold green"), "paused": ("⏸", "bold yellow"), "hung": ("✋", "bold red")}
 _ISSUES = 4  # shown at the same time, at most

@@ -41,7 +41,7 @@ def bridges(incomplete: str) -> list[str]:
 
 def backends(incomplete: str) -> list[str]:
     """Complete the name of a way to a robot that is to be guarded."""
-    from lrp_jupyter.cli.guard import BACKENDS
+    from lrp_jupyter.cli.guard_command import BACKENDS
 
     return _beginning(incomplete, BACKENDS)
 
@@ -100,7 +100,7 @@ def variables(context: typer.Context, incomplete: str) -> list[str]:
 
 def _program(context: Any) -> Program:
     """Return the program of the argument FILE; an empty one if there is none."""
-    from lrp_jupyter.cli.source import read_source
+    from lrp_jupyter.cli.program_source import read_source
     from lrp_jupyter.errors import LRPError
     from lrp_jupyter.language.parser import scan
     from lrp_jupyter.language.program import Program

@@ -10,7 +10,7 @@ from rich.text import Text
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.codes import style_of
 from lrp_jupyter.language.program import Finding, line_starts
-from lrp_jupyter.live.frame import Frame
+from lrp_jupyter.live.running.frame import Frame
 
 COLOURS = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
 _TAB = 4

@@ -14,18 +14,18 @@ from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.excerpt import finding_text, print_findings, summary
-from lrp_jupyter.cli.options import check_outputs
-from lrp_jupyter.cli.source import Source, read_source
+from lrp_jupyter.cli.program_source import Source, read_source
+from lrp_jupyter.cli.run_options import check_outputs
 from lrp_jupyter.codes import address_of
 from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
-from lrp_jupyter.language.format import formatted
+from lrp_jupyter.language.edits.format import formatted
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
-from lrp_jupyter.language.robot import RobotMembers
-from lrp_jupyter.live.checking import members_of, members_of_world
+from lrp_jupyter.language.robot_members import RobotMembers
+from lrp_jupyter.live.running.checking import members_of, members_of_world
 
 Format = Literal["svg", "dot", "mermaid", "json"]
 _SUFFIXES: dict[str, Format] = {

@@ -13,8 +13,8 @@ from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError, pr
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria.criterion import State, Verdict
 from lrp_jupyter.grading.hints import hints_of
-from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World

@@ -13,7 +13,7 @@ from typing import Any
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.errors import LRPError, sentence_of
 from lrp_jupyter.grading.criteria import Criterion
-from lrp_jupyter.grading.record import RunRecord, at_start
+from lrp_jupyter.grading.run_record import RunRecord, at_start
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.worlds import load as load_world
 

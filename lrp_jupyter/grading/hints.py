@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.language.checks.uses import robot_uses
 from lrp_jupyter.language.program import Block, Program
 

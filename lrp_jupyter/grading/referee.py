@@ -9,7 +9,7 @@ from __future__ import annotations
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import Criterion, State, Verdict, no_faults, not_carried
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.sim.world import World
 

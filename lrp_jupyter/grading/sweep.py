@@ -25,7 +25,7 @@ from lrp_jupyter.grading.grade import Grade, namespace_of, text_of
 from lrp_jupyter.grading.heatmap import by_run, by_values
 from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.workers import HowRun
-from lrp_jupyter.language.initials import with_initial
+from lrp_jupyter.language.edits.initials import with_initial
 from lrp_jupyter.spreadsheets import csv_text
 
 Value = bool | int | float | str

@@ -34,7 +34,7 @@ from lrp_jupyter.grading.cluster import Cluster
 from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Ending, Request, patience
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.live.checkpoints import names_of
+from lrp_jupyter.live.running.checkpoints import names_of
 from lrp_jupyter.process import python_of
 
 

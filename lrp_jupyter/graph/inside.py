@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lrp_jupyter.graph.geometry import Point, Rect
-from lrp_jupyter.graph.shapes import Inside, Layout
+from lrp_jupyter.graph.layout_parts import Inside, Layout
 
 NAME = 26.0
 """Height of the state's name, above the machines, in px."""

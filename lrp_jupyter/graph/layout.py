@@ -24,7 +24,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
 from lrp_jupyter.graph.inside import Nested, beside_each_other
 from lrp_jupyter.graph.labels import beside, place_labels, shorten, text_width
-from lrp_jupyter.graph.places import keep_positions
+from lrp_jupyter.graph.layout_parts import Label, Layout, Port, Start, StateShape, TransitionShape
 from lrp_jupyter.graph.routes import (
     Pair,
     Route,
@@ -37,7 +37,6 @@ from lrp_jupyter.graph.routes import (
     obstacles,
     straight,
 )
-from lrp_jupyter.graph.shapes import Label, Layout, Port, Start, StateShape, TransitionShape
 from lrp_jupyter.graph.state_graph import (
     ANY,
     distinct_states,
@@ -46,6 +45,7 @@ from lrp_jupyter.graph.state_graph import (
     start_states,
     why_dangling,
 )
+from lrp_jupyter.graph.state_places import keep_positions
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 
 STATE_FONT, LABEL_FONT = 13.0, 11.5

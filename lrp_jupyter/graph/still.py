@@ -17,8 +17,8 @@ from lrp_jupyter.graph.exports import tree
 from lrp_jupyter.graph.inside import NAME
 from lrp_jupyter.graph.labels import text_width
 from lrp_jupyter.graph.layout import LABEL_FONT, STATE_FONT, layout
+from lrp_jupyter.graph.layout_parts import Label, Layout, Port, StateShape, TransitionShape
 from lrp_jupyter.graph.routes import number
-from lrp_jupyter.graph.shapes import Label, Layout, Port, StateShape, TransitionShape
 from lrp_jupyter.graph.state_graph import DefinedPaths, find_machine
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.program import Machine, Path, Program, path_text

@@ -6,8 +6,8 @@ from collections.abc import Collection, ItemsView, Iterator, Mapping
 from typing import Any, TypeVar
 
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import as_defined
-from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
 
 V = TypeVar("V", covariant=True)

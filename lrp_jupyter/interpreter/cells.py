@@ -13,7 +13,7 @@ from math import inf
 from types import CellType, CodeType
 from typing import NamedTuple
 
-from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.trace_events import UNSET
 
 
 class Slot:

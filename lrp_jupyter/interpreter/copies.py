@@ -24,8 +24,8 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.errors import name_of, sentence_of
 from lrp_jupyter.interpreter.cells import content, put
-from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.journal import weightless
+from lrp_jupyter.interpreter.trace_events import UNSET
 
 _SHARED = (ModuleType, type, CodeType, BuiltinFunctionType, type(UNSET))
 _PLAIN = frozenset(

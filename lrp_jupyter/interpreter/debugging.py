@@ -13,8 +13,8 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content
-from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.language.program import Path, Program, path_text
 
 Assign = Callable[[str, Slot, object], object]

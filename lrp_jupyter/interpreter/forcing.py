@@ -10,9 +10,9 @@ from __future__ import annotations
 from functools import partial
 from typing import Literal
 
-from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.interpreter.tree import Activation, Row
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.program import Path

@@ -19,10 +19,10 @@ from types import CellType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content
-from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.facts import Commanded, Fact
 from lrp_jupyter.interpreter.journal import Log, SavedState, note, undo_attribute, undo_write, values_of
 from lrp_jupyter.interpreter.run import Run, undo_change, undo_fired
+from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program

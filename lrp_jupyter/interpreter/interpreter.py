@@ -40,7 +40,6 @@ from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_t
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.cells import Slot
 from lrp_jupyter.interpreter.debugging import scoped_traceback
-from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.forcing import How, find_destination, find_state, force
 from lrp_jupyter.interpreter.history import History
@@ -50,17 +49,18 @@ from lrp_jupyter.interpreter.linker import BlockPlan, StatePlan, link, show_in_t
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
+from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.tree import Activation, Count, bind_block
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
-from lrp_jupyter.interpreter.watching import watch
+from lrp_jupyter.interpreter.watched_test import watch
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
+from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.diff import diff
-from lrp_jupyter.language.expressions import Evaluation
-from lrp_jupyter.language.identity import Successors, after_rename, after_undo
-from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.edits.rename import rename as renamed_text
+from lrp_jupyter.language.half_typed import Unmeant
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program, path_text
-from lrp_jupyter.language.rename import rename as renamed_text
-from lrp_jupyter.language.unmeant import Unmeant
+from lrp_jupyter.language.successors import Successors, after_rename, after_undo
 
 
 def nothing(_: object) -> None:

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any, Literal, overload
 
-from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element
+from lrp_jupyter.language.successors import Successors
 
 IssueKind = Literal[
     "exception",

@@ -16,7 +16,7 @@ from types import CodeType
 from typing import NamedTuple
 
 from lrp_jupyter.interpreter.issues import IssueKind
-from lrp_jupyter.language.blocks import compile_block
+from lrp_jupyter.language.blocks.block import compile_block
 from lrp_jupyter.language.program import (
     Element,
     Path,
@@ -25,8 +25,8 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
+from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
-from lrp_jupyter.language.scanner import LINE_END
 
 
 @dataclass(frozen=True, slots=True)

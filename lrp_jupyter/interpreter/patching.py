@@ -21,8 +21,8 @@ from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariableP
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.diff import ChangeSet
-from lrp_jupyter.language.identity import Successors, is_inside
 from lrp_jupyter.language.program import Element, Path, Program, Spawn
+from lrp_jupyter.language.successors import Successors, is_inside
 
 Policy = Literal["restart", "keep"]
 

@@ -17,7 +17,6 @@ from typing import Any
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.debugging import Raised
-from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Faulted, Fired, Spawned
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, IssueLog
@@ -31,6 +30,7 @@ from lrp_jupyter.interpreter.linker import (
     VariablePlan,
     link,
 )
+from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.tree import (
     Action,
     Activation,
@@ -43,9 +43,9 @@ from lrp_jupyter.interpreter.tree import (
     is_boolean,
     not_boolean,
 )
-from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.language.successors import Successors
 
 _new = tuple.__new__  # takes a third of the time of a NamedTuple's constructor
 

@@ -18,7 +18,6 @@ from typing import Any, Protocol
 
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content, writes_of
-from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.facts import Enabled, Fired
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.issues import IssueLog
@@ -34,9 +33,10 @@ from lrp_jupyter.interpreter.linker import (
     StatePlan,
 )
 from lrp_jupyter.interpreter.rendering import short
-from lrp_jupyter.language.blocks import bind
+from lrp_jupyter.interpreter.trace_events import UNSET
+from lrp_jupyter.language.blocks.block import bind
+from lrp_jupyter.language.blocks.builtin_names import degrees
 from lrp_jupyter.language.program import Element, Name, Path, State
-from lrp_jupyter.language.provided import degrees
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
 
 Call = Callable[[], object]

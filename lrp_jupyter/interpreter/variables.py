@@ -9,15 +9,15 @@ from typing import NamedTuple
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.interpreter.cells import Slot, content
-from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Call, Environment, bind_code, is_boolean, not_boolean
-from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
-from lrp_jupyter.language.expressions import expression_of
-from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.blocks.block import compile_block, facts_of, faults_of
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
+from lrp_jupyter.language.blocks.expressions import expression_of
 from lrp_jupyter.language.program import Block, Path, Program, path_text
-from lrp_jupyter.language.python import parse_python
+from lrp_jupyter.language.python.python_parser import parse_python
 
 EXPRESSION = "<expression>"
 """The file name, in tracebacks, of an expression that is assigned."""

@@ -20,7 +20,6 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
-from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import (
     Element,
     Event,
@@ -32,6 +31,7 @@ from lrp_jupyter.language.program import (
     Variable,
     path_text,
 )
+from lrp_jupyter.language.successors import Successors
 
 _Change = (
     tuple[Literal["added", "removed", "changed", "moved"], Element]

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.language.forms import article
-from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.program import Element, Path, Program, Transition, path_text
+from lrp_jupyter.language.reading.forms import article
 from lrp_jupyter.language.resolution import Definition, resolve
 
 _KINDS = ("transition", "state", "event", "variable", "machine")

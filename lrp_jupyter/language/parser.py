@@ -16,19 +16,19 @@ from keyword import iskeyword
 
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.errors import MOST_FINDINGS, Edit, LRPSyntaxError, listed
-from lrp_jupyter.language import nodes
-from lrp_jupyter.language.blocks import facts_of, faults_of
-from lrp_jupyter.language.forms import USAGE, Mistake, Shape, article, expected_text, shape_of, short
-from lrp_jupyter.language.matching import Matching, match
+from lrp_jupyter.language.blocks.block import facts_of, faults_of
 from lrp_jupyter.language.mistakes import correct
 from lrp_jupyter.language.mistakes.unclosed import unclosed
 from lrp_jupyter.language.mistakes.wrong_brackets import is_form
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
-from lrp_jupyter.language.relocation import Members, Stray, members, relocated
-from lrp_jupyter.language.scanner import block_end
+from lrp_jupyter.language.python.scanner import block_end
+from lrp_jupyter.language.reading import elements_of_forms as nodes
+from lrp_jupyter.language.reading.forms import USAGE, Mistake, Shape, article, expected_text, shape_of, short
+from lrp_jupyter.language.reading.matching import Matching, match
+from lrp_jupyter.language.reading.misplaced_forms import Members, Stray, members, relocated
+from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.spellings import closest
-from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS, Epsilon
 
 MOST_PYTHON = 250_000

@@ -2,7 +2,7 @@
 
 The layout is canonical, whatever the original text: variables, events, states, transitions, each in their
 order. Comments outside blocks are not part of a program and are not printed; to change a text and keep
-them, edit the text (see :mod:`~lrp_jupyter.language.rename`).
+them, edit the text (see :mod:`~lrp_jupyter.language.edits.rename`).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
-from lrp_jupyter.language.margins import STEP, aligned
+from lrp_jupyter.language.blocks.block_margins import STEP, aligned
 from lrp_jupyter.language.program import (
     Action,
     Block,
@@ -21,7 +21,7 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
-from lrp_jupyter.language.scanner import block_end
+from lrp_jupyter.language.python.scanner import block_end
 
 _WIDTH = 90
 _STEP = " " * STEP

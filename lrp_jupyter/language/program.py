@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit, Finding, Fix
 from lrp_jupyter.language.display import Displayed
-from lrp_jupyter.language.scanner import LINE_END
+from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.source import NOWHERE, Block, Name, Span
 from lrp_jupyter.language.triggers import TransitionKind, Trigger
 

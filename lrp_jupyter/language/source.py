@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit, Fix
-from lrp_jupyter.language.suites import parse_block
+from lrp_jupyter.language.python.block_suite import parse_block
 
 
 class Span(NamedTuple):

@@ -16,22 +16,22 @@ from typing import Any, Literal, TypeVar, cast
 from lrp_jupyter.arguments import check_callable, check_number, check_type
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.errors import BridgeError, SessionTimeoutError
-from lrp_jupyter.language.expressions import Evaluation
-from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
+from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program, path_text
-from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private_namespace
-from lrp_jupyter.live.frame import Frame
-from lrp_jupyter.live.past import animation_of, frame_at, tick_of
-from lrp_jupyter.live.plots import Plot, plotting_named
+from lrp_jupyter.live.past.fork import ForkStart, check_repeated, fork_start, private_namespace
+from lrp_jupyter.live.past.past_frames import animation_of, frame_at, tick_of
+from lrp_jupyter.live.past.plots import Plot, plotting_named
+from lrp_jupyter.live.past.replay import tested_again, without_edits
+from lrp_jupyter.live.past.timeline import Timeline, TimelineCursor, timeline_of
+from lrp_jupyter.live.past.trials import Trial, Trials
+from lrp_jupyter.live.past.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.reason import Reason
-from lrp_jupyter.live.replay import tested_again, without_edits
 from lrp_jupyter.live.runner import REPEATING, Runner, Until
-from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
-from lrp_jupyter.live.trials import Trial, Trials
-from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
+from lrp_jupyter.live.running import commands as do
+from lrp_jupyter.live.running.frame import Frame
 from lrp_jupyter.live.why.answers import Answers
 
 Moment = int | float | None

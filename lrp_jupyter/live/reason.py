@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from lrp_jupyter.codes import CODES
-from lrp_jupyter.interpreter.reasons import ReasonCode
+from lrp_jupyter.interpreter.tick_reasons import ReasonCode
 
 __all__ = ["EXPLANATIONS", "CommandCode", "Reason", "StateCode"]
 

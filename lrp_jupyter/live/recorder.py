@@ -9,19 +9,19 @@ from time import monotonic
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain
-from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import FileError, LRPError, sentence_of
-from lrp_jupyter.interpreter.events import TraceEvent
-from lrp_jupyter.live.checkpoints import COPIED
-from lrp_jupyter.live.input_lines import input_line, literal
-from lrp_jupyter.live.inputs import EndRun, Input
-from lrp_jupyter.live.looks import Look
-from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.plain import plain
-from lrp_jupyter.live.randomness import random_module
-from lrp_jupyter.live.recorded_code import RecordedCode
+from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.live.recording import VERSION, RunStart
+from lrp_jupyter.live.running.checkpoints import COPIED
+from lrp_jupyter.live.running.inputs import EndRun, Input
+from lrp_jupyter.live.running.loop import Loop
+from lrp_jupyter.live.running.randomness import random_module
+from lrp_jupyter.live.stored.input_lines import input_line, literal
+from lrp_jupyter.live.stored.json_values import plain
+from lrp_jupyter.live.stored.looked_at import Look
+from lrp_jupyter.live.stored.recorded_code import RecordedCode
 from lrp_jupyter.live.trace import Trace, as_dict
 
 Line = dict[str, Any]

@@ -43,22 +43,22 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
-from lrp_jupyter.bridges.outside import CommandsHeld
+from lrp_jupyter.bridges.interventions import CommandsHeld
+from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import FileError, UnknownElementError, sentence_of
 from lrp_jupyter.files import shown
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
-from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.input_lines import input_of
-from lrp_jupyter.live.inputs import Input
-from lrp_jupyter.live.looks import Look, look_of
-from lrp_jupyter.live.plain import unplain
-from lrp_jupyter.live.recorded_code import RecordedCode
-from lrp_jupyter.live.replay import Entry, Ticked
-from lrp_jupyter.live.timing import FASTEST, SLOWEST
+from lrp_jupyter.live.past.replay import Entry, Ticked
+from lrp_jupyter.live.running import commands as do
+from lrp_jupyter.live.running.inputs import Input
+from lrp_jupyter.live.running.timing import FASTEST, SLOWEST
+from lrp_jupyter.live.stored.input_lines import input_of
+from lrp_jupyter.live.stored.json_values import unplain
+from lrp_jupyter.live.stored.looked_at import Look, look_of
+from lrp_jupyter.live.stored.recorded_code import RecordedCode
 from lrp_jupyter.live.trace import check_line
 from lrp_jupyter.logs import at_line, read_log
 from lrp_jupyter.sim.worlds import load

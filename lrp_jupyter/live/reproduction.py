@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.errors import FileError, sentence_of
-from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.journal import TICKS
+from lrp_jupyter.interpreter.trace_events import Observer
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.comparison import Comparison, FirstDifference
-from lrp_jupyter.live.fork import private_namespace
-from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.past.fork import private_namespace
+from lrp_jupyter.live.past.replay import Entry, Ticked, repeat, without_edits
 from lrp_jupyter.live.recorder import Recorder
 from lrp_jupyter.live.recording import Recording, random_of
-from lrp_jupyter.live.replay import Entry, Ticked, repeat, without_edits
+from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.logs import at_line
 

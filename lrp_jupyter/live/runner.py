@@ -32,25 +32,25 @@ from lrp_jupyter.errors import (
     sentence_of,
 )
 from lrp_jupyter.files import read_text
-from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.interpreter.trace_events import Observer
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import means
-from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
-from lrp_jupyter.language.robot import RobotMembers
-from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.checking import members_of
+from lrp_jupyter.language.robot_members import RobotMembers
 from lrp_jupyter.live.clock import Clock, MonotonicClock
-from lrp_jupyter.live.driver import Driver
-from lrp_jupyter.live.foreign import surviving
-from lrp_jupyter.live.frame import Frame, Status, missing_state
-from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.output import Output
+from lrp_jupyter.live.past.replay import Entry, Ticked, play, repeat
 from lrp_jupyter.live.recorder import Recorder
-from lrp_jupyter.live.replay import Entry, Ticked, play, repeat
-from lrp_jupyter.live.variables import LiveVariables
+from lrp_jupyter.live.running import commands as do
+from lrp_jupyter.live.running.checking import members_of
+from lrp_jupyter.live.running.driver import Driver
+from lrp_jupyter.live.running.foreign_code import surviving
+from lrp_jupyter.live.running.frame import Frame, Status, missing_state
+from lrp_jupyter.live.running.live_variables import LiveVariables
+from lrp_jupyter.live.running.loop import Loop
+from lrp_jupyter.live.running.output import Output
 
 _GLANCE = 1.0  # wall seconds of one wait, which Ctrl-C does not end if another thread gets the signal
 REPEATING = 2.0  # wall seconds that a block may take in a fork that others wait for
@@ -204,7 +204,7 @@ class Runner:
 
     @property
     def status(self) -> Status:
-        """See :attr:`Frame.status <lrp_jupyter.live.frame.Frame>`."""
+        """See :attr:`Frame.status <lrp_jupyter.live.running.frame.Frame>`."""
         return self.frame.status
 
     @property

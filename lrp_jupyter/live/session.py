@@ -3,9 +3,9 @@
 The interpreter is a function of time: it has no clock, no thread and no robot. A session adds them, in
 four parts:
 
-* the :class:`~lrp_jupyter.live.loop.Loop` ticks, advances the time, and applies commands between
+* the :class:`~lrp_jupyter.live.running.loop.Loop` ticks, advances the time, and applies commands between
   two ticks;
-* the :class:`~lrp_jupyter.live.driver.Driver` decides which thread may run the loop (a thread of its
+* the :class:`~lrp_jupyter.live.running.driver.Driver` decides which thread may run the loop (a thread of its
   own, asyncio, the caller of :meth:`Session.run`), and a monitor watches it;
 * the :class:`~lrp_jupyter.live.runner.Runner` is opened, runs, is waited for and closed;
 * the :class:`Session`, this file, is a runner whose program can be changed, forced, recorded and asked about
@@ -50,28 +50,28 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.errors import LRPError, SessionClosedError, sentence_of
 from lrp_jupyter.files import shown, write_file
 from lrp_jupyter.interpreter.linker import link
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.edits.rename import rename as renamed_text
+from lrp_jupyter.language.half_typed import Cursor, Judgement, judge
 from lrp_jupyter.language.lookup import find
-from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
-from lrp_jupyter.language.rename import rename as renamed_text
-from lrp_jupyter.language.robot import RobotMembers
-from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
-from lrp_jupyter.live import commands as do
+from lrp_jupyter.language.robot_members import RobotMembers
 from lrp_jupyter.live import questions
-from lrp_jupyter.live.breakpoint import Breakpoint, BreakpointKind
-from lrp_jupyter.live.breakpoints import breakpoint_of
-from lrp_jupyter.live.checking import members_of
-from lrp_jupyter.live.checkpoints import names_of
-from lrp_jupyter.live.frame import Frame
-from lrp_jupyter.live.plots import Plot
+from lrp_jupyter.live.past.plots import Plot
+from lrp_jupyter.live.past.timeline import Timeline, TimelineCursor
+from lrp_jupyter.live.past.trials import Trials
+from lrp_jupyter.live.past.what_if import WhatIf
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recorder import Recorder, start_of
 from lrp_jupyter.live.runner import Runner, Until
-from lrp_jupyter.live.timeline import Timeline, TimelineCursor
-from lrp_jupyter.live.trials import Trials
-from lrp_jupyter.live.what_if import WhatIf
+from lrp_jupyter.live.running import commands as do
+from lrp_jupyter.live.running.breakpoint import Breakpoint, BreakpointKind
+from lrp_jupyter.live.running.breakpoints import breakpoint_of
+from lrp_jupyter.live.running.checking import members_of
+from lrp_jupyter.live.running.checkpoints import names_of
+from lrp_jupyter.live.running.frame import Frame
 from lrp_jupyter.logs import open_log, unused
 
 __all__ = ["Session", "Until"]
@@ -848,7 +848,7 @@ class Session(Runner):
         Returns
         -------
         Trials
-            One :class:`~lrp_jupyter.live.trials.Trial` for each value; a notebook shows a table.
+            One :class:`~lrp_jupyter.live.past.trials.Trial` for each value; a notebook shows a table.
 
         Raises
         ------

@@ -34,9 +34,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, TextIO, cast
 
 from lrp_jupyter.errors import FileError
-from lrp_jupyter.interpreter.events import UNSET, TraceEvent
 from lrp_jupyter.interpreter.rendering import render, short
-from lrp_jupyter.live.plain import plain, unplain
+from lrp_jupyter.interpreter.trace_events import UNSET, TraceEvent
+from lrp_jupyter.live.stored.json_values import plain, unplain
 from lrp_jupyter.live.why.wording import call_text
 
 __all__ = ["Trace", "as_dict"]

@@ -9,9 +9,9 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from lrp_jupyter.sim.edits import Draw, PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart, WorldEdit
-from lrp_jupyter.sim.inputs import Drive, Input, Lamp, Latch, Pen, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.world import World, WorldError
+from lrp_jupyter.sim.world_edits import Draw, PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart, WorldEdit
+from lrp_jupyter.sim.world_inputs import Drive, Input, Lamp, Latch, Pen, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import BUNDLED, load
 
 if TYPE_CHECKING:

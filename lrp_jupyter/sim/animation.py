@@ -13,12 +13,12 @@ from html import escape
 from itertools import pairwise
 from typing import Any
 
-from lrp_jupyter.sim import shapes
+from lrp_jupyter.sim import svg_shapes as shapes
 from lrp_jupyter.sim.floor import Mark
-from lrp_jupyter.sim.robot import SimRobot
-from lrp_jupyter.sim.shapes import num
+from lrp_jupyter.sim.sim_robot import SimRobot
 from lrp_jupyter.sim.simulation import STEPS_PER_SECOND, Simulation
 from lrp_jupyter.sim.svg import framed, joined, scaled, zone_name
+from lrp_jupyter.sim.svg_shapes import num
 from lrp_jupyter.sim.world import Point
 
 EVERY = 5  # steps between two samples

@@ -12,9 +12,9 @@ from random import Random
 from typing import Any, NamedTuple
 
 from lrp_jupyter.sim.floor import Mark
-from lrp_jupyter.sim.inputs import Input
-from lrp_jupyter.sim.robot import Memory, Motion
+from lrp_jupyter.sim.sim_robot import Memory, Motion
 from lrp_jupyter.sim.world import World
+from lrp_jupyter.sim.world_inputs import Input
 
 CHECKPOINT_INPUTS = 20_000
 MOST_CHECKPOINTS = 10_000

@@ -9,7 +9,7 @@ moves by itself is never at rest.
 
 from __future__ import annotations
 
-from lrp_jupyter.sim.robot import Body, Motion, SimRobot, SimSolid
+from lrp_jupyter.sim.sim_robot import Body, Motion, SimRobot, SimSolid
 from lrp_jupyter.sim.world import can_move
 
 _CERTAIN = 5  # steps in a row; pymunk forgets ended contacts after 3

@@ -20,10 +20,14 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
-from lrp_jupyter.sim.edits import Become, Draw, Edition, WorldEdit, WorldHistory
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed, unpack
-from lrp_jupyter.sim.inputs import (
+from lrp_jupyter.sim.rest import Rest
+from lrp_jupyter.sim.sensors import Readings, light_spots
+from lrp_jupyter.sim.sim_robot import STEP, Motion, SimRobot, SimSolid, StepCount, clear, edge, fresh_space
+from lrp_jupyter.sim.world import Point, Pose, Solid, World, can_move, middle_of, put_at
+from lrp_jupyter.sim.world_edits import Become, Draw, Edition, WorldEdit, WorldHistory
+from lrp_jupyter.sim.world_inputs import (
     Drive,
     Input,
     Lamp,
@@ -34,10 +38,6 @@ from lrp_jupyter.sim.inputs import (
     ResetWorld,
     check_input,
 )
-from lrp_jupyter.sim.rest import Rest
-from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, clear, edge, fresh_space
-from lrp_jupyter.sim.sensors import Readings, light_spots
-from lrp_jupyter.sim.world import Point, Pose, Solid, World, can_move, middle_of, put_at
 from lrp_jupyter.sim.worlds import load
 
 __all__ = ["STEP", "Simulation", "WorldMoment"]

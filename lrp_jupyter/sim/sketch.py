@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from math import floor as _floor
 
-from lrp_jupyter.sim.robot import SimSolid
+from lrp_jupyter.sim.sim_robot import SimSolid
 from lrp_jupyter.sim.simulation import Simulation
 from lrp_jupyter.sim.world import BoxSolid, Solid, World
 

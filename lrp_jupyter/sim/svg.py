@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
-from lrp_jupyter.sim import shapes
+from lrp_jupyter.sim import svg_shapes as shapes
 from lrp_jupyter.sim.floor import Mark, Paint
-from lrp_jupyter.sim.robot import SimRobot
 from lrp_jupyter.sim.sensors import light_spots
-from lrp_jupyter.sim.shapes import num
+from lrp_jupyter.sim.sim_robot import SimRobot
 from lrp_jupyter.sim.simulation import Simulation
+from lrp_jupyter.sim.svg_shapes import num
 from lrp_jupyter.sim.world import BoxZone, Point, Pose, World, Zone, middle_of
 
 _CAPTION = 26  # px

@@ -333,7 +333,7 @@ class World:
         )
 
     def to_dict(self) -> Json:
-        """Return plain data, as :func:`~lrp_jupyter.sim.reading.read_world` reads it."""
+        """Return plain data, as :func:`~lrp_jupyter.sim.world_reading.read_world` reads it."""
         return {
             "version": VERSION,
             **_plain(self, keep=("size", "seed", "floor", "solids", "robots", "zones")),

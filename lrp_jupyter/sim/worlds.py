@@ -8,7 +8,6 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from lrp_jupyter.sim.reading import did_you_mean, read_file, read_world
 from lrp_jupyter.sim.world import (
     ArcStroke,
     BoxSolid,
@@ -22,6 +21,7 @@ from lrp_jupyter.sim.world import (
     World,
     WorldError,
 )
+from lrp_jupyter.sim.world_reading import did_you_mean, read_file, read_world
 
 _QUARTER = math.pi / 2
 _EIGHTH = math.pi / 4

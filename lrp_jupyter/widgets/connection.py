@@ -23,22 +23,17 @@ from time import monotonic
 from typing import Any
 
 from lrp_jupyter.errors import BridgeError, SessionClosedError
-from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets import breakpoint_commands as breakpoint_commands
-from lrp_jupyter.widgets import commands as commands  # as the other seven: messages that `decode` knows
-from lrp_jupyter.widgets import drawing as drawing
-from lrp_jupyter.widgets import goal_commands as goal_commands
-from lrp_jupyter.widgets import inspection as inspection
-from lrp_jupyter.widgets import requests as requests
-from lrp_jupyter.widgets import timeline as timeline
-from lrp_jupyter.widgets import world_commands as world_commands
-from lrp_jupyter.widgets.changes import TextChanges
-from lrp_jupyter.widgets.codec import DecodeError
-from lrp_jupyter.widgets.goal import Goal
-from lrp_jupyter.widgets.layouts import Layouts
-from lrp_jupyter.widgets.looking import Looking
-from lrp_jupyter.widgets.messages import (
+from lrp_jupyter.widgets.acts import breakpoint_acts as breakpoint_acts
+from lrp_jupyter.widgets.acts import drawing_questions as drawing_questions
+from lrp_jupyter.widgets.acts import editor_questions as editor_questions
+from lrp_jupyter.widgets.acts import goal_acts as goal_acts
+from lrp_jupyter.widgets.acts import inspection as inspection
+from lrp_jupyter.widgets.acts import program_acts as program_acts
+from lrp_jupyter.widgets.acts import timeline_questions as timeline_questions
+from lrp_jupyter.widgets.acts import world_acts as world_acts
+from lrp_jupyter.widgets.acts.messages import (
     AskedMessage,
     ByeMessage,
     CursorMessage,
@@ -47,11 +42,16 @@ from lrp_jupyter.widgets.messages import (
     TextMessage,
     decode_message,
 )
-from lrp_jupyter.widgets.places import path_of
-from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Rename
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Rename
+from lrp_jupyter.widgets.views.goal import Goal
+from lrp_jupyter.widgets.views.layouts import Layouts
+from lrp_jupyter.widgets.views.shown_moment import Looking
+from lrp_jupyter.widgets.wire.changes import TextChanges
+from lrp_jupyter.widgets.wire.codec import DecodeError
+from lrp_jupyter.widgets.wire.page_places import path_of
+from lrp_jupyter.widgets.wire.protocol import ViewState
 
 
 class PageConnection:

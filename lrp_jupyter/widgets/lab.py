@@ -33,19 +33,19 @@ from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
-from lrp_jupyter.live.frame import Frame
+from lrp_jupyter.live.running.frame import Frame
+from lrp_jupyter.live.running.live_variables import LiveVariables
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.conditions import Conditions, given
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.hosts import is_static, is_voila
-from lrp_jupyter.widgets.kept import Version
-from lrp_jupyter.widgets.own_comm import OwnComm
-from lrp_jupyter.widgets.plain import packed, unpacked
-from lrp_jupyter.widgets.protocol import Edits, GraphMode
-from lrp_jupyter.widgets.view_state import last_fired
+from lrp_jupyter.widgets.text.conditions import Conditions, given
+from lrp_jupyter.widgets.text.kept import Version
+from lrp_jupyter.widgets.views.view_state import last_fired
+from lrp_jupyter.widgets.wire.own_comm import OwnComm
+from lrp_jupyter.widgets.wire.packing import packed, unpacked
+from lrp_jupyter.widgets.wire.protocol import Edits, GraphMode
 
 _NAME = re.compile(r"[\w-]+")
 """The name of a program: no text is one word, because a program has parentheses."""

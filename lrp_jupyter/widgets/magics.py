@@ -23,10 +23,10 @@ from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.conditions import CHOICES, NAMES, given
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.lab import Lab, lab_of
-from lrp_jupyter.widgets.view_state import last_fired
+from lrp_jupyter.widgets.text.conditions import CHOICES, NAMES, given
+from lrp_jupyter.widgets.views.view_state import last_fired
 
 _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ] [--challenge CHALLENGE]

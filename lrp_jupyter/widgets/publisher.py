@@ -31,20 +31,20 @@ from typing import Any
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.errors import SessionClosedError, sentence_of
-from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.running import commands as do
+from lrp_jupyter.live.running.waking import TaskEvent
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.live.waking import TaskEvent
 from lrp_jupyter.sim.worlds import BUNDLED
-from lrp_jupyter.widgets.goal import Goal
+from lrp_jupyter.widgets.acts.world_acts import saved_worlds
 from lrp_jupyter.widgets.hosts import debugger
-from lrp_jupyter.widgets.layouts import Layouts
-from lrp_jupyter.widgets.looking import Looking, MomentShown
-from lrp_jupyter.widgets.protocol import ViewState
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Written
-from lrp_jupyter.widgets.view_state import ViewStates, difference, is_time, is_urgent
-from lrp_jupyter.widgets.world_commands import saved_worlds
-from lrp_jupyter.widgets.world_state import WorldCursor
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Written
+from lrp_jupyter.widgets.views.goal import Goal
+from lrp_jupyter.widgets.views.layouts import Layouts
+from lrp_jupyter.widgets.views.shown_moment import Looking, MomentShown
+from lrp_jupyter.widgets.views.view_state import ViewStates, difference, is_time, is_urgent
+from lrp_jupyter.widgets.views.world_state import WorldCursor
+from lrp_jupyter.widgets.wire.protocol import ViewState
 
 _HEARTBEAT = 1.0
 _URGENT, _CALM = 0.015, 0.08  # s between two frames, at least: ten ticks a second come through

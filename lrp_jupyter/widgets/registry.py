@@ -19,13 +19,13 @@ from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
-from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.goal import Goal
-from lrp_jupyter.widgets.keeping import kept_texts
-from lrp_jupyter.widgets.kept import checked_name
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.conditions import Conditions
+from lrp_jupyter.widgets.text.keeping import kept_texts
+from lrp_jupyter.widgets.text.kept import checked_name
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
+from lrp_jupyter.widgets.views.goal import Goal
 
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""

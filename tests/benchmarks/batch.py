@@ -20,7 +20,7 @@ from lrp_jupyter.grading.marks import Marks, grade_class
 from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.sweep import Sweep, sweep_axes
 from lrp_jupyter.grading.workers import HowRun, processors
-from lrp_jupyter.language.initials import with_initial
+from lrp_jupyter.language.edits.initials import with_initial
 
 FOLLOWER = programs.load("follower")
 DRIVE = "(machine m (state driving (running [{}]))) (spawn m driving)"

@@ -25,9 +25,9 @@ import texts
 from lrp_jupyter import Interpreter, check, parse
 from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.interpreter.linker import link
-from lrp_jupyter.language import blocks
 from lrp_jupyter.language import program as program_module
-from lrp_jupyter.language.checks import facts
+from lrp_jupyter.language.blocks import block as blocks
+from lrp_jupyter.language.checks import block_facts as facts
 
 Run = Callable[[int], object]
 SHARE = 0.004  # seconds of a turn

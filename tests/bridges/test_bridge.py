@@ -16,7 +16,7 @@ from lrp_jupyter.bridges import bridge as bridge_module
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, MemberError, NullBridge, Robot, Twist, attach
 from lrp_jupyter.bridges.panel import Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
-from lrp_jupyter.live.checking import check
+from lrp_jupyter.live.running.checking import check
 
 
 @pytest.fixture

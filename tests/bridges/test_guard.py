@@ -30,9 +30,9 @@ from bridges.dying import (
 )
 from support.waiting import until
 
-from lrp_jupyter.bridges import guard
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.guard import UNGUARDED, Stopper
+from lrp_jupyter.bridges.guarding import guard
+from lrp_jupyter.bridges.guarding.guard import UNGUARDED, Stopper
 from lrp_jupyter.errors import BridgeError
 
 pytestmark = pytest.mark.slow  # each starts processes of its own

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from support.waiting import until
 
-from lrp_jupyter.cli.guard import MqttSide
+from lrp_jupyter.cli.guard_command import MqttSide
 from lrp_jupyter.errors import BridgeError
 
 pytestmark = pytest.mark.slow  # each starts processes of its own

@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.robots import Bare, Cart
 
-from lrp_jupyter.bridges import safety
 from lrp_jupyter.bridges.bridge import Bridge, Twist
-from lrp_jupyter.bridges.safety import Origin, patience
+from lrp_jupyter.bridges.guarding import safety
+from lrp_jupyter.bridges.guarding.safety import Origin, patience
 from lrp_jupyter.errors import BridgeError
 
 

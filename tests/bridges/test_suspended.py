@@ -13,9 +13,9 @@ import pytest
 from support.robots import Cart
 from support.waiting import until
 
-from lrp_jupyter.bridges import guard
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.guard import UNGUARDED, Stopper, now
+from lrp_jupyter.bridges.guarding import guard
+from lrp_jupyter.bridges.guarding.guard import UNGUARDED, Stopper, now
 from lrp_jupyter.live.session import Session
 
 

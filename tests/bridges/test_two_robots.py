@@ -10,16 +10,16 @@ import pytest
 from lrp_jupyter.bridges.bridge import MemberError
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.live.checking import check
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.running.checking import check
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim import Simulation, World, WorldError, load
 from lrp_jupyter.sim.animation import EVERY, animated
-from lrp_jupyter.sim.reading import read_world
 from lrp_jupyter.sim.simulation import WorldMoment
 from lrp_jupyter.sim.sketch import sketch
 from lrp_jupyter.sim.svg import svg
 from lrp_jupyter.sim.world import BoxSolid, FloorSpec, Noise, PathStroke, RobotSpec
+from lrp_jupyter.sim.world_reading import read_world
 
 PERIOD = 0.1
 NOISY = Noise(motor=0.1, light=5, distance=0.01, gyro=0.01, odom=0.05)

@@ -8,7 +8,7 @@ from support.waiting import until
 
 from lrp_jupyter.cli.board import BoardState, board_text
 from lrp_jupyter.cli.map import columns_for
-from lrp_jupyter.live.frame import Hung
+from lrp_jupyter.live.running.frame import Hung
 from lrp_jupyter.live.session import Session
 
 NESTED = """(var speed := [0.2])

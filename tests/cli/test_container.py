@@ -14,7 +14,7 @@ from urllib.request import urlopen
 import pytest
 from support.waiting import until
 
-from lrp_jupyter.cli.lab import FIRST
+from lrp_jupyter.cli.lab_command import FIRST
 
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = ROOT / ".binder" / "Dockerfile"

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from lrp_jupyter.cli import guard
+from lrp_jupyter.cli import guard_command as guard
 from lrp_jupyter.errors import BridgeError
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from lrp_jupyter.cli.lab import (
+from lrp_jupyter.cli.lab_command import (
     FIRST,
     copy_notebooks,
     fold_side_bar,

@@ -280,10 +280,10 @@ def test_a_part_that_ends_before_it_begins_is_refused(lrp, recorded):
 
 
 def test_initial_values_stay_after_a_recorded_edit_and_a_reset(lrp, program, tmp_path):
-    from lrp_jupyter.cli.recordings import prepared
+    from lrp_jupyter.cli.recording_commands import prepared
     from lrp_jupyter.language.parser import parse
     from lrp_jupyter.live.clock import VirtualClock
-    from lrp_jupyter.live.commands import ReplaceProgram
+    from lrp_jupyter.live.running.commands import ReplaceProgram
     from lrp_jupyter.live.session import Session
 
     path, initials = tmp_path / "run.lrplog", {"n": "100"}

@@ -14,10 +14,11 @@ from support.smil import evaluate, placed
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.panel import Panel, Question
-from lrp_jupyter.cli import run, terminal
+from lrp_jupyter.cli import run_command as run
+from lrp_jupyter.cli import terminal
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim import load
-from lrp_jupyter.sim.shapes import robot_colour
+from lrp_jupyter.sim.svg_shapes import robot_colour
 
 COUNT = """(var n := [0])
 (machine counter

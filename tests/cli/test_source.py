@@ -9,7 +9,7 @@ import pytest
 from support.tables import every
 from support.waiting import until
 
-from lrp_jupyter.cli import source
+from lrp_jupyter.cli import program_source as source
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import read_text
 

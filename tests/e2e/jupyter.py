@@ -35,7 +35,7 @@ QUIET = {
     "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false"},
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
 }
-CONFIG = "from lrp_jupyter.cli.lab import send_at_once; send_at_once()"  # as `lrp lab` does
+CONFIG = "from lrp_jupyter.cli.lab_command import send_at_once; send_at_once()"  # as `lrp lab` does
 
 
 def chromium():

@@ -15,7 +15,7 @@ from e2e.jupyter import jupyter, private, write_notebook
 from e2e.pages import APP
 from e2e.programs import COUNTER, FOLLOWER
 from lrp_jupyter import programs
-from lrp_jupyter.cli.lab import FIRST
+from lrp_jupyter.cli.lab_command import FIRST
 
 NEWS = "lab/api/settings/@jupyterlab/apputils-extension:notification"
 STORED = 'img[alt^="State graph"]'

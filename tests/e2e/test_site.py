@@ -6,7 +6,7 @@ import pytest
 
 from e2e.pages import APP, comes_true
 from e2e.sites import PlainPage, SiteNotebook, link
-from lrp_jupyter.cli.lab import shipped_notebooks
+from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.site.build import build_site
 
 PANELS = ("editor", "tree", "graph", "world", "variables", "issues", "timeline")

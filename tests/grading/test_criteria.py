@@ -25,7 +25,7 @@ from lrp_jupyter.grading.criteria import (
     visits,
     within,
 )
-from lrp_jupyter.grading.record import RunRecord, at_start
+from lrp_jupyter.grading.run_record import RunRecord, at_start
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, FloorSpec, PathStroke, RobotSpec, World
 
 WORLD = World(

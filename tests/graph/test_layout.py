@@ -14,9 +14,9 @@ from lrp_jupyter.graph.arrangement import LEGIBLE, PASSED, is_dense, layers, ord
 from lrp_jupyter.graph.geometry import Cells, Rect
 from lrp_jupyter.graph.labels import POINTS, place_labels
 from lrp_jupyter.graph.layout import layout
-from lrp_jupyter.graph.places import RESERVED
 from lrp_jupyter.graph.routes import SAMPLES, arc, bends, detour, obstacles, straight
 from lrp_jupyter.graph.state_graph import find_machine
+from lrp_jupyter.graph.state_places import RESERVED
 from lrp_jupyter.language.parser import parse
 
 THREE = "(machine m (event e [True]) (state a) (state b) (state c) {more}) (spawn m a)"
@@ -629,7 +629,7 @@ def test_the_layout_of_very_many_arrows_is_drawn_plainly_within_bounds(monkeypat
 @pytest.mark.parametrize("first", [2, 25])
 def test_many_new_states_find_places_within_bounds_and_none_on_another(monkeypatch, first):
     names = [f"s{i}" for i in range(100)]
-    monkeypatch.setattr("lrp_jupyter.graph.places.EFFORT", 20_000)
+    monkeypatch.setattr("lrp_jupyter.graph.state_places.EFFORT", 20_000)
 
     def machine(some):
         arrows = " ".join(f"(eps s0 -> {name})" for name in some[1:])

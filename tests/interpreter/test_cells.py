@@ -5,7 +5,7 @@ from support.wild import program
 
 from lrp_jupyter.interpreter.cells import writes_of
 from lrp_jupyter.interpreter.linker import BlockPlan, link
-from lrp_jupyter.language.blocks import compile_block
+from lrp_jupyter.language.blocks.block import compile_block
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Block
 

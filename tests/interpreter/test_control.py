@@ -8,8 +8,8 @@ from support.story import active, robot
 from support.tables import every
 
 from lrp_jupyter.errors import NoDataYet, UnknownElementError
-from lrp_jupyter.interpreter.events import EVENT_KINDS
 from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.trace_events import EVENT_KINDS
 from lrp_jupyter.language.parser import parse
 
 NESTED = """

@@ -9,8 +9,8 @@ from support.story import ORDINARY, no_label
 from support.wild import command, moment, obey, program
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.events import EVENT_KINDS
 from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.trace_events import EVENT_KINDS
 from lrp_jupyter.language.parser import parse
 
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])

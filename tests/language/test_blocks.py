@@ -15,20 +15,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.tables import every
 
-from lrp_jupyter.language import blocks
-from lrp_jupyter.language.blocks import (
+from lrp_jupyter.language.blocks.block import (
     bind,
     block_names,
     compile_block,
     facts_of,
     faults_of,
 )
-from lrp_jupyter.language.checks import facts
-from lrp_jupyter.language.names import Offsets, words
+from lrp_jupyter.language.blocks import block as blocks
+from lrp_jupyter.language.blocks.names_in_blocks import Offsets, words
+from lrp_jupyter.language.checks import block_facts as facts
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Block
-from lrp_jupyter.language.scanner import block_end
-from lrp_jupyter.language.suites import DEEPEST, parse_block, parse_suite
+from lrp_jupyter.language.python.block_suite import DEEPEST, parse_block, parse_suite
+from lrp_jupyter.language.python.scanner import block_end
 
 CORPUS = json.loads((Path(__file__).parent / "blocks.json").read_text(encoding="utf-8"))["blocks"]
 

@@ -14,7 +14,8 @@ from test_wrong_texts import SECTIONS
 from lrp_jupyter.errors import edited
 from lrp_jupyter.language import mistakes
 from lrp_jupyter.language.checks import check
-from lrp_jupyter.language.mistakes import draft, unclosed
+from lrp_jupyter.language.mistakes import text_draft as draft
+from lrp_jupyter.language.mistakes import unclosed
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Finding
 

@@ -11,7 +11,7 @@ from programs import programs
 from support.tables import every
 
 from lrp_jupyter import check, parse
-from lrp_jupyter.language import sheet
+from lrp_jupyter.language.edits import form_places as sheet
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Finding, Program
 

@@ -17,12 +17,12 @@ from support.tables import every
 
 from lrp_jupyter import programs as bundled
 from lrp_jupyter.errors import LRPError, edited
-from lrp_jupyter.language import drawing, nesting
-from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.edits import drawing, nesting
 from lrp_jupyter.language.printer import to_source
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Machine, Name, Path, Program, Spawn, State, Transition
+from lrp_jupyter.language.reading.tokens import tokenize
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.language.tokens import tokenize
 from lrp_jupyter.language.triggers import Delay, Epsilon, Occurrence
 
 GAPS = [" ", "\n", "\r\n  ", "\n\t", " ; a comment ) of (state a)\n", "\n\n # [another\n      ", "   "]

@@ -14,10 +14,10 @@ from support.tables import every
 import lrp_jupyter
 from lrp_jupyter import LRPSyntaxError, parse
 from lrp_jupyter.errors import edited
-from lrp_jupyter.language.format import formatted, formatting
+from lrp_jupyter.language.edits.format import formatted, formatting
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Program
-from lrp_jupyter.language.tokens import tokenize
+from lrp_jupyter.language.reading.tokens import tokenize
 
 BUNDLED = sorted(Path(lrp_jupyter.__file__).parent.glob("programs/*.lrp"))
 SPACES = [

@@ -6,10 +6,10 @@ import pytest
 from support.tables import every
 
 from lrp_jupyter.language.diff import diff
-from lrp_jupyter.language.identity import Successors, after_rename
+from lrp_jupyter.language.edits.rename import rename
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element
-from lrp_jupyter.language.rename import rename
+from lrp_jupyter.language.successors import Successors, after_rename
 
 BLINK = "(machine m (var d := [1]) (state on) (state off) {transitions}) (spawn m on)"
 

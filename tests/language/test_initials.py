@@ -1,7 +1,7 @@
 import pytest
 
 from lrp_jupyter.errors import LRPSyntaxError
-from lrp_jupyter.language.initials import with_initial
+from lrp_jupyter.language.edits.initials import with_initial
 
 TEXT = """; a comment [with brackets]
 (var speed := [ # an odd layout

@@ -13,13 +13,14 @@ from hypothesis import strategies as st
 from support.tables import every
 
 from lrp_jupyter.errors import MOST_FINDINGS, LRPSyntaxError
-from lrp_jupyter.language import parser, tokens
-from lrp_jupyter.language.blocks import facts_of
-from lrp_jupyter.language.forms import USAGE, Mistake, shape_of
-from lrp_jupyter.language.matching import DEEPEST
+from lrp_jupyter.language import parser
+from lrp_jupyter.language.blocks.block import facts_of
 from lrp_jupyter.language.parser import MOST_PYTHON, parse, scan
 from lrp_jupyter.language.program import Block, Finding, Program
-from lrp_jupyter.language.tokens import LEGAL
+from lrp_jupyter.language.reading import tokens
+from lrp_jupyter.language.reading.forms import USAGE, Mistake, shape_of
+from lrp_jupyter.language.reading.matching import DEEPEST
+from lrp_jupyter.language.reading.tokens import LEGAL
 
 LISTING = (Path(__file__).parent / "printed_listing.lrp").read_text(encoding="utf-8")
 

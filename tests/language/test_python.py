@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from lrp_jupyter.language.python import parse_python
-from lrp_jupyter.language.suites import parse_suite
+from lrp_jupyter.language.python.block_suite import parse_suite
+from lrp_jupyter.language.python.python_parser import parse_python
 
 BLOCK = "\n".join("print([i * j for i in range(3) for j in range(i) if j])" for _ in range(5))
 

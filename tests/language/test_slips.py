@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.language import slips
+from lrp_jupyter.language.blocks import slips
+from lrp_jupyter.language.blocks.slips import explain
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.slips import explain
 
 SIGNS = ["=", ":=", ":", "(", ")", "[", "]", "{", "}", '"', "'", "&&", "!", ",", ";", "#", "“", "\\", "f'{"]
 WORDS = ["x", "robot.move", "if ", "else", "print ", "1", "0,5", "then ", "é", "for i in "]

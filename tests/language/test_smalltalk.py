@@ -16,14 +16,14 @@ from support.tables import every
 
 from lrp_jupyter import Session, programs
 from lrp_jupyter.errors import Finding
+from lrp_jupyter.language.blocks.names_in_blocks import Offsets
+from lrp_jupyter.language.blocks.smalltalk import smalltalk
+from lrp_jupyter.language.blocks.smalltalk.syntax import UNARY
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.diff import diff
-from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.parser import parse, scan
-from lrp_jupyter.language.smalltalk import smalltalk
-from lrp_jupyter.language.smalltalk.reading import UNARY
-from lrp_jupyter.language.suites import parse_block
-from lrp_jupyter.language.tokens import tokenize
+from lrp_jupyter.language.python.block_suite import parse_block
+from lrp_jupyter.language.reading.tokens import tokenize
 
 HERE = Path(__file__).parent
 LISTING = (HERE / "printed_listing.lrp").read_text(encoding="utf-8")

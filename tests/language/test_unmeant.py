@@ -3,9 +3,9 @@
 from support.tables import every
 
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.half_typed import Cursor, judge, without_change
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Span
-from lrp_jupyter.language.unmeant import Cursor, judge, without_change
 
 BASE = """\
 (var forward := [0.2])

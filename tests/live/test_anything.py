@@ -24,12 +24,12 @@ from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.live import checkpoints
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
+from lrp_jupyter.live.running import checkpoints
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.protocol import ViewState
+from lrp_jupyter.widgets.wire.protocol import ViewState
 
 REFUSED = (LRPError, ValueError, SyntaxError, NameError, TypeError)
 SMALL = [path.read_text("utf-8") for path in sorted((HERE / "programs").glob("*.lrp"))]

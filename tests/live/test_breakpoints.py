@@ -8,7 +8,7 @@ from support.wild import program
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter import variables
-from lrp_jupyter.language import blocks
+from lrp_jupyter.language.blocks import block as blocks
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.clock import VirtualClock

@@ -10,7 +10,7 @@ from support.robots import Bare
 import lrp_jupyter
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.language import checks
-from lrp_jupyter.live.checking import check
+from lrp_jupyter.live.running.checking import check
 from lrp_jupyter.live.session import Session
 
 PROGRAM = """; world: line

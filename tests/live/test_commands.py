@@ -2,8 +2,8 @@ import pytest
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.program import Program
-from lrp_jupyter.live.commands import Pause, ReplaceProgram, Reset, Resume, SetRate, Step
-from lrp_jupyter.live.inbox import Inbox
+from lrp_jupyter.live.running.commands import Pause, ReplaceProgram, Reset, Resume, SetRate, Step
+from lrp_jupyter.live.running.inbox import Inbox
 
 
 def commands(inbox):

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from lrp_jupyter.live.checking import check
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.running.checking import check
 from lrp_jupyter.live.session import Session
 
 TURNING = """

@@ -9,8 +9,8 @@ from support.waiting import until
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.live.commands import Call, Pause, Resume
-from lrp_jupyter.live.driver import LoopThread
+from lrp_jupyter.live.running.commands import Call, Pause, Resume
+from lrp_jupyter.live.running.driver import LoopThread
 
 LONG = 120
 REPORT = "A subscriber of a session raised an exception and is not called again:"

@@ -7,10 +7,11 @@ from support.sessions import seen
 
 from lrp_jupyter.errors import SessionTimeoutError
 from lrp_jupyter.language.program import Element
-from lrp_jupyter.live import checkpoints, questions
+from lrp_jupyter.live import questions
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.fork import private_namespace
-from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.past.fork import private_namespace
+from lrp_jupyter.live.running import checkpoints
+from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"

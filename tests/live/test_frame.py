@@ -10,8 +10,8 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.rendering import LONGEST, render
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.frame import Frame
-from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.running.frame import Frame
+from lrp_jupyter.live.running.loop import Loop
 
 LOOKLEFT = ("follower", "looking", "lookalgo", "lookleft")
 

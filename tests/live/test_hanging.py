@@ -11,10 +11,10 @@ from support.waiting import until
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.live import monitor
-from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
-from lrp_jupyter.live.frame import Hung
-from lrp_jupyter.live.interruption import RunningBlock, interrupt
+from lrp_jupyter.live.running import monitor
+from lrp_jupyter.live.running.commands import ReplaceProgram, Reset, SetVariable
+from lrp_jupyter.live.running.frame import Hung
+from lrp_jupyter.live.running.interruption import RunningBlock, interrupt
 from lrp_jupyter.live.session import Session
 
 LONG = 120.0  # seconds; reached only when something is wrong, however busy the machine is

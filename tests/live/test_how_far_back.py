@@ -11,8 +11,8 @@ import tracemalloc
 import pytest
 
 from lrp_jupyter.interpreter import journal
-from lrp_jupyter.live import checkpoints
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.running import checkpoints
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"

@@ -4,17 +4,23 @@ import json
 
 import pytest
 
-from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotCommanded, RobotStopped, WorldLoaded
+from lrp_jupyter.bridges.interventions import (
+    CommandsHeld,
+    RobotArmed,
+    RobotCommanded,
+    RobotStopped,
+    WorldLoaded,
+)
+from lrp_jupyter.language.half_typed import Unmeant
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element
-from lrp_jupyter.language.unmeant import Unmeant
-from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.input_lines import INPUTS, input_line, input_of
-from lrp_jupyter.live.inputs import EndRun
-from lrp_jupyter.live.names import ChangeNames
+from lrp_jupyter.live.running import commands as do
+from lrp_jupyter.live.running.inputs import EndRun
+from lrp_jupyter.live.running.notebook_names import ChangeNames
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.sim.edits import Become, Draw, SetStart
-from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
+from lrp_jupyter.live.stored.input_lines import INPUTS, input_line, input_of
+from lrp_jupyter.sim.world_edits import Become, Draw, SetStart
+from lrp_jupyter.sim.world_inputs import PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
 PROGRAM = parse("(machine m (state a)) (spawn m a)")

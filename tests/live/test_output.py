@@ -1,6 +1,6 @@
 import io
 
-from lrp_jupyter.live.output import Output
+from lrp_jupyter.live.running.output import Output
 
 
 def test_printing_does_what_print_does():

@@ -3,12 +3,12 @@
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
-from lrp_jupyter.bridges.outside import WorldLoaded
+from lrp_jupyter.bridges.interventions import WorldLoaded
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.live.inputs import Input
-from lrp_jupyter.live.replay import repeat
+from lrp_jupyter.live.past.replay import repeat
+from lrp_jupyter.live.running.inputs import Input
 from lrp_jupyter.live.session import Session
 
 CLIMB = """(machine lift

@@ -6,7 +6,7 @@ import pytest
 
 from lrp_jupyter import programs
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.live.plots import plotting
+from lrp_jupyter.live.past.plots import plotting
 from lrp_jupyter.live.session import Session
 
 PROGRAM = """\

@@ -22,10 +22,10 @@ from lrp_jupyter.errors import FileError, LRPError, NoDataYet, UnknownElementErr
 from lrp_jupyter.interpreter import journal
 from lrp_jupyter.live import recording, reproduction
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.plain import plain, unplain
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.stored.json_values import plain, unplain
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
 

@@ -80,7 +80,7 @@ def test_a_step_into_a_block_that_does_not_return_comes_back(watched):
 
 def test_many_short_blocks_are_never_interrupted(session, monkeypatch):
     seconds = count(step=0.01)
-    monkeypatch.setattr("lrp_jupyter.live.self_monitor.monotonic", lambda: next(seconds))
+    monkeypatch.setattr("lrp_jupyter.live.running.self_monitor.monotonic", lambda: next(seconds))
 
     async def scenario():
         busy = session(

@@ -7,10 +7,10 @@ from types import MappingProxyType
 import pytest
 
 from lrp_jupyter.errors import BridgeError, LRPError, LRPSyntaxError, SessionClosedError, UnknownElementError
-from lrp_jupyter.language.unmeant import Cursor
+from lrp_jupyter.language.half_typed import Cursor
 from lrp_jupyter.live import session as sessions
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.commands import Call, Reset
+from lrp_jupyter.live.running.commands import Call, Reset
 from lrp_jupyter.live.session import Session
 
 BLINK = """

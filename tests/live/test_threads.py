@@ -10,9 +10,10 @@ from support.waiting import until
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.faults import Interrupted
-from lrp_jupyter.live import clock, driver, monitor
+from lrp_jupyter.live import clock
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.commands import Call, Pause, Step
+from lrp_jupyter.live.running import driver, monitor
+from lrp_jupyter.live.running.commands import Call, Pause, Step
 
 DRIVE = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"

@@ -9,10 +9,10 @@ from time import sleep
 import pytest
 
 from lrp_jupyter import programs
-from lrp_jupyter.bridges.outside import RobotStopped
-from lrp_jupyter.live.inputs import Inputs, Resume
+from lrp_jupyter.bridges.interventions import RobotStopped
+from lrp_jupyter.live.past.timeline import TimelineCursor
+from lrp_jupyter.live.running.inputs import Inputs, Resume
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.live.timeline import TimelineCursor
 
 PROGRAM = """\
 (machine m

@@ -3,7 +3,7 @@
 from support.tables import every
 
 from lrp_jupyter import Session
-from lrp_jupyter.language.unmeant import Cursor
+from lrp_jupyter.language.half_typed import Cursor
 from lrp_jupyter.live.clock import VirtualClock
 
 START = """\

@@ -6,10 +6,10 @@ from contextlib import nullcontext
 
 import pytest
 
-from lrp_jupyter.live import values
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.running import values
+from lrp_jupyter.live.running.values import ValueTexts
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.live.values import ValueTexts
 
 LONG = 120
 SHOWN = "(var v := [make()]) (var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from lrp_jupyter.live.waking import TaskEvent
+from lrp_jupyter.live.running.waking import TaskEvent
 
 
 class Strict(asyncio.SelectorEventLoop):

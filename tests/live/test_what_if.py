@@ -9,9 +9,9 @@ from support.robots import Bare
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.past.timeline import Happening
+from lrp_jupyter.live.past.what_if import Course, Divergence, divergence
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.live.timeline import Happening
-from lrp_jupyter.live.what_if import Course, Divergence, divergence
 from lrp_jupyter.sim import load
 from lrp_jupyter.sim.world import BoxSolid, Patrol
 

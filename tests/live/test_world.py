@@ -15,7 +15,7 @@ from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.trace import Trace
 from lrp_jupyter.sim.animation import TURNED, WITHIN
-from lrp_jupyter.sim.shapes import robot_colour
+from lrp_jupyter.sim.svg_shapes import robot_colour
 
 BOUNCE = """
 (var bumps := [0])

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from lrp_jupyter import programs
-from lrp_jupyter.language.names import Offsets
-from lrp_jupyter.language.scanner import strings
-from lrp_jupyter.language.suites import parse_suite
+from lrp_jupyter.language.blocks.names_in_blocks import Offsets
+from lrp_jupyter.language.python.block_suite import parse_suite
+from lrp_jupyter.language.python.scanner import strings
 
 from .planting import Slip, kind, slip
 from .sources import Source

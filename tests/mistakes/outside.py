@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
-from lrp_jupyter.language.tokens import LEGAL, Token
+from lrp_jupyter.language.reading.tokens import LEGAL, Token
 
 from .planting import Slip, kind, slip
 from .sources import Form, Source

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from lrp_jupyter import programs
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.tokens import Token, keyword_of, tokenize
+from lrp_jupyter.language.reading.tokens import Token, keyword_of, tokenize
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -17,7 +17,7 @@ from lrp_jupyter.grading import challenges as known
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.grade import jobs_of
-from lrp_jupyter.language.initials import with_initial
+from lrp_jupyter.language.edits.initials import with_initial
 
 SOLUTIONS = NOTEBOOKS / "teachers" / "solutions"
 BROKEN = NOTEBOOKS / "08-why-did-it-not-fire.ipynb"

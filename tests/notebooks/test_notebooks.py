@@ -15,11 +15,11 @@ from support.tables import every
 
 from lrp_jupyter.language.checks import CODES
 from lrp_jupyter.language.deviations import DEVIATIONS
-from lrp_jupyter.language.forms import USAGE
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program, State
-from lrp_jupyter.live.input_lines import INPUTS
+from lrp_jupyter.language.reading.forms import USAGE
 from lrp_jupyter.live.recording import RunStart
+from lrp_jupyter.live.stored.input_lines import INPUTS
 from lrp_jupyter.programs import names as bundled
 from lrp_jupyter.widgets.magics import WORDS
 

@@ -12,8 +12,8 @@ from support.smil import SVG, evaluate, placed
 
 from lrp_jupyter.sim import PutSolid, PutZone, RemoveSolid, Simulation, World, load
 from lrp_jupyter.sim.animation import EVERY, TURNED, WITHIN, animated
-from lrp_jupyter.sim.shapes import BUMP, robot_colour
 from lrp_jupyter.sim.simulation import WorldMoment
+from lrp_jupyter.sim.svg_shapes import BUMP, robot_colour
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, DiscSolid, Patrol, RobotSpec
 
 BOX, CART, WALL = "#d9a566", "#8fc7c3", "#646d77"

@@ -19,9 +19,9 @@ from lrp_jupyter.sim import (
     floor,
     load,
 )
-from lrp_jupyter.sim.edits import MOST_POINTS, Become, is_edit
-from lrp_jupyter.sim.reading import read_world
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, DiscSolid, FloorSpec, PathStroke
+from lrp_jupyter.sim.world_edits import MOST_POINTS, Become, is_edit
+from lrp_jupyter.sim.world_reading import read_world
 
 WALL = BoxSolid((2.0, 1.0, 0.1, 1.0), name="wall")
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.sim import PlaceSolid, PutSolid, Simulation, World, load
-from lrp_jupyter.sim.reading import read_world
 from lrp_jupyter.sim.svg import svg
 from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Patrol, RobotSpec
+from lrp_jupyter.sim.world_reading import read_world
 
 TO_AND_FRO = Patrol(((1.0, 0.0),), speed=0.2)
 ROUND = Patrol(((1.0, 0.0), (1.0, 0.5)), speed=0.2, closed=True)

@@ -6,7 +6,7 @@ import pytest
 from support.tables import every
 
 from lrp_jupyter.sim import Draw, Drive, Lamp, Pen, PlaceRobot, PlaceSolid, Simulation, World, load
-from lrp_jupyter.sim.robot import Body
+from lrp_jupyter.sim.sim_robot import Body
 from lrp_jupyter.sim.world import BoxSolid, DiscSolid, RobotSpec
 
 

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from support.tables import every
 
 from lrp_jupyter.sim import BUNDLED, Simulation, World, WorldError, load
-from lrp_jupyter.sim.reading import read_world
 from lrp_jupyter.sim.world import (
     ArcStroke,
     BoxSolid,
@@ -20,6 +19,7 @@ from lrp_jupyter.sim.world import (
     PathStroke,
     RobotSpec,
 )
+from lrp_jupyter.sim.world_reading import read_world
 from lrp_jupyter.sim.worlds import DESCRIPTIONS
 
 SMALLEST = {"version": 1, "size": [3, 2], "robots": [{"pose": [1, 1, 0]}]}

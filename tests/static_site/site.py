@@ -8,7 +8,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Thread
 
-from lrp_jupyter.cli.lab import shipped_notebooks
+from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.site.build import build_site
 from static_site import pyodide
 

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from lrp_jupyter.cli import app
-from lrp_jupyter.cli.lab import shipped_notebooks
+from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.site.notebooks import copy_for_students, for_the_browser
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 

@@ -2,15 +2,15 @@
 
 from itertools import count
 
-from lrp_jupyter.language.rename import rename
+from lrp_jupyter.language.edits.rename import rename
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.changes import TextChanges, difference, from_units, to_units
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.kept import Kept
-from lrp_jupyter.widgets.places import path_of
-from lrp_jupyter.widgets.plain import packed, unpacked
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.kept import Kept
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
+from lrp_jupyter.widgets.wire.changes import TextChanges, difference, from_units, to_units
+from lrp_jupyter.widgets.wire.packing import packed, unpacked
+from lrp_jupyter.widgets.wire.page_places import path_of
 
 
 class Wall:

@@ -13,7 +13,7 @@ from contextlib import suppress
 from numbers import Real
 
 from lrp_jupyter.language.program import Block, Machine, Program, Spawn, State
-from lrp_jupyter.language.suites import parse_block
+from lrp_jupyter.language.python.block_suite import parse_block
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon
 
 MISSING = object()

@@ -4,8 +4,8 @@ import pytest
 
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
 
 PROGRAM = """\
 (var n := [0])

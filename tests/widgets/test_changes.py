@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.widgets.changes import TextChanges, difference, from_units, to_units
+from lrp_jupyter.widgets.wire.changes import TextChanges, difference, from_units, to_units
 
 TEXT = st.text(st.sampled_from("ab ()\n\U0001d11eé"), max_size=12).map(to_units)
 

@@ -8,7 +8,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.panel import Button, Question
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.widgets.conditions import Conditions
+from lrp_jupyter.widgets.text.conditions import Conditions
 
 NEST = """
 (var limit := [5])

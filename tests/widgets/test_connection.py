@@ -11,12 +11,12 @@ from threading import Event, current_thread, main_thread
 import pytest
 from support.robots import Bare
 
-from lrp_jupyter.live.commands import Call
+from lrp_jupyter.live.running.commands import Call
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import FloorSpec, PathStroke, RobotSpec
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
 
 BLINK = """
 (var count := [0])

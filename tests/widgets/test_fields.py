@@ -5,8 +5,8 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.widgets.requests import arguments_of, fields_of
-from lrp_jupyter.widgets.view_state import listed_members
+from lrp_jupyter.widgets.acts.editor_questions import arguments_of, fields_of
+from lrp_jupyter.widgets.views.view_state import listed_members
 
 
 class Far(Bridge):

@@ -11,9 +11,9 @@ from lrp_jupyter.grading.criteria import drives, ends_in, never_restarts, no_fau
 from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import BoxZone, RobotSpec, World
-from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.lab import Lab
-from lrp_jupyter.widgets.looking import Looking
+from lrp_jupyter.widgets.views.goal import Goal
+from lrp_jupyter.widgets.views.shown_moment import Looking
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 STOP = """

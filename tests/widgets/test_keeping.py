@@ -7,7 +7,7 @@ import pytest
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.keeping import kept_texts
+from lrp_jupyter.widgets.text.keeping import kept_texts
 
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"

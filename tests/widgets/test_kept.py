@@ -15,8 +15,8 @@ from support.seeds import seeds
 from lrp_jupyter import files
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.kept import Kept, checked_name
 from lrp_jupyter.widgets.lab import Lab
+from lrp_jupyter.widgets.text.kept import Kept, checked_name
 
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"

@@ -7,7 +7,7 @@ from queue import Empty
 import pytest
 from jupyter_client.manager import KernelManager
 
-from lrp_jupyter.widgets.changes import difference
+from lrp_jupyter.widgets.wire.changes import difference
 
 pytestmark = pytest.mark.slow  # each starts processes of its own
 

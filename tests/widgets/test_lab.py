@@ -13,8 +13,8 @@ from lrp_jupyter import Editor, Lab, LRPError, Session, SimView, StateGraph, Unk
 from lrp_jupyter.bridges.bridge import Bridge, BridgeError
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.lab import Part, lab_of
+from lrp_jupyter.widgets.text.conditions import Conditions
 
 PROGRAM = """
 (var box := [[1]])

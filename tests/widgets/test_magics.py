@@ -15,10 +15,10 @@ from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.conditions import Conditions
 from lrp_jupyter.widgets.hosts import debugger
 from lrp_jupyter.widgets.lab import Lab
 from lrp_jupyter.widgets.magics import WORDS
+from lrp_jupyter.widgets.text.conditions import Conditions
 
 A = "(machine m (state a)) (spawn m a)\n"
 B = "(machine m (state a) (state b)) (spawn m a)\n"

@@ -1,9 +1,9 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.widgets import places
-from lrp_jupyter.widgets.places import offset_of, range_of
-from lrp_jupyter.widgets.requests import format_
+from lrp_jupyter.widgets.acts.editor_questions import format_
+from lrp_jupyter.widgets.wire import page_places as places
+from lrp_jupyter.widgets.wire.page_places import offset_of, range_of
 
 
 @given(st.text(alphabet="ab \n\r𝄞é"), st.data())

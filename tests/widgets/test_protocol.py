@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.widgets import protocol
+from lrp_jupyter.widgets.acts import messages
+from lrp_jupyter.widgets.acts.messages import ACTS, QUESTIONS, PageMessage
 from lrp_jupyter.widgets.connection import DecodeError, decode_message  # with all messages defined
-from lrp_jupyter.widgets.messages import ACTS, QUESTIONS, PageMessage
-from lrp_jupyter.widgets.world_state import pack_poses
+from lrp_jupyter.widgets.views.world_state import pack_poses
+from lrp_jupyter.widgets.wire import protocol
 
-WIDGETS = Path(protocol.__file__).parent
 JS = Path(__file__).parents[2] / "js"
 POINTS = [[0.5, 0.5], [1.0, 0.5]]
 JSON = st.recursive(
@@ -34,8 +34,8 @@ def test_the_types_of_the_page_are_made_from_those_of_the_kernel():
 
 
 def test_every_message_is_explained():
-    for name in ("protocol", "messages"):
-        for node in ast.parse((WIDGETS / f"{name}.py").read_text()).body:
+    for module in (protocol, messages):
+        for node in ast.parse(Path(module.__file__).read_text()).body:
             if isinstance(node, ast.ClassDef):
                 assert ast.get_docstring(node), node.name
     for handler in (ACTS | QUESTIONS).values():

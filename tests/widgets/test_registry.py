@@ -6,9 +6,10 @@ import pytest
 from support.waiting import until
 
 from lrp_jupyter.errors import BridgeError, LRPError
-from lrp_jupyter.live.monitor import Monitor
+from lrp_jupyter.live.running.monitor import Monitor
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets import registry, saver
+from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.text import saver
 
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"

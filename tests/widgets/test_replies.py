@@ -4,7 +4,7 @@ from threading import Event
 
 import pytest
 
-from lrp_jupyter.live.commands import Call
+from lrp_jupyter.live.running.commands import Call
 
 NAMED = "(var limit := [5]) (machine m (state a)) (spawn m a)"
 HANGS = "(machine m (state a (running [inside.set() or gate.wait(60)]))) (spawn m a)"

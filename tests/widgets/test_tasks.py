@@ -7,8 +7,8 @@ import pytest
 
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
 
 TEXT = "(machine m (state a) (state b) (ontime 20 a -> b) (ontime 20 b -> a)) (spawn m a)"
 RENAMED = "(machine m (state start) (state b) (ontime 20 start -> b) (ontime 20 b -> start)) (spawn m start)"

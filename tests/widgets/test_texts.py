@@ -78,7 +78,7 @@ def test_a_block_that_hangs_holds_up_no_answer(bench):
 def Hang():
     from threading import Event
 
-    from lrp_jupyter.live.commands import Call
+    from lrp_jupyter.live.running.commands import Call
 
     class Hanging(Call):
         pass

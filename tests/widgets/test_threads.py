@@ -8,9 +8,9 @@ from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.errors import SessionClosedError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.kept import Kept
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.kept import Kept
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
 
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"

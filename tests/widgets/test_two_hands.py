@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.bench import Bench
 
-from lrp_jupyter.widgets.changes import TextChanges, to_units
+from lrp_jupyter.widgets.wire.changes import TextChanges, to_units
 
 BEGIN = "(machine m (state a)) ; \U0001f916 one\n(spawn m a) ; two\n"
 LETTERS = {"left": "ABCDEFGHIJKLM", "right": "NOPQRSTUVWXYZ"}  # no other text has them
@@ -259,7 +259,7 @@ def test_texts_of_several_changes_at_one_place_merge():
 
 
 def test_a_view_whose_text_is_too_old_to_be_merged_begins_again(monkeypatch):
-    monkeypatch.setattr("lrp_jupyter.widgets.document._MOST_UPDATES", 3)
+    monkeypatch.setattr("lrp_jupyter.widgets.text.document._MOST_UPDATES", 3)
     with opened(BEGIN) as (lab, typists):
         left, right = typists.values()
         left.type(0, 0, "A")

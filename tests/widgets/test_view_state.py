@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.robots import Bare
 
-from lrp_jupyter.live.frame import Hung
-from lrp_jupyter.widgets import layouts
-from lrp_jupyter.widgets.protocol import FrameMessage, ViewState
-from lrp_jupyter.widgets.view_state import difference
+from lrp_jupyter.live.running.frame import Hung
+from lrp_jupyter.widgets.views import layouts
+from lrp_jupyter.widgets.views.view_state import difference
+from lrp_jupyter.widgets.wire.protocol import FrameMessage, ViewState
 
 COUNT = "(var count := [0]) (machine m (state a (running [count = count + 1]))) (spawn m a)"
 LOST = "(machine m (state a) (state b) (on nowhere a -> b)) (spawn m a)"

@@ -6,7 +6,8 @@ import pytest
 
 from lrp_jupyter import programs
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.widgets import registry, worker
+from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets import site_worker as worker
 
 TEXT = "(machine shared (state a)) (spawn shared a)\n"
 

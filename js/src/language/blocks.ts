@@ -1,5 +1,5 @@
 /**
- * Where the Python of a block ends: a port of `lrp_jupyter/language/scanner.py`, which explains the
+ * Where the Python of a block ends: a port of `lrp_jupyter/language/python/scanner.py`, which explains the
  * rules. The corpus `tests/language/blocks.json` holds the two equal.
  *
  * It reads characters through a function, so that it works on a string and on the parser's stream,

@@ -37,7 +37,7 @@ async function start(site: Site, base: string): Promise<void> {
   python.FS.chdir(FOLDER);
   void storeAgain();
   post({ is: "step", step: "Starting the robot" });
-  python.pyimport("lrp_jupyter.widgets.worker");
+  python.pyimport("lrp_jupyter.widgets.site_worker");
   post({ is: "ready" });
 }
 
@@ -62,7 +62,9 @@ async function handle(message: ToWorker): Promise<void> {
   if (message.do === "open") {
     opened?.close();
     opened = null;
-    opened = python.pyimport("lrp_jupyter.widgets.worker").open_program(JSON.stringify(message.wanted), send);
+    opened = python
+      .pyimport("lrp_jupyter.widgets.site_worker")
+      .open_program(JSON.stringify(message.wanted), send);
     post({ is: "opened" });
   }
   if (message.do === "message") opened?.receive(message.message);

@@ -1,4 +1,4 @@
-/** The buffer of a `Frame` message, written by `pack_poses` in `lrp_jupyter/widgets/world_state.py`. */
+/** The buffer of a `Frame` message, written by `pack_poses` in `lrp_jupyter/widgets/views/world_state.py`. */
 
 import type { Pose, SolidView } from "../protocol";
 import type { FullWorld } from "./complete";

@@ -16,8 +16,8 @@ from lrp_jupyter import programs
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
 
 HERE = Path(__file__).parent
 TICKS = 300

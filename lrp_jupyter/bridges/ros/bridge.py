@@ -28,9 +28,9 @@ from functools import partial
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
-from lrp_jupyter.bridges.guard import Stopper
+from lrp_jupyter.bridges.guarding.guard import Stopper
+from lrp_jupyter.bridges.member_tree import Limits, RobotMethod
 from lrp_jupyter.bridges.message import Message, moves, real_number
-from lrp_jupyter.bridges.nodes import Limits, RobotMethod
 from lrp_jupyter.bridges.panel import Panel, number_in
 from lrp_jupyter.bridges.ros.backends import (
     Choice,

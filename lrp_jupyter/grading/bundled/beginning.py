@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lrp_jupyter.grading.bundled.hints import restarted_or_not_edited
+from lrp_jupyter.grading.bundled.common_hints import restarted_or_not_edited
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import edited, gets_away, keeps_driving, never_restarts, slows_to
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 
 
 def _stayed(run: RunRecord) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lrp_jupyter.grading.bundled.hints import kept_pushing, longest_push, never_touched
+from lrp_jupyter.grading.bundled.common_hints import kept_pushing, longest_push, never_touched
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import (
@@ -17,7 +17,7 @@ from lrp_jupyter.grading.criteria import (
     stops_at,
     touches,
 )
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxSolid, Pose, RobotSpec, World
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from lrp_jupyter.grading.bundled.hints import restarted_or_not_edited
+from lrp_jupyter.grading.bundled.common_hints import restarted_or_not_edited
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import drives_on, edited, never_restarts, touches_nothing, visits
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World
 
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from lrp_jupyter.grading.bundled.hints import kept_pushing
+from lrp_jupyter.grading.bundled.common_hints import kept_pushing
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import covers, looks, sees_line, stays_in, touches_nothing, visits
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, RobotSpec, World
 from lrp_jupyter.sim.worlds import load
 

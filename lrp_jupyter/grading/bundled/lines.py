@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from lrp_jupyter.grading.bundled.hints import ignores, lost_the_line, never_saw_the_line
+from lrp_jupyter.grading.bundled.common_hints import ignores, lost_the_line, never_saw_the_line
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import (
@@ -18,7 +18,7 @@ from lrp_jupyter.grading.criteria import (
     sees_line,
     visits,
 )
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.sim.floor import distance_to
 from lrp_jupyter.sim.world import (
     ArcStroke,

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from lrp_jupyter.grading.bundled.hints import ignores, longest_push, lost_the_line, never_saw_the_line
+from lrp_jupyter.grading.bundled.common_hints import ignores, longest_push, lost_the_line, never_saw_the_line
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import ends_still, touches, within
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.programs import load
 
 _FOLLOWER = load("follower").split("\n\n", 1)[1].replace(")))\n\n(spawn", "))\n)\n\n(spawn")

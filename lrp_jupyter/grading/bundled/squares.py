@@ -9,7 +9,7 @@ from itertools import pairwise
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import blinks, drives_straight, ends_in, ends_still, visits
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.language.program import Block, Program
 from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
 

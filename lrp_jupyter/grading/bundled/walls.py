@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import stays_in, touches_nothing, visits
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, Pose, RobotSpec, World
 
 _QUARTER = math.pi / 2

@@ -37,7 +37,7 @@ from lrp_jupyter.grading.criteria.places import (
     stays_in,
     visits,
 )
-from lrp_jupyter.grading.criteria.program import (
+from lrp_jupyter.grading.criteria.program_rules import (
     drives_on,
     edited,
     enters,

@@ -9,8 +9,8 @@ from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.motion import times_of
 from lrp_jupyter.grading.criteria.order import in_order, reason_of
-from lrp_jupyter.grading.record import RunRecord, Sample
-from lrp_jupyter.live.frame import is_active
+from lrp_jupyter.grading.run_record import RunRecord, Sample
+from lrp_jupyter.live.running.frame import is_active
 
 _APART = 0.5  # s; contacts that are closer are one bump
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
-from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.run_record import RunRecord
 
 When = Literal["once", "always", "at the end"]
 State = Literal["open", "so far", "met", "failed"]
@@ -58,8 +58,8 @@ class Criterion(NamedTuple):
     ----------
     sentence : str
     judge : callable
-        Takes a :class:`~lrp_jupyter.grading.record.RunRecord` and returns whether the criterion is met (or
-        how much of it, 0 to 1), and the reason. It is asked after every tick.
+        Takes a :class:`~lrp_jupyter.grading.run_record.RunRecord` and returns whether the criterion is met
+        (or how much of it, 0 to 1), and the reason. It is asked after every tick.
     when : {"at the end", "once", "always"}
         Whether it counts at the end only, is met for good when it was met once, or is broken for good when
         it was broken once; a run ends there.

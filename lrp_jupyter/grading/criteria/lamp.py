@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.run_record import RunRecord, Sample
 
 
 def lit_while(what: str, condition: Callable[[Sample], object], seconds: float = 0.3) -> Criterion:
@@ -16,7 +16,7 @@ def lit_while(what: str, condition: Callable[[Sample], object], seconds: float =
     what : str
         The condition in words, such as "drives backward".
     condition : callable
-        Takes a :class:`~lrp_jupyter.grading.record.Sample`.
+        Takes a :class:`~lrp_jupyter.grading.run_record.Sample`.
     seconds : float
         How long the lamp may be wrong at a time.
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.sim.floor import distance_to
 
 BLACK = 128  # a light reading below is the line, above is the floor

@@ -6,7 +6,7 @@ import math
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.places import zone_of
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.run_record import RunRecord, Sample
 
 
 def looks(zone: str, degrees: float) -> Criterion:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
-from lrp_jupyter.grading.record import RunRecord, Sample, angle_between
+from lrp_jupyter.grading.run_record import RunRecord, Sample, angle_between
 
 _FASTEST, _SLACK = 0.8, 0.05  # m/s; metres, which a collision may add
 _BEND = 1.2  # rad/m; a tighter bend is not straight on

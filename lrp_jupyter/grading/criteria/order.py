@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.run_record import RunRecord, Sample
 
 
 def in_order(run: RunRecord, things: Sequence[Callable[[Sample], bool]], key: object) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ from functools import partial
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.order import in_order, reason_of
-from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxZone, World, Zone
 
 _REST = 0.001  # m; a solid that lies still may tremble so far in one period

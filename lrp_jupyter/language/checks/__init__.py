@@ -12,8 +12,8 @@ from lrp_jupyter.codes import FINDINGS as CODES
 from lrp_jupyter.codes import Code
 from lrp_jupyter.errors import MOST_FINDINGS, listed
 from lrp_jupyter.language.checks.acting import check_acting
-from lrp_jupyter.language.checks.names import check_names
-from lrp_jupyter.language.checks.python import check_python
+from lrp_jupyter.language.checks.defined_names import check_names
+from lrp_jupyter.language.checks.python_in_blocks import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
 from lrp_jupyter.language.checks.references import check_references
 from lrp_jupyter.language.checks.report import Reporter
@@ -22,7 +22,7 @@ from lrp_jupyter.language.checks.waiting import check_waiting
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.language.robot import RobotMembers
+from lrp_jupyter.language.robot_members import RobotMembers
 
 __all__ = ["CODES", "Code", "check"]
 

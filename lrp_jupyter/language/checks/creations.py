@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 from lrp_jupyter.errors import MOST_FINDINGS, Edit, Fix
 from lrp_jupyter.language.checks.report import Reporter
+from lrp_jupyter.language.edits.form_places import Sheet, WrittenForm
 from lrp_jupyter.language.program import Machine, State
-from lrp_jupyter.language.sheet import Sheet, WrittenForm
 
 
 def new_state(report: Reporter, machine: Machine | None, name: str) -> Fix | None:

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.blocks.names_in_blocks import Offsets
+from lrp_jupyter.language.python.block_suite import children
 from lrp_jupyter.language.source import Diagnosis
-from lrp_jupyter.language.suites import children
 
 
 def misreadings(tree: ast.Module, places: Offsets, shift: int) -> tuple[Diagnosis, ...]:

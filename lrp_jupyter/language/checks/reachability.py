@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Hashable, Iterator
 
+from lrp_jupyter.language.checks.block_facts import facts_of
 from lrp_jupyter.language.checks.creations import new_spawn
-from lrp_jupyter.language.checks.facts import facts_of
-from lrp_jupyter.language.checks.names import starts
+from lrp_jupyter.language.checks.defined_names import starts
 from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.program import Transition

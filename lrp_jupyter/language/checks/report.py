@@ -7,8 +7,8 @@ from difflib import get_close_matches
 from functools import cached_property, lru_cache
 
 from lrp_jupyter.codes import FINDINGS
+from lrp_jupyter.language.edits.form_places import Sheet
 from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
-from lrp_jupyter.language.sheet import Sheet
 
 COMPARED = 30_000
 """How many names one check compares, to suggest the most similar one."""

@@ -6,8 +6,8 @@ import ast
 from collections.abc import Iterable
 from functools import cached_property
 
-from lrp_jupyter.language.blocks import read
-from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.blocks.block import read
+from lrp_jupyter.language.blocks.names_in_blocks import Offsets
 from lrp_jupyter.language.program import Span
 
 

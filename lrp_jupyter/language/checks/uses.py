@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 
 from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned
 from lrp_jupyter.language.program import Span
-from lrp_jupyter.language.suites import children
+from lrp_jupyter.language.python.block_suite import children
 
 Role = Literal[
     "read", "called", "assigned", "deleted", "stated", "compared", "computed", "tested", "value", "with"

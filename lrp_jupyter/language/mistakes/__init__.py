@@ -14,8 +14,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.mistakes import keywords, order, python, unclosed, words, wrong_brackets
-from lrp_jupyter.language.mistakes.draft import (
+from lrp_jupyter.language.mistakes import bare_python as python
+from lrp_jupyter.language.mistakes import foreign_words as words
+from lrp_jupyter.language.mistakes import form_order as order
+from lrp_jupyter.language.mistakes import keywords, unclosed, wrong_brackets
+from lrp_jupyter.language.mistakes.text_draft import (
     Correction,
     Corrections,
     DraftForm,

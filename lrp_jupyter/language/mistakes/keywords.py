@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.forms import USAGE
-from lrp_jupyter.language.mistakes.draft import (
+from lrp_jupyter.language.mistakes.text_draft import (
     Correction,
     Corrections,
     DraftForm,
@@ -15,8 +14,9 @@ from lrp_jupyter.language.mistakes.draft import (
     as_if,
     is_complete,
 )
+from lrp_jupyter.language.reading.forms import USAGE
+from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL
 from lrp_jupyter.language.spellings import FOLLOWERS, OTHERS, closest
-from lrp_jupyter.language.tokens import KEYWORDS, LEGAL
 from lrp_jupyter.language.triggers import FORMS
 
 

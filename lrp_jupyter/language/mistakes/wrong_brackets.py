@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.forms import USAGE
-from lrp_jupyter.language.mistakes.draft import (
+from lrp_jupyter.language.mistakes.text_draft import (
     Correction,
     Corrections,
     DraftForm,
@@ -15,8 +14,9 @@ from lrp_jupyter.language.mistakes.draft import (
     is_complete,
     is_python,
 )
-from lrp_jupyter.language.scanner import line_end
-from lrp_jupyter.language.tokens import LEGAL
+from lrp_jupyter.language.python.scanner import line_end
+from lrp_jupyter.language.reading.forms import USAGE
+from lrp_jupyter.language.reading.tokens import LEGAL
 from lrp_jupyter.language.triggers import FORMS
 
 _AFTER_NAME = (("ASSIGN",), ("BLOCK",), ("INVALID",))

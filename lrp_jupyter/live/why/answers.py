@@ -6,12 +6,12 @@ import math
 from dataclasses import replace
 
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import find_first
-from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.why.recorded_run import Again, RecordedRun
 from lrp_jupyter.live.why.robot_commands import command_reason, commands_of
 from lrp_jupyter.live.why.states import state_reason

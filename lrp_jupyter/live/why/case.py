@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lrp_jupyter.interpreter.history import PastMachine, PastState
-from lrp_jupyter.interpreter.reasons import Cause
+from lrp_jupyter.interpreter.tick_reasons import Cause
 from lrp_jupyter.language.program import Block, Element, Program, Transition
 from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.why.recorded_run import RecordedRun

@@ -8,7 +8,7 @@ from lrp_jupyter.interpreter.facts import Commanded, Enabled, Entered, Fact, Fir
 from lrp_jupyter.interpreter.history import PastMachine
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import Reason, StateCode
-from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_state, line_of_transition, spawns_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import restart_text, time_text

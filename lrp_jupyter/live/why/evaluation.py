@@ -7,17 +7,17 @@ from time import perf_counter
 from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
 from typing import Any, NamedTuple
 
-from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.history import PastState
+from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import is_boolean
-from lrp_jupyter.language.expressions import Evaluation, UnknownValueError, evaluate, expression_of
+from lrp_jupyter.language.blocks.builtin_names import builtin
+from lrp_jupyter.language.blocks.expressions import Evaluation, UnknownValueError, evaluate, expression_of
 from lrp_jupyter.language.program import Path
-from lrp_jupyter.language.provided import builtin
 from lrp_jupyter.language.triggers import Delay
-from lrp_jupyter.live.names import ABSENT
-from lrp_jupyter.live.recorded_robot import RecordedRobot
-from lrp_jupyter.live.renamed import Names
+from lrp_jupyter.live.running.notebook_names import ABSENT
 from lrp_jupyter.live.why.case import Case
+from lrp_jupyter.live.why.earlier_names import Names
+from lrp_jupyter.live.why.recorded_robot import RecordedRobot
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 
 _SEARCH = 0.03  # wall seconds to search for the last time a condition was true

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fired, Spawned
 from lrp_jupyter.language.program import Path
-from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
 from lrp_jupyter.live.why.entries import restart_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from lrp_jupyter.interpreter.history import Dated, PastState
-from lrp_jupyter.language.expressions import Evaluation
+from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Path, Program
-from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.names import ChangeNames
-from lrp_jupyter.live.renamed import Names
+from lrp_jupyter.live.running.loop import Loop
+from lrp_jupyter.live.running.notebook_names import ChangeNames
+from lrp_jupyter.live.why.earlier_names import Names
 
 Again = Callable[[int, Element], Evaluation | Exception | None]
 """Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""

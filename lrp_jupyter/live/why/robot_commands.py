@@ -6,16 +6,16 @@ import ast
 from itertools import chain
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.nodes import RobotMethod
-from lrp_jupyter.bridges.outside import CommandsHeld, RobotStopped
-from lrp_jupyter.bridges.safety import CommandRecord
+from lrp_jupyter.bridges.guarding.safety import CommandRecord
+from lrp_jupyter.bridges.interventions import CommandsHeld, RobotStopped
+from lrp_jupyter.bridges.member_tree import RobotMethod
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.facts import Commanded
-from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.blocks.block import read
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import CommandCode, Reason
-from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text, time_text

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from lrp_jupyter.interpreter.facts import Entered, Fired
-from lrp_jupyter.interpreter.reasons import Cause
+from lrp_jupyter.interpreter.tick_reasons import Cause
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.case import Case
-from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state, line_of_transition
 from lrp_jupyter.live.why.entries import entered_otherwise, say_whether_it_acted
 from lrp_jupyter.live.why.machines import not_running

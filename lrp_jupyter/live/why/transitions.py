@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
 from lrp_jupyter.interpreter.facts import Enabled, Entered, Faulted, Fired
-from lrp_jupyter.interpreter.reasons import cause_in
-from lrp_jupyter.language.expressions import Evaluation
+from lrp_jupyter.interpreter.tick_reasons import cause_in
+from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Delay, Epsilon
 from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.case import Case
-from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition
 from lrp_jupyter.live.why.entries import enabled_in, entry_text, how_entered
 from lrp_jupyter.live.why.evaluation import delay_of, evaluate_again, last_true

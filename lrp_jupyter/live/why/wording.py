@@ -10,10 +10,10 @@ from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.errors import sentence_of
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.rendering import scalar_of, short
-from lrp_jupyter.interpreter.watching import Shown, items
-from lrp_jupyter.language.expressions import Evaluation, UnknownValueError
+from lrp_jupyter.interpreter.watched_test import Shown, items
+from lrp_jupyter.language.blocks.expressions import Evaluation, UnknownValueError
 from lrp_jupyter.language.program import Block
-from lrp_jupyter.language.python import parse_python
+from lrp_jupyter.language.python.python_parser import parse_python
 
 
 def number_text(value: float) -> str:

@@ -22,8 +22,8 @@ from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.clock import MonotonicClock
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.saver import Saver
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.text.saver import Saver
+from lrp_jupyter.widgets.text.texts import Texts
 
 pytestmark = pytest.mark.ros
 

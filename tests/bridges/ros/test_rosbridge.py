@@ -20,7 +20,7 @@ from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, rosapi, rosbridge, websocket
 from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, FieldType
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
-from lrp_jupyter.cli.guard import RosSide
+from lrp_jupyter.cli.guard_command import RosSide
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.session import Session
 

@@ -9,7 +9,7 @@ from support.reference import Reference, Skip, find
 from support.wild import program
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.interpreter.reasons import cause_in
+from lrp_jupyter.interpreter.tick_reasons import cause_in
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element
 from lrp_jupyter.language.resolution import resolve

@@ -1,0 +1,1 @@
+"""Safety for every robot: limits, watchdogs, and the process that stops it."""

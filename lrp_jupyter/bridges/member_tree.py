@@ -1,0 +1,473 @@
+"""The members of a robot: readings, methods, and the tree of their names.
+
+Owner: the interpreter's thread. Other threads may read: the table of members is never changed in
+place, a new one replaces it. They may also add and remove, one after the other.
+"""
+
+from __future__ import annotations
+
+import inspect
+import keyword
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from types import TracebackType
+from typing import NoReturn, Protocol
+
+from lrp_jupyter.bridges.guarding.safety import Safety
+from lrp_jupyter.bridges.members import Member, MemberError, age_text, describe_value
+from lrp_jupyter.bridges.message import Message, real_number
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue, StaleData, did_you_mean
+
+Limits = Mapping[str, float | tuple[float, float]]
+
+
+class MemberOwner(Protocol):
+    """What members need to know of their bridge; see `Interface`."""
+
+    latch: int
+    safety: Safety
+    readings: dict[str, object]
+    nodes: Nodes
+
+    @property
+    def name(self) -> str:
+        """Name of the bridge, for messages."""
+        ...
+
+    def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
+        """Pass a command through the safety and, if it allows, perform it."""
+        ...
+
+
+class RobotVariable:
+    """A reading: read at most once in a tick, so that one tick sees one world.
+
+    Owner: the interpreter's thread; other threads may read `value` and `arrived`.
+
+    `stale_after`: the seconds after which a reading is too old to act on; None: never.
+    `lateness`: why the robot must not drive on this reading in the present tick; empty if it may.
+    """
+
+    __slots__ = (
+        "_age",
+        "_bridge",
+        "_failure",
+        "_seen",
+        "_waiting_since",
+        "arrived",
+        "doc",
+        "getter",
+        "lateness",
+        "path",
+        "stale_after",
+        "type",
+        "unit",
+        "value",
+    )
+
+    def __init__(
+        self,
+        bridge: MemberOwner,
+        path: str,
+        getter: Callable[[], object],
+        doc: str,
+        unit: str,
+        type_: type | str | None,
+        age: Callable[[], float | None] | None,
+        stale_after: float | None = None,
+    ) -> None:
+        if stale_after is not None and age is None:
+            raise ValueError(f"`{path}`: `stale_after` needs an `age`; or `feed` the values.")
+        if stale_after is not None and not stale_after > 0:
+            raise ValueError(f"`{path}`: `stale_after` is a number of seconds above 0, or None: never.")
+        self._bridge, self.path, self.getter, self._age = bridge, path, getter, age
+        self.stale_after, self.lateness = stale_after, ""
+        self._waiting_since: float | None = None
+        self.doc, self.unit, self.type = doc, unit, type_
+        self.value: object = None
+        self.arrived: float | None = None
+        self._seen = -1
+        self._failure: LRPError | None = None
+
+    def read(self) -> object:
+        """Return the reading of this tick; the getter is called at most once in a tick.
+
+        Raises NoDataYet: nothing has arrived yet (the getter raised it, or returned None).
+        Raises StaleData: what arrived last is older than `stale_after`.
+        Raises BridgeError: the robot could not be read.
+        """
+        tick = self._bridge.latch
+        if tick != self._seen or tick == 0:
+            self._seen = tick
+            self._failure = None
+            try:
+                value = self.getter()
+            except NoDataYet as error:
+                value = None
+                self._failure = error if str(error) else None
+            except BridgeError as error:
+                self._failure = error
+            except Exception as error:
+                self._failure = BridgeError(f"`robot.{self.path}` could not be read: {_sentence(error)}")
+                self._failure.__cause__ = error
+            if self._failure is None:
+                if value is None:
+                    self._failure = NoDataYet(f"`robot.{self.path}` has no data yet.")
+                elif self.stale_after is not None and (late := self.lateness if tick else self.judge()):
+                    self._failure = StaleData(late)
+                else:
+                    self.value, self.arrived = value, self._bridge.safety.now
+            if tick:
+                self._bridge.readings[self.path] = self.value if self._failure is None else self._failure
+        if self._failure is not None:
+            raise self._failure.with_traceback(None)
+        return self.value
+
+    @property
+    def knows_age(self) -> bool:
+        """Whether the bridge says how old it is; if not, its age is the time since it was read."""
+        return self._age is not None
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether its last value is too old to act on, now."""
+        age, most = self.age(), self.stale_after
+        return most is not None and age is not None and age > most
+
+    def judge(self) -> str:
+        """Return, and keep for the tick, why the robot must not drive on this reading; empty if it may.
+
+        That the first value is awaited is no reason before it has been for `stale_after` seconds of the run.
+        """
+        age, most, now = self.age(), self.stale_after, self._bridge.safety.now
+        self.lateness = ""
+        if most is None:
+            return ""
+        if age is None:
+            if self._waiting_since is None or now < self._waiting_since:  # another run has begun
+                self._waiting_since = now
+            if now - self._waiting_since > most:
+                self.lateness = f"`robot.{self.path}`: nothing has arrived yet."
+        else:
+            self._waiting_since = None
+            if age > most:
+                self.lateness = f"`robot.{self.path}` is stale: its value is {age_text(age)} old."
+        return self.lateness
+
+    def age(self) -> float | None:
+        """Seconds since the reading arrived; None before the first."""
+        if self._age is not None:
+            return self._age()
+        return None if self.arrived is None else max(0.0, self._bridge.safety.now - self.arrived)
+
+    def describe(self) -> Member:
+        """Return the description with the last reading, without reading."""
+        value, kind = self.value, self.type
+        if kind is None:
+            kind = "" if value is None else type(value).__name__
+        text = kind if isinstance(kind, str) else kind.__name__
+        member = Member(
+            self.path, "variable", text, self.unit, self.doc, self.age(), value, stale=self.is_stale
+        )
+        return describe_value(member, self.type)
+
+
+class RobotMethod(NotAValue):
+    """A method of the robot. A command among them passes the bridge's safety.
+
+    ``robot.move(...)`` sends; ``with robot.move as msg:`` fills a message and sends it at the end,
+    unless the block fails.
+    """
+
+    # fmt: off
+    __slots__ = ("_bridge", "_filling", "_function", "_parameters", "_redirected", "command", "doc", "limits",
+                 "message", "mover", "path", "signature", "velocity")
+    # fmt: on
+
+    def __init__(
+        self,
+        bridge: MemberOwner,
+        path: str,
+        function: Callable[..., object],
+        doc: str,
+        message: type[Message] | None,
+        command: bool,
+        velocity: bool,
+        limits: Limits,
+        mover: str = "",
+    ) -> None:
+        self._bridge, self.path, self._function = bridge, path, function
+        self.doc = doc
+        self.message, self.command, self.velocity, self.mover = message, command, velocity, mover
+        self.limits = {name: _range(limit) for name, limit in limits.items()}
+        self._parameters = _signature(function)
+        if message is not None:
+            self.signature = f"({', '.join(f'{name}=0.0' for name in message.WORDS or message.FIELDS)})"
+        else:
+            bare = [p.replace(annotation=p.empty) for p in self._parameters.parameters.values()]
+            self.signature = str(inspect.Signature(bare))
+        self._filling: list[Message] = []
+        self._redirected: Callable[[Message | inspect.BoundArguments], object] | None = None
+
+    def __call__(self, *args: object, **kwargs: object) -> object:
+        """Check the arguments, and send them if the bridge's safety allows it."""
+        if self.message is not None:
+            return self._bridge.send(self, self._fill(self.message, args, kwargs))
+        return self._bridge.send(self, self._bind(args, kwargs))
+
+    def __enter__(self) -> Message:
+        if self.message is None:
+            raise BridgeError(
+                f"`robot.{self.path}` does not accept a message. "
+                f"Call it as `robot.{self.path}{self.signature}`."
+            )
+        self._filling.append(self.message())
+        return self._filling[-1]
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        message = self._filling.pop()
+        if kind is None:
+            self._bridge.send(self, message)
+
+    def _not_a_value(self) -> str:
+        path = f"robot.{self.path}"
+        return f"`{path}` is a method, not a value. Call it as `{path}{self.signature}`."
+
+    def __getattr__(self, name: str) -> NoReturn:
+        if name.startswith("_"):  # copy, pickle and notebooks ask for these
+            raise MemberError(f"A method of `robot` has no `{name}`.")
+        path = f"robot.{self.path}"
+        raise MemberError(f"`{path}` is a method and has no `{name}`. Call it as `{path}{self.signature}`.")
+
+    def __copy__(self) -> RobotMethod:
+        return self
+
+    def __deepcopy__(self, memo: object) -> RobotMethod:
+        return self
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name not in RobotMethod.__slots__:
+            self.__getattr__(name)
+        object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        return f"<robot.{self.path}{self.signature}>"
+
+    @property
+    def sets_in_motion(self) -> bool:
+        """Whether it is a command by which something moves until another one, or a stop."""
+        return self.velocity or bool(self.mover)
+
+    @property
+    def parameters(self) -> tuple[inspect.Parameter, ...]:
+        """The parameters of its function."""
+        return tuple(self._parameters.parameters.values())
+
+    def perform(self, command: Message | inspect.BoundArguments) -> object:
+        """Perform a command that the safety allowed; raise its faults as BridgeError."""
+        if self._redirected is not None:
+            return self._redirected(command)
+        try:
+            if isinstance(command, Message):
+                return self._function(command)
+            return self._function(*command.args, **command.kwargs)
+        except LRPError:
+            raise
+        except Exception as error:
+            raise BridgeError(f"`robot.{self.path}` failed: {_sentence(error)}") from error
+
+    def stand_in(self, other: RobotMethod) -> None:
+        """Take the arguments that another method takes, and perform nothing."""
+        self._parameters, self.signature = other._parameters, other.signature
+        self._redirected = lambda _: None
+
+    def redirect(self, receive: Callable[[Message | inspect.BoundArguments], object]) -> None:
+        """Redirect all later commands to `receive` instead of the robot (for tests)."""
+        self._redirected = receive
+
+    def standstill(self) -> Message | inspect.BoundArguments:
+        """Return the command that stops: a message of zeros, or 0 for every argument without default."""
+        if self.message is not None:
+            return self.message()
+        still = self._parameters.bind_partial()
+        for parameter in self._parameters.parameters.values():
+            is_variadic = parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
+            if parameter.default is parameter.empty and not is_variadic:
+                still.arguments[parameter.name] = 0.0
+        return still
+
+    def _fill(self, kind: type[Message], args: tuple[object, ...], kwargs: dict[str, object]) -> Message:
+        message = kind()
+        if len(args) > 1 or (args and kwargs):
+            raise BridgeError(
+                f"`robot.{self.path}` takes one block or message, or keyword arguments, "
+                f"as in {self._example()}."
+            )
+        if args and isinstance(args[0], kind):
+            for name in kind.FIELDS:
+                setattr(message, name, getattr(args[0], name))
+        elif args and callable(args[0]) and not isinstance(args[0], Message):
+            args[0](message)
+        elif args:
+            raise BridgeError(
+                f"`robot.{self.path}` does not accept {args[0]!r}. Call it like {self._example()}."
+            )
+        return message(**kwargs)
+
+    def _bind(self, args: tuple[object, ...], kwargs: dict[str, object]) -> inspect.BoundArguments:
+        try:
+            return self._parameters.bind(*args, **kwargs)
+        except TypeError as error:
+            names = self._parameters.parameters
+            unknown = next((name for name in kwargs if name not in names), "")
+            hint = did_you_mean(unknown, names) if unknown else ""
+            raise BridgeError(f"`robot.{self.path}{self.signature}`: {error}.{hint}") from None
+
+    def _example(self) -> str:
+        name = next(iter(self.limits), None) or next(iter(self.message.FIELDS if self.message else ()), "")
+        return f"`robot.{self.path}({name}=0.2)`"
+
+    def describe(self) -> Member:
+        """Return the description."""
+        fields = self.message.describe(self.path) if self.message is not None else ()
+        return Member(self.path, "method", doc=self.doc, signature=self.signature, fields=fields)
+
+    def clamp(self, command: Message | inspect.BoundArguments) -> dict[str, str]:
+        """Clamp a command to the limits in place; return a sentence for each number that was clamped.
+
+        They are found by the name of the number and its limit.
+        """
+        sentences = {}
+        for name, (low, high) in self.limits.items():
+            if isinstance(command, Message):
+                value = command.get(name)
+            elif name in command.arguments:
+                value = real_number(command.arguments[name], f"{self.path}({name}=…)")
+            else:
+                continue
+            allowed = min(max(value, low), high)
+            if allowed == value:
+                continue
+            if isinstance(command, Message):
+                command.set(name, allowed)
+            else:
+                command.arguments[name] = allowed
+            sentences[f"{name} {allowed:g}"] = f"`{self.path}`: {name} {value:g} limited to {allowed:g}."
+        return sentences
+
+
+class Nodes:
+    """The members of a bridge by their dotted names; parts (``light``) come and go with them.
+
+    `make_part`: returns the object that a program gets for a name with members of its own.
+    `table`: members and parts, by their paths.
+    `timed`: the readings that can become stale.
+    """
+
+    def __init__(self, make_part: Callable[[str], object]) -> None:
+        self._make_part = make_part
+        self._changing = threading.RLock()
+        self.table: Mapping[str, object] = {}
+        self.timed: tuple[RobotVariable, ...] = ()
+
+    def add(self, node: RobotVariable | RobotMethod) -> None:
+        """Add a member; one of the same name is replaced.
+
+        Raises ValueError: the name cannot be written after ``robot.``, or would be both a member and a part.
+        """
+        with self._changing:
+            self._replace(self._with(node))
+
+    def _replace(self, table: Mapping[str, object]) -> None:
+        nodes = table.values()
+        self.timed = tuple(
+            node for node in nodes if isinstance(node, RobotVariable) and node.stale_after is not None
+        )
+        self.table = table
+
+    def _with(self, node: RobotVariable | RobotMethod) -> Mapping[str, object]:
+        name, table = node.path, dict(self.table)
+        for part in name.split("."):
+            if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
+                raise ValueError(f"`{name}` is not a valid name for a member of `robot`.")
+        if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
+            raise ValueError(f"`{name}` has members of its own and cannot be a member itself.")
+        for end in [i for i, character in enumerate(name) if character == "."]:
+            if name[:end] not in table:
+                table[name[:end]] = self._make_part(name[:end])
+            elif isinstance(table[name[:end]], (RobotVariable, RobotMethod)):
+                raise ValueError(f"`{name[:end]}` is already a member and cannot have members of its own.")
+        table[name] = node
+        return table
+
+    def remove(self, name: str) -> None:
+        """Remove a member, or a part with all its members.
+
+        Raises MemberError: there is no member of that name.
+        """
+        with self._changing:
+            self._replace(self._without(name))
+
+    def _without(self, name: str) -> Mapping[str, object]:
+        if name not in self.table:
+            raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
+        left = [node for node in self.members() if node.path != name and not node.path.startswith(f"{name}.")]
+        table: dict[str, object] = {}
+        for path, node in self.table.items():
+            if any(other.path == path or other.path.startswith(f"{path}.") for other in left):
+                table[path] = node
+        return table
+
+    def clear(self) -> None:
+        """Remove all members."""
+        with self._changing:
+            self._replace({})
+
+    def members(self) -> Iterator[RobotVariable | RobotMethod]:
+        """Iterate over the members in the order of their registration."""
+        return (node for node in self.table.values() if isinstance(node, (RobotVariable, RobotMethod)))
+
+    def describe(self, path: str) -> Member:
+        """Describe a member, a part, or a field of a reading.
+
+        Raises MemberError: there is no member of that name.
+        """
+        node = self.table.get(path)
+        if isinstance(node, (RobotVariable, RobotMethod)):
+            return node.describe()
+        if node is not None:
+            inside = (member for member in self.members() if member.path.startswith(f"{path}."))
+            return Member(path, "variable", fields=tuple(member.describe() for member in inside))
+        parent, _, name = path.rpartition(".")
+        fields = self.describe(parent).fields if parent else ()
+        for field in fields:
+            if field.name == path:
+                return field
+        known = [field.name.rpartition(".")[2] for field in fields] if parent else list(self.table)
+        what = f"robot.{parent}".rstrip(".")
+        raise MemberError(f"`{what}` has no `{name}`.{did_you_mean(name, known)}")
+
+
+def _range(limit: float | tuple[float, float]) -> tuple[float, float]:
+    low, high = limit if isinstance(limit, tuple) else (-limit, limit)
+    if not low <= high:
+        raise ValueError(f"A limit goes from the smaller to the larger number, not {limit!r}.")
+    return low, high
+
+
+def _signature(function: Callable[..., object]) -> inspect.Signature:
+    try:
+        return inspect.signature(function)
+    except (TypeError, ValueError):  # some callables written in C have none
+        return inspect.Signature(
+            [
+                inspect.Parameter("args", inspect.Parameter.VAR_POSITIONAL),
+                inspect.Parameter("kwargs", inspect.Parameter.VAR_KEYWORD),
+            ]
+        )
+
+
+def _sentence(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

@@ -1,0 +1,101 @@
+"""Hints that several challenges give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lrp_jupyter.grading.criteria import sees_line
+from lrp_jupyter.grading.run_record import RunRecord, Sample
+
+
+def ignores(run: RunRecord, sensor: str, advice: str) -> Iterator[str]:
+    """Say that the program does not read a sensor, such as ``"light"``."""
+    if f"robot.{sensor}" not in run.programs[-1].text:
+        yield f"The program does not read `robot.{sensor}`. {advice}"
+
+
+def never_touched(run: RunRecord) -> Iterator[str]:
+    """Say that the robot never bumped, and what it did instead."""
+    if run.touch():
+        return
+    if run.stood > 3 and run.driven > 0.1:
+        yield (
+            f"The robot stopped after {run.still_since:.1f} s, before it touched anything. Let the bumper"
+            " decide when it stops, not the time: `[robot.bumper.data == 1]`."
+        )
+    elif run.turned.total > 360:
+        yield (
+            f"The robot turned {run.turned.total:.0f}° and never met anything. Drive straight on until it"
+            " bumps."
+        )
+    else:
+        yield f"The robot drove {run.driven:.2f} m and never touched anything. Drive on until it bumps."
+
+
+class Push(NamedTuple):
+    """The robot pushes against a solid for some seconds."""
+
+    seconds: float
+    since: float
+    solid: str
+
+
+def longest_push(run: RunRecord) -> Push:
+    """Return the longest push of a run."""
+    return run.fold(_pushes, (Push(0.0, 0.0, ""), 0.0))[0]
+
+
+def _pushes(so_far: tuple[Push, float], now: Sample, _: Sample) -> tuple[Push, float]:
+    """Keep the longest push, and since when this one lasts."""
+    longest, since = so_far
+    if not now.touched or now.command[0] <= 0:
+        return longest, now.time
+    if now.time - since > longest.seconds:
+        return Push(now.time - since, since, min(now.touched)), since
+    return so_far
+
+
+def kept_pushing(run: RunRecord) -> Iterator[str]:
+    """Say that the robot pushed against something for long."""
+    push = longest_push(run)
+    if push.seconds > 1:
+        against = "a wall" if push.solid.startswith("solid") else f"the {push.solid}"
+        yield (
+            f"The robot pushed against {against} for {push.seconds:.1f} s, from {push.since:.1f} s on. A"
+            " transition with the condition `[robot.bumper.data == 1]` has to lead out of the state that"
+            " drives."
+        )
+
+
+def never_saw_the_line(run: RunRecord) -> Iterator[str]:
+    """Say that the light sensor never saw the line."""
+    if not run.first(sees_line):
+        yield (
+            f"The robot drove {run.driven:.2f} m, and its light sensor never saw the line. White reads 255"
+            " and black reads 0: on the line it is below 128."
+        )
+
+
+def lost_the_line(run: RunRecord) -> Iterator[str]:
+    """Say that the robot lost the line and did not find it again."""
+    last = run.last(sees_line)
+    if last and run.seconds - last.time >= 5:
+        yield (
+            f"The robot lost the line after {last.time:.1f} s and did not find it again."
+            " Look to the left, then to the right, and each time a bit further."
+        )
+
+
+def restarted_or_not_edited(run: RunRecord) -> Iterator[str]:
+    """Say why an edit has restarted the program, or that nothing was edited while it ran."""
+    if len(run.programs) < 2:
+        yield (
+            "The program is still the one that you were given. Change it while it runs; comments do not"
+            " count."
+        )
+    if run.restarts:
+        yield (
+            f"The program restarted: {run.restart_reason} Changing a variable, an event or a transition"
+            " never restarts it, nor does changing a state that is not active."
+        )

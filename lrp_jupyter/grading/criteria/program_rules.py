@@ -1,0 +1,105 @@
+"""Criteria about the program itself: its states, its edits, its faults."""
+
+from __future__ import annotations
+
+from lrp_jupyter.grading.criteria.criterion import Criterion, Found
+from lrp_jupyter.grading.run_record import RunRecord, Sample
+
+_SPAN = 2.0  # s, over which a speed is measured
+
+_Recent = tuple[tuple[float, float, int], ...]  # time, way, and version of the program
+
+
+def enters(state: str) -> Criterion:
+    """Require that a state of the program, given by name or path, is entered."""
+
+    def judge(run: RunRecord) -> Found:
+        found = run.entered(state)
+        return Found(bool(found), f"entered after {found.time:.1f} s" if found else "never entered")
+
+    return Criterion(f"enters the state `{state}`", judge, "once", needs_motion=False)
+
+
+def edited(times: int = 1) -> Criterion:
+    """Require that the program is edited while it runs: this often, and so that it becomes another one."""
+
+    def judge(run: RunRecord) -> Found:
+        edits = max(0, len(run.programs) - 1)
+        return Found(edits / times, {0: "no edit", 1: "1 edit"}.get(edits, f"{edits} edits"))
+
+    return Criterion("is edited while it runs", judge, "once", needs_motion=False)
+
+
+def slows_to(share: float, slack: float = 0.1) -> Criterion:
+    """Require that the robot drives on, after an edit, at this share of the speed that it had before.
+
+    Parameters
+    ----------
+    share : float
+        0.5 is half the speed.
+    slack : float
+        How far off the share may be, as a fraction of the speed before.
+    """
+
+    def judge(run: RunRecord) -> Found:
+        def step(so_far: tuple[float, _Recent], now: Sample, before: Sample) -> tuple[float, _Recent]:
+            """Keep the speed before the first edit, and time, way and version of the last two seconds."""
+            first, recent = so_far
+            way = (recent[-1][1] if recent else 0.0) + now.distance(before)
+            recent = (*recent, (now.time, way, now.version))
+            recent = tuple(each for each in recent if each[0] >= now.time - _SPAN - 1e-6)
+            return (_speed(recent) if not now.version else first), recent
+
+        nothing: tuple[float, _Recent] = (0.0, ())
+        first, recent = run.fold(step, nothing, "speeds")
+        now, half = _speed(recent), len(recent) // 2
+        if not recent or not recent[0][2]:
+            return Found(0, f"it drives at {now:.2f} m/s")
+        parts = [_speed(each) / first if first else 0.0 for each in (recent[:half], recent[half:])]
+        met = all(abs(part - share) <= slack for part in parts) and recent[0][2] == recent[-1][2]
+        return Found(met, f"it drove at {first:.2f} m/s, and then at {now:.2f} m/s")
+
+    named = {0.5: "half the speed", 2: "twice the speed"}.get(share, f"{share:.0%} of the speed")
+    return Criterion(f"drives on at {named}", judge, "once")
+
+
+def _speed(recent: _Recent) -> float:
+    """Return a speed, in m/s, from times and ways."""
+    if len(recent) < 2:
+        return 0.0
+    (first_time, first_way, _), (time, way, _) = recent[0], recent[-1]
+    return (way - first_way) / (time - first_time)
+
+
+def drives_on(metres: float) -> Criterion:
+    """Require that the robot drives at least this far after the first edit."""
+
+    def judge(run: RunRecord) -> Found:
+        def step(so_far: float, now: Sample, before: Sample) -> float:
+            return so_far + now.distance(before) if before.version else so_far
+
+        way = run.fold(step, 0.0, "drives after the edit")
+        return Found(way / metres, f"it drove {way * 100:.0f} cm after the edit")
+
+    return Criterion(f"drives on for {metres * 100:g} cm after the edit", judge, "once")
+
+
+def never_restarts() -> Criterion:
+    """Require that no edit restarts the program."""
+
+    def judge(run: RunRecord) -> Found:
+        return Found(not run.restarts, run.restart_reason if run.restarts else "no restart")
+
+    return Criterion("never restarts", judge, "always", needs_motion=False)
+
+
+def no_faults() -> Criterion:
+    """Require that the program runs without issues; holds in every challenge."""
+
+    def judge(run: RunRecord) -> Found:
+        if not run.issues:
+            return Found(1, "no issue")
+        issue = run.issues[0]
+        return Found(0, f"line {issue.line}: {issue.message}")
+
+    return Criterion("runs without issues", judge, needs_motion=False)

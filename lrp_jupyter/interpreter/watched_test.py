@@ -1,0 +1,69 @@
+"""Watch the test of a transition: evaluate it part by part, once, in the tick in which it is tested."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from lrp_jupyter.errors import NotAValue
+from lrp_jupyter.interpreter.cells import content
+from lrp_jupyter.interpreter.rendering import is_scalar, scalar_of, short
+from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.trace_events import UNSET
+from lrp_jupyter.interpreter.tree import Edge
+from lrp_jupyter.language.blocks.builtin_names import builtin
+from lrp_jupyter.language.blocks.expressions import Evaluation, evaluate, expression_of
+from lrp_jupyter.language.resolution import resolve
+
+
+class Shown(str):
+    """The text of a value that may change later."""
+
+    __slots__ = ()
+
+
+def items(evaluation: Evaluation) -> list[tuple[str, object]]:
+    """Return the parts with their values, except for parts of a robot."""
+    found = evaluation.values.items()
+    return [(text, scalar_of(value)) for text, value in found if not isinstance(value, NotAValue)]
+
+
+def _shown(value: object) -> object:
+    """Return a value if it is immutable, otherwise its text."""
+    value = scalar_of(value)
+    return value if is_scalar(value) else Shown(short(value))
+
+
+def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]) -> None:
+    """Replace the test of a bound transition by one that shows its parts; for a delay, only show them."""
+    arrow = resolve(run.program).arrow(edge.plan.site.element)
+    if arrow is None or arrow.tested is None:
+        return
+    block, scope = arrow.tested
+    expression = expression_of(block.text)
+    if expression is None or scope.path not in run.live:
+        return
+    visible, test = run.live[scope.path].visible, edge.test
+    is_delay = arrow.noun.trigger.keyword == "ontime"
+
+    def lookup(name: str) -> Any:
+        if name in visible:
+            value = content(visible[name].cell)
+            if value is UNSET:
+                raise NameError(f"`{name}` had no value.")
+            return value
+        return run.namespace[name] if name in run.namespace else builtin(name)
+
+    def watched() -> object:
+        edge.test = test  # its state may be entered again in the same tick
+        try:
+            evaluation = evaluate(expression, lookup, calls=True)
+        except Exception as error:
+            seen(error)
+            return test()
+        values = {text: _shown(value) for text, value in items(evaluation)}
+        seen(replace(evaluation, values=values, decided=_shown(evaluation.decided)))
+        return test() if is_delay else evaluation.value
+
+    edge.test = watched

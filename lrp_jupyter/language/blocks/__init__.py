@@ -1,0 +1,1 @@
+"""Blocks: Python between square brackets, bound to the variables of a program."""

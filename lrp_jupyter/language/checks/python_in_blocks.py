@@ -1,0 +1,287 @@
+"""5xx: Python in blocks that cannot do what it is probably meant to do.
+
+Paper: §3.2 (line 32 of the listing compares where it should assign), §9.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from functools import cached_property
+from itertools import chain
+
+from lrp_jupyter.language.blocks.builtin_names import PROVIDED
+from lrp_jupyter.language.checks.block_facts import Facts, facts_of
+from lrp_jupyter.language.checks.creations import new_variable
+from lrp_jupyter.language.checks.defined_names import BUILTINS
+from lrp_jupyter.language.checks.report import Reporter, replace
+from lrp_jupyter.language.checks.robot_uses import Remedied, check_robot, compared, suspicious_uses
+from lrp_jupyter.language.program import Edit, Fix, Span, path_text
+from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
+from lrp_jupyter.language.robot_members import RobotMembers
+
+_STATEMENTS = frozenset({"return", "pass", "break", "continue"})
+"""Keywords that are a statement by themselves: misspelt, they are names."""
+_SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
+"""Names from other languages, for which `difflib` would find no similar name."""
+
+
+def check_python(report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
+    """Report what is wrong inside the blocks of a program."""
+    _Python(report, names, robot).check()
+
+
+class _Python:
+    def __init__(self, report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
+        self.report = report
+        self.robot = robot
+        self.scopes = names.scopes
+        self.blocks = tuple(names.all_blocks)
+        self.known = BUILTINS | PROVIDED | set(report.names)
+
+    def check(self) -> None:
+        for place in self.blocks:
+            facts = facts_of(place.block.text)
+            self._names(place, facts)
+            self._values(place, facts, self._robot(place))
+
+    # The robot
+
+    def _robot(self, place: PlacedBlock) -> set[Span]:
+        """Report wrong uses of the robot; return their places."""
+        if self.robot is None or "robot" in place.visible:
+            return set()
+
+        def is_number(name: str) -> bool:
+            scope = place.visible.get(name)
+            literal = facts_of(scope.variables[name].initial.text).literal if scope else None
+            return literal is not None and literal[0] == "a number"
+
+        wrong = set()
+        for use, known in suspicious_uses(place.block.text, self.robot, place.purpose):
+            remedied = known or check_robot(use, self.robot, place.purpose, is_number)
+            if remedied is not None:
+                wrong.add(use.span)
+                self._remedied(place, remedied)
+        return wrong
+
+    def _remedied(self, place: PlacedBlock, remedied: Remedied) -> None:
+        code, span, message, fix = remedied
+        if fix is not None:
+            at = place.block.at
+            edits = tuple(Edit(*at(Span(start, end)), text) for start, end, text in fix.edits)
+            fix = Fix(fix.title, edits)
+        self.report.add(code, place.block.at(span), message, fix)
+
+    @cached_property
+    def _numbers(self) -> set[tuple[Scope | None, str]]:
+        """The variables that begin as a number, and to which no block assigns anything else."""
+        found: set[tuple[Scope | None, str]] = set()
+        for scope in self.scopes:
+            for name, variable in scope.variables.items():
+                literal = facts_of(variable.initial.text).literal
+                if literal and literal[0] == "a number":
+                    found.add((scope, name))
+        for place in self.blocks:
+            facts = facts_of(place.block.text)
+            found -= {(place.visible.get(name), name) for name in facts.binds if name not in facts.numbers}
+        return found
+
+    # Names
+
+    def _names(self, place: PlacedBlock, facts: Facts) -> None:
+        visible = place.visible
+        stated = [each for each in facts.comparisons if place.purpose == "action" or not each.last]
+        meant = {remark.name for remark in stated if remark.edit}  # `x == 1` for `x = 1`
+        for name, span, _ in facts.reads:
+            if name in meant:
+                continue
+            if name not in visible and name not in self.known and not name.startswith("__"):
+                problem = f"`{name}` is not defined where this block can see it"
+                known = chain(visible, facts.binds), self.known, _STATEMENTS
+                self._unknown("LRP502", place, name, span, problem, *known)
+        for name, span, _ in facts.nonlocals:
+            if name not in visible:
+                problem = f"There is no variable `{name}` that could be `nonlocal` here"
+                self._unknown("LRP502", place, name, span, problem, chain(visible, facts.binds))
+        for name, span, nested in facts.augmented:
+            if name not in visible and name not in meant and not (nested and name in facts.binds):
+                problem = f"`{name}` is not a variable here, so it has no value to change"
+                self._unknown("LRP503", place, name, span, problem, chain(visible, facts.binds))
+        for inner in facts.inner:
+            if inner.name in visible or inner.name in facts.binds:
+                what = ", so the variable does not change" if inner.lost else " and has no value"
+                message = f"`{inner.name}` is local to this function{what}. "
+                message += f"Write `nonlocal {inner.name}` first."
+                start = place.block.span.start + 1 + inner.start
+                fix = Fix(f"Insert `nonlocal {inner.name}`", (Edit(start, start, inner.text),))
+                code = "LRP529" if inner.lost else "LRP503"
+                self.report.add(code, place.block.at(inner.span), message, fix)
+        if place.purpose == "action":
+            for name, span, _ in facts.unread:
+                similar = None if name in visible else self.report.nearest(name, visible)
+                if similar and name not in self._undefined:
+                    message = f"`{name}` is a name of this block only, and nothing reads it. "
+                    message += f"Did you mean `{similar}`?"
+                    self._add("LRP530", place, span, message, similar)
+
+    @cached_property
+    def _undefined(self) -> set[str]:
+        """Names that some block reads although nothing defines them: that is reported there."""
+        return {
+            word.name
+            for place in self.blocks
+            for word in facts_of(place.block.text).reads
+            if word.name not in place.visible and word.name not in self.known
+        }
+
+    def _unknown(
+        self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
+    ) -> None:
+        """Report an unknown name, with a remedy."""
+        if (
+            place.scope.event(name)
+            and place.element.kind == "transition"
+            and place.block.text.strip() == name
+        ):
+            message = f"`{name}` is an event, not Python. Write it without brackets."
+            self.report.add(code, place.block.at(span), message, replace(place.block.span, name))
+            return
+        elsewhere = self._elsewhere(place, name)
+        groups = [tuple(names) for names in known]
+        prefix = any(each.startswith(name) for names in groups for each in names)
+        meant = _SPELT.get(name) or next(
+            filter(None, (self.report.nearest(name, names) for names in groups)), None
+        )
+        if meant in BUILTINS and meant[:1].lower() != name[:1].lower():
+            meant = None  # of that many names, one is always a little similar
+        remedy = f"{problem}. Declare `(var {name} := [value])`."
+        creatable = name not in self._variables and not place.scope.event(name)
+        if elsewhere:
+            remedy, meant = f"{problem}. {elsewhere}.", None
+        elif self.robot is not None and name in self.robot.inside("") and meant not in place.visible:
+            meant = f"robot.{name}"
+            remedy = f"{problem}. Write `{meant}`."
+        elif name in sys.stdlib_module_names and meant not in place.visible:
+            remedy, meant = f"`{name}` is not imported. Write `import {name}` before it.", None
+            creatable = False
+        elif meant:
+            remedy = f"{problem}. Did you mean `{meant}`?"
+        creates = new_variable(self.report, name) if creatable else None
+        self._add(code, place, span, remedy, meant, prefix=prefix, creates=creates)
+
+    def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
+        """Return what a name is that is out of scope in this block, and a remedy; None for any other name."""
+        if place.scope.event(name):
+            return "It is an event, and only transitions can use events"
+        if name in self._variables:
+            scope = self._variables[name]
+            if scope.path == place.scope.path[: len(scope.path)]:
+                return "The variable is initialised later. Declare it first"
+            return f"The variable belongs to `{path_text(scope.path)}`. Declare it further out"
+        if name in self._assigned:
+            line = self.report.line(self._assigned[name])
+            return f"Line {line} sets it only in its own block. Declare `(var {name} := [value])` to keep it"
+        return None
+
+    @cached_property
+    def _variables(self) -> dict[str, Scope]:
+        return {name: scope for scope in self.scopes for name in scope.variables}
+
+    @cached_property
+    def _assigned(self) -> dict[str, Span]:
+        """Where the blocks of the program bind names, one place for each."""
+        return {
+            name: place.block.at(span)
+            for place in self.blocks
+            for name, span in facts_of(place.block.text).binds.items()
+        }
+
+    # Values
+
+    def _values(self, place: PlacedBlock, facts: Facts, wrong: set[Span]) -> None:
+        used = place.purpose != "action"
+        for diagnosis in facts.misread:
+            start = place.block.span.start + 1
+            span = Span(diagnosis.start + start, diagnosis.end + start)
+            self.report.add(diagnosis.code, span, diagnosis.message, diagnosis.shifted(start).fix)
+        for remark in facts.comparisons:
+            if not (used and remark.last):
+                fix = (
+                    "="
+                    if remark.edit and (remark.name in place.visible or remark.name not in self.known)
+                    else None
+                )
+                remedy = "Write `=` to assign" if remark.edit else "Use its result, or remove it"
+                message = f"This only compares, and the result is not used. {remedy}."
+                self._add("LRP504", place, remark.span, message, fix, remark.edit)
+        for remark in facts.uncalled:
+            if not (used and remark.last) and remark.span not in wrong:
+                text = place.block.text[slice(*remark.span)]
+                end = Span(remark.span.end, remark.span.end)
+                message = (
+                    f"This only names `{text}` and does nothing. Write `{text}()` to call it, or remove it."
+                )
+                call = "()" if text.count(".") == 1 else None
+                self._add("LRP507", place, remark.span, message, call, end)
+        for remark in facts.bitwise:
+            word = "and" if remark.name == "&" else "or"
+            message = f"`{remark.name}` binds more tightly than the comparison. Write `{word}`."
+            self._add("LRP509", place, remark.span, message, word, remark.edit)
+        if facts.valueless and place.purpose == "initialiser":
+            message = "This ends in a statement, so the variable is `None`. End with its value on a new line."
+            self._add("LRP506", place, facts.valueless.span, message)
+        elif facts.valueless and facts.valueless.is_test and place.purpose == "condition":
+            edit = facts.valueless.edit or facts.valueless.span
+            test = " ".join(place.block.text[edit.end : facts.valueless.span.end].split()).replace("`", "'")
+            message = f"This condition only assigns and has no value. Write the test alone: `{test}`."
+            edits = (Edit(*place.block.at(edit), ""),)
+            fixed = None if facts.valueless.name in place.visible else Fix(f"Change to `{test}`", edits)
+            self.report.add("LRP505", place.block.at(facts.valueless.span), message, fixed)
+        elif facts.valueless and used:
+            remedy = "Write `==` to compare" if facts.valueless.edit else "End with an expression"
+            message = f"This {place.purpose} ends in a statement and has no value. {remedy}."
+            fix = "==" if place.purpose == "condition" and facts.valueless.edit else None
+            self._add("LRP505", place, facts.valueless.span, message, fix, facts.valueless.edit)
+        if facts.test and place.purpose == "delay":
+            self._tested_delay(place, facts.test)
+        for name, other in facts.texts:
+            if (place.visible.get(name), name) in self._numbers:
+                remedied = compared(name, "number", other)
+                if remedied:
+                    self._remedied(place, remedied)
+        halved = any(diagnosis.code == "LRP518" for diagnosis in facts.misread)
+        if facts.literal and place.purpose in _WANTED and not halved:
+            kind, wanted = facts.literal[0], _WANTED[place.purpose]
+            if kind != wanted:
+                message = (
+                    f"A {place.purpose} must be {wanted}, not {kind}. Write an expression that returns one."
+                )
+                self._add("LRP508", place, facts.literal[1], message)
+
+    def _tested_delay(self, place: PlacedBlock, test: Span) -> None:
+        """Report a comparison as a delay, with the keyword for conditions as its fix."""
+        opening = self.report.program.text.rfind("ontime", 0, place.block.span.start)
+        fix = replace(Span(opening, opening + len("ontime")), "on") if opening >= 0 else None
+        message = (
+            "A delay is a number of milliseconds, and this is `True` or `False`. Write `on` for a condition."
+        )
+        self.report.add("LRP508", place.block.at(test), message, fix)
+
+    def _add(
+        self,
+        code: str,
+        place: PlacedBlock,
+        span: Span,
+        message: str,
+        text: str | None = None,
+        edit: Span | None = None,
+        prefix: bool = False,
+        creates: Fix | None = None,
+    ) -> None:
+        """Report a finding at a range of a block; `text` is what a fix puts there, or at `edit`."""
+        fix = None if text is None else replace(place.block.at(edit or span), text)
+        self.report.add(code, place.block.at(span), message, fix, prefix, creates)
+
+
+_WANTED = {"condition": "a truth value", "delay": "a number"}

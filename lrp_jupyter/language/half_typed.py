@@ -1,0 +1,281 @@
+"""The word at the cursor: the part of a text that is still being typed.
+
+A half-typed name is seldom what the program should be: `loo` on the way to `lookleft`, `0.` on the way to
+`0.25`. With a cursor (or several, where two editors show it), a text is therefore two programs: the text
+itself, and the text *without the change at the cursor*, in which only that change is as it was in the running
+program. The second one runs instead of the first while
+
+- a number is being typed,
+- the word at the cursor brings an error into the text, or
+- the cursor is inside an active state, and what changed there brings an error into the text.
+
+A new transition is different: it runs although the state that it leads to is not there yet, so that it is
+drawn at once; only its faults are not reported. Which words are still being typed is the editor's decision,
+by its timers: everything here is a function of its arguments.
+
+Deviation: §6.1 applies every text that is a program at once. Without a cursor that is what happens.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any, NamedTuple
+
+from lrp_jupyter.language.edits.text_difference import text_difference
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Element, Finding, Program, Span, State
+from lrp_jupyter.language.resolution import resolve
+
+Check = Callable[[Program], tuple[Finding, ...]]
+
+_WORD = re.compile(r"[0-9][\w.]*|\w+")
+_SIGN = re.compile(r"\w+|[^\w\s]")
+_NEAR = 200  # characters before the cursor that are searched for the words beside it
+_ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
+"""The errors about the names in a transition."""
+
+
+class Cursor(NamedTuple):
+    """Where the cursor of an editor is.
+
+    `offset`: in characters.
+    `meant`: whether the word that it touches is finished, not still being typed.
+    """
+
+    offset: int
+    meant: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unmeant:
+    """The unfinished part of a program.
+
+    `instead`: the program without it.
+    `reason`: why it waits: ``waits:`` and a sentence, without a full stop; empty if it does not.
+    `always`: whether `instead` always runs; otherwise only where the program would change the actions of an
+        active state, remove it, or restart.
+    `element`: the element that contains it; its faults are not reported.
+    """
+
+    instead: Program
+    reason: str = ""
+    always: bool = False
+    element: Element | None = None
+
+
+class Judgement(NamedTuple):
+    """What a text means while the cursor is in it.
+
+    `program`: the program that the text describes.
+    `findings`: those to show, without those about what is unfinished.
+    `hides`: whether any finding is not shown.
+    """
+
+    program: Program | None
+    findings: tuple[Finding, ...]
+    unmeant: Unmeant | None = None
+    hides: bool = False
+
+    @property
+    def half_typed(self) -> bool:
+        """Whether the text will mean something else once the word at the cursor is finished or left."""
+        return self.hides or self.unmeant is not None
+
+
+def judge(
+    text: str,
+    program: Program | None,
+    findings: tuple[Finding, ...],
+    cursors: Iterable[Cursor],
+    running: Program,
+    check: Check,
+) -> Judgement:
+    """Return what a text means while cursors are in it.
+
+    `program`: the program that it describes.
+    `findings`: the findings about it.
+    `cursors`: those of all editors; what is half typed at any of them waits.
+    `running`: the program that runs now.
+    `check`: returns the findings about a program.
+    """
+    left, waiting, hides = findings, [], False
+    for cursor in sorted(cursors):
+        there, span = _judge_at(text, program, findings, cursor, running, check)
+        hides |= there.hides
+        left = tuple(each for each in left if each in there.findings)
+        if there.unmeant is not None:
+            waiting.append((there.unmeant, span))
+    unmeant = waiting[0][0] if waiting else None
+    if program is not None and len(waiting) > 1:
+        every = [each for each, _ in waiting]
+        unmeant = Unmeant(
+            without_change(program, running, *[span for _, span in waiting]),
+            next((each.reason for each in every if each.reason), ""),
+            any(each.always for each in every),
+            next((each.element for each in every if each.element), None),
+        )
+    return Judgement(program, left, unmeant, hides)
+
+
+def _judge_at(
+    text: str,
+    program: Program | None,
+    findings: tuple[Finding, ...],
+    cursor: Cursor,
+    running: Program,
+    check: Check,
+) -> tuple[Judgement, Span]:
+    """Return what a text means while a cursor is in it, and the range of what is unfinished."""
+    if program is None:
+        left = findings if cursor.meant else _away_from(text, _unfinished(text, cursor.offset), findings)
+        return Judgement(None, left, hides=len(left) < len(findings)), Span(0, 0)
+    word = None if cursor.meant else _word_at(text, cursor.offset)
+    if word is not None:
+        left, unmeant = _without_word(program, word, findings, running, check)
+        if unmeant is not None:
+            return Judgement(program, left, unmeant, len(left) < len(findings)), word
+    state = _state_at(program, cursor.offset)
+    if state is not None and _has_errors(findings):
+        instead = without_change(program, running, state.span)
+        errors = _new_errors(findings, instead, check)
+        if errors:
+            return Judgement(program, findings, Unmeant(instead, _reason(errors[0]))), state.span
+    return Judgement(program, findings), Span(0, 0)
+
+
+def _without_word(
+    program: Program, word: Span, findings: tuple[Finding, ...], running: Program, check: Check
+) -> tuple[tuple[Finding, ...], Unmeant | None]:
+    """Return the findings that are not about a word that is being typed, and what waits because of it."""
+    text = program.text
+    left = _away_from(text, word, findings)
+    is_number = text[word.start].isdecimal()
+    if not is_number and len(left) == len(findings) and not _has_errors(findings):
+        return findings, None
+    instead = without_change(program, running, word)
+    if is_number:
+        if instead == program:  # in a comment, or as it was
+            return left, None
+        return left, Unmeant(instead, f"waits: `{text[slice(*word)]}` is being typed", always=True)
+    errors = _new_errors(findings, instead, check)
+    if errors and not _begins_arrow(program, instead, errors):
+        known = {(each.code, each.message) for each in check(instead)}
+        about = [each for each in errors if each not in left] or errors
+        left = tuple(each for each in left if (each.code, each.message) in known)
+        return left, Unmeant(instead, _reason(about[0]), always=True)
+    if len(left) == len(findings):
+        return findings, None
+    return left, Unmeant(instead, element=_element_at(program, word))
+
+
+def _new_errors(findings: tuple[Finding, ...], instead: Program, check: Check) -> list[Finding]:
+    """Return the errors that a program has in addition to those of another one."""
+    if not _has_errors(findings):
+        return []
+    errors = [each for each in findings if each.severity == "error"]
+    known = Counter((each.code, each.message) for each in check(instead) if each.severity == "error")
+    new = [each for each in errors if not _counted(known, (each.code, each.message))]
+    left = Counter(code for code, _ in known.elements())
+    return [each for each in new if not _counted(left, each.code)]
+
+
+def _has_errors(findings: tuple[Finding, ...]) -> bool:
+    return any(each.severity == "error" for each in findings)
+
+
+def _counted(counts: Counter[Any], key: object) -> bool:
+    counts[key] -= 1
+    return counts[key] >= 0
+
+
+def _begins_arrow(program: Program, instead: Program, errors: list[Finding]) -> bool:
+    """Return whether the errors are about the names of a transition that is new."""
+    before, now = (sum(len(machine.transitions) for _, machine in each.walk()) for each in (instead, program))
+    return now > before and all(each.code in _ARROWS for each in errors)
+
+
+def _reason(error: Finding) -> str:
+    problem = error.message.partition(". ")[0].rstrip(".")
+    return f"waits: {problem[0].lower()}{problem[1:]}"
+
+
+def without_change(program: Program, before: Program, *spans: Span) -> Program:
+    """Return a program without the changes in some ranges of its text since another program.
+
+    The changes elsewhere stay. Where they cannot be separated, the result is the other program.
+    """
+    parts, at, place = [], 0, 0
+    for length, new in text_difference(before.text, program.text):
+        then = before.text[place : place + length]
+        now = then if new is None else new
+        is_there = any(at <= span.end and span.start <= at + len(now) for span in spans)
+        parts.append(then if is_there else now)
+        at += len(now)
+        place += length
+    text = "".join(parts)
+    if text == before.text:
+        return before
+    if text == program.text:
+        return program
+    found, _ = scan(text, program.filename)
+    return before if found is None else found
+
+
+def _word_at(text: str, offset: int) -> Span | None:
+    """Return the range of the name or number that a cursor touches."""
+    start = max(text.rfind("\n", 0, offset), text.rfind("\r", 0, offset)) + 1
+    for match in _WORD.finditer(text, start):
+        if match.start() > offset:
+            break
+        if match.end() >= offset:
+            return Span(*match.span())
+    return None
+
+
+def _unfinished(text: str, offset: int) -> Span:
+    """Return the range around a cursor that may be merely unfinished: the words beside it."""
+    begin = max(0, offset - _NEAR)
+    before = [match.start() + begin for match in _SIGN.finditer(text[begin:offset])][-2:]
+    after = _SIGN.search(text, offset)
+    return Span(before[0] if before else offset, after.end() if after else len(text))
+
+
+def _away_from(text: str, span: Span, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Return the findings that do not touch a range of the text."""
+    place = Program(text=text).place
+    begin, end = place(span.start), place(span.end)
+    return tuple(
+        [
+            each
+            for each in findings
+            if (each.line, each.column) > end or (each.end_line, each.end_column) < begin
+        ]
+    )
+
+
+def _state_at(program: Program, offset: int) -> State | None:
+    """Return the innermost state that a cursor is in."""
+    around = [
+        state
+        for _, machine in program.walk()
+        for state in machine.states
+        if state.span.start < offset < state.span.end
+    ]
+    return around[-1] if around else None
+
+
+def _element_at(program: Program, span: Span) -> Element | None:
+    """Return the element to which a fault in a range of the text is attributed."""
+    names = resolve(program)
+    places: Iterator[tuple[Element, Span]] = chain(
+        ((each.element, each.block.span) for placed in names.blocks.values() for each in placed),
+        ((each.element, each.noun.span) for arrows in names.arrows.values() for each in arrows),
+        ((each.element, each.noun.span) for each in names.spawns),
+    )
+    return next(
+        (element for element, (start, end) in places if start <= span.start and span.end <= end), None
+    )

@@ -1,0 +1,169 @@
+"""Names, delays and comments as other languages write them, and characters that are not part of this one."""
+
+from __future__ import annotations
+
+import re
+from keyword import iskeyword
+
+from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.mistakes.text_draft import Correction, Corrections, DraftForm, Piece, TextDraft
+from lrp_jupyter.language.python.scanner import LINE_END, line_end
+from lrp_jupyter.language.reading.forms import short
+from lrp_jupyter.language.spellings import AMOUNT, MODULES, UNITS
+from lrp_jupyter.language.triggers import FORMS
+
+_TOUCHING = frozenset("!?.$%&@|'\"`^~+/\\")
+_FIRST = re.compile(r"[^\W\d]\w*")
+_WORDS = frozenset({"NAME", "WORD", "INTEGER", "AMOUNT"})
+
+
+def comments(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Comments of other languages."""
+    start, end = form.items[at].start, form.items[at].end
+    word = draft.text[start:end]
+    sign = word[:2]
+    edits = [Edit(start, start + 2, ";")]
+    if sign == "/*":
+        if word.endswith("*/") and len(word) > 3:
+            after = draft.text[end : line_end(draft.text, end)]
+            edits.append(Edit(end - 2, end, "" if not after.strip() else "\n"))
+            word = word[:-2]
+        edits += [Edit(start + line.end(), start + line.end(), "; ") for line in LINE_END.finditer(word)]
+    message = f"Comments begin with `;`, not with `{sign}`. Write `;`."
+    yield Correction("LRP114", message, start, end, tuple(edits), form.replaced(at, at))
+
+
+def import_forms(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Forms that import or export."""
+    start, end = form.items[at].start, form.items[at].end
+    word = next(iter(_FIRST.findall(draft.text, start, end)), "")
+    if word in MODULES:
+        what = "everything is visible already" if word == "export" else "copy what you need into this text"
+        message = f"LRP has no modules: a program is one text. Remove this `{word}`; {what}."
+        yield Correction("LRP113", message, start, end, (Edit(start, end, ""),), form.replaced(at, at))
+
+
+def import_lines(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Lines that import, as in Python; they may be needed in a block, so there is no fix."""
+    start = form.items[at].start
+    if draft.word(form.items[at]) in MODULES:
+        end = line_end(draft.text, start)
+        message = "LRP has no modules, and Python's are imported inside a block. Move this into a block."
+        items = [each for each in form.items if not start <= each.start < end]
+        yield Correction("LRP113", message, start, end, (Edit(start, end, ""),), items, is_certain=False)
+
+
+def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Delays with a unit or a point, or in quotation marks."""
+    if not form.items:
+        return
+    item, *rest = form.items
+    word, end = draft.word(item), item.end
+    amount = AMOUNT.fullmatch(word)
+    if item.kind == "QUOTED" and word[1:-1].strip().isdecimal():
+        meant = word[1:-1].strip()
+        message = f"Delays are written without quotation marks. Write `{meant}`."
+    elif item.kind not in ("INTEGER", "AMOUNT") or not amount:
+        return
+    else:
+        if rest and rest[0].kind == "NAME" and not amount[2] and draft.word(rest[0]) not in draft.states:
+            unit = draft.word(rest[0])
+            if unit.lower() in UNITS:
+                end, amount, rest = rest[0].end, AMOUNT.fullmatch(word + unit), rest[1:]
+        if not amount or amount[2].lower() not in UNITS or (item.kind == "INTEGER" and end == item.end):
+            return
+        number = float(amount[1].replace("_", ""))
+        factor = UNITS[amount[2].lower()] or (1000 if number % 1 or (number < 20 and "." in word) else 1)
+        if not number * factor < 1e15:
+            return
+        meant = str(round(number * factor))
+        message = f"`{draft.text[item.start : end]}` is not a whole number of milliseconds. Write `{meant}`."
+    items = [Piece("INTEGER", item.start, end), *rest]
+    yield Correction("LRP108", message, item.start, end, (Edit(item.start, end, meant),), items)
+
+
+def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Names with signs, with a digit first, or in quotation marks: ``have-rest``, ``2fast``, ``"a"``."""
+    items, first, last = form.items, at, at
+    if items[at].kind != "QUOTED":
+        while _joins(draft, form, first) and _joins(draft, form, first - 1, begins=True):
+            first -= 1
+        if items[first].kind not in _WORDS:
+            return
+        while _joins(draft, form, last + 1):
+            last += 1
+        if items[last].kind == "MINUS":
+            last -= 1
+    start, end, kind = items[first].start, items[last].end, items[first].kind
+    written = draft.text[start:end]
+    word = written[1:-1].strip() if kind == "QUOTED" else written
+    name = _valid(draft, word)
+    if not name or (word.isdecimal() and form.keyword not in ("state", "machine")) or name == written:
+        return
+    parts = [Piece("NAME", start, end)]
+    halves = re.split(r"\W+", word)
+    if (
+        form.keyword == "spawn"
+        and len(halves) == 2
+        and halves[0] in draft.defined["machine"]
+        and halves[1] in draft.states
+    ):
+        name = " ".join(halves)
+        parts *= 2
+        message = f"The machine and its state are two words. Write `{name}`."
+    elif kind == "QUOTED":
+        message = f"Names are written without quotation marks. Write `{name}`."
+    elif word[0].isdigit():
+        message = f"A name begins with a letter or `_`. Write `{name}`."
+    else:
+        message = f"A name has letters, digits and `_`. Write `{name}`."
+    edit = Edit(start, end, name)
+    yield Correction("LRP110", message, start, end, (edit,), form.replaced(first, last, *parts))
+
+
+def _joins(draft: TextDraft, form: DraftForm, index: int, begins: bool = False) -> bool:
+    """Return whether a part is one word with the part before it, or begins one."""
+    if not (0 if begins else 1) <= index < len(form.items):
+        return False
+    item, kinds = form.items[index], form.kinds
+    if not begins and item.start != form.items[index - 1].end:
+        return False
+    word = draft.word(item)
+    if item.kind == "MINUS":
+        return form.keyword not in FORMS or "ARROW" in kinds or "SIGN" in kinds
+    if item.kind == "SIGN":
+        return word == "~" or (word == ":" and form.keyword not in ("var", "event") and index == 1)
+    return item.kind in _WORDS or (item.kind == "STRAY" and word in _TOUCHING)
+
+
+def _valid(draft: TextDraft, word: str) -> str:
+    """Return the valid name that is most like a word; empty if there is none."""
+    name = re.sub(r"\W+", "_", word).strip("_") if not word.isidentifier() else word
+    if name[:1].isdigit():
+        digits = re.match(r"\d+", name)[0]  # type: ignore[index]
+        rest = name[len(digits) :].strip("_")
+        name = rest if rest in draft.names else f"{rest}{digits}" if rest else ""
+    return name if name.isidentifier() and not iskeyword(name) else ""
+
+
+def commas(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Commas between the parts of a form."""
+    found = [item for item in form.items if item.kind == "STRAY" and draft.word(item) == ","]
+    if found:
+        edits = [Edit(item.start, item.end, "" if draft.spaced(item.end) else " ") for item in found]
+        message = f"Parts are separated by spaces, not by commas. Remove the comma{'s' * (len(found) > 1)}."
+        items = [item for item in form.items if item not in found]
+        yield Correction("LRP104", message, found[0].start, found[0].end, tuple(edits), items)
+
+
+def strays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Characters that mean nothing, one error for those in a row."""
+    items, last = form.items, at
+    while last + 1 < len(items) and items[last + 1].kind == "STRAY" and draft.word(items[last + 1]) != "]":
+        last += 1
+    start, end = items[at].start, items[last].end
+    word = short(draft.text[start : min(end, start + 40)])
+    message = f"`{word}` is not part of the language. Remove it."
+    if word == "]":
+        message = "Unmatched `]`: there is no open block here. Remove it."
+    yield Correction("LRP104", message, start, end, (Edit(start, end, ""),), form.replaced(at, last))

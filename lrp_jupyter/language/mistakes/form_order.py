@@ -1,0 +1,175 @@
+"""Parts of a form that are in the wrong order or missing, and signs that are wrong."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.mistakes.text_draft import (
+    SIGNS,
+    Correction,
+    Corrections,
+    DraftForm,
+    Piece,
+    TextDraft,
+)
+from lrp_jupyter.language.reading.forms import USAGE
+from lrp_jupyter.language.spellings import ARROW_WORDS, ASSIGN_WORDS
+
+_ACTION = re.compile(r"\brobot\.(?!stop\b|pen\b|lamp\b)\w+(?:\s*\(|\s+as\b)|[+\-*/]=")
+"""What is probably meant to be repeated: a robot that gets no command for a while stops."""
+
+
+def wrong_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Signs and words in the place of the arrow of a transition."""
+    items, kinds = form.items, form.kinds
+    for index, item in enumerate(items if "ARROW" not in kinds else ()):
+        word, start, end = draft.word(item), item.start, item.end
+        is_word = 0 < index < len(items) - 1 and word.lower() in ARROW_WORDS and word not in draft.states
+        but = item.kind == "MINUS" and kinds[index - 1 :: 2][:2] == ("STAR", "LBRACE")
+        if but or not (item.kind in SIGNS or (is_word and item.kind == "NAME")):
+            continue
+        message = f"The arrow to the destination is `->`, not `{word}`. Write `->`."
+        tight = draft.text[start - 1 : start] + draft.text[end : end + 1]
+        edit = Edit(start, end, "->" if tight.isspace() or item.kind != "NAME" else " -> ")
+        parts = form.replaced(index, index, Piece("ARROW", start, end))
+        yield Correction("LRP104", message, start, end, (edit,), parts, "<" not in word)
+
+
+def no_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Transitions without their arrow."""
+    items, kinds = form.items, form.kinds
+    first = int(form.keyword != "eps")
+    index = first + source_length(kinds[first:])
+    names = kinds[index:]
+    if index > first and names in (("NAME",), ("NAME", "NAME")[: 1 + first]):
+        before, start, end = items[index - 1].end, items[index].start, items[index].end
+        message = "The arrow `->` is missing before the destination. Insert it."
+        parts = [*items[:index], Piece("ARROW", before, before), *items[index:]]
+        yield Correction("LRP108", message, start, end, (Edit(before, before, " ->"),), parts)
+
+
+def no_assignment(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Variables without `:=`."""
+    if form.kinds in (("NAME", "BLOCK"), ("NAME", "INVALID")):
+        name, block = form.items
+        message = f"`:=` is missing between the name and its value. Write `{USAGE[form.keyword]}`."
+        edit = Edit(name.end, name.end, " :=" if draft.text[name.end].isspace() else " := ")
+        parts = [name, Piece("ASSIGN", name.end, name.end), block]
+        yield Correction("LRP108", message, block.start, block.end, (edit,), parts)
+
+
+def wrong_sign(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Signs and words in the place of `:=`, and signs in forms that have none."""
+    if len(form.items) != 3:
+        return
+    name, sign, last = form.items
+    word, start, end = draft.word(sign), sign.start, sign.end
+    if form.keyword == "var" and (sign.kind in SIGNS or word in ASSIGN_WORDS):
+        message = f"A variable gets its value with `:=`, not with `{word}`. Write `:=`."
+        parts = [name, Piece("ASSIGN", start, end), last]
+        yield Correction("LRP104", message, start, end, (Edit(start, end, ":="),), parts)
+    elif form.keyword != "var" and sign.kind in SIGNS:
+        message = f"There is no `{word}` in `{form.keyword}`. Write `{USAGE[form.keyword]}`."
+        yield Correction("LRP104", message, start, end, (Edit(start, end, " "),), [name, last])
+
+
+def sources(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Several sources without braces, or with one of them."""
+    first = int(form.keyword != "eps")
+    kinds = form.kinds
+    if "ARROW" not in kinds[first:]:
+        return
+    arrow = kinds.index("ARROW", first)
+    items = form.items[first:arrow]
+    inside = [item for item in items if item.kind == "NAME"]
+    braces = {"LBRACE", "RBRACE"} & set(kinds[first:arrow])
+    starred = kinds[first : first + 2] == ("STAR", "MINUS")
+    alone = not braces and len(inside) < 2 and not starred
+    if len(braces) == 2 or alone or not inside or not draft.states.issuperset(map(draft.word, inside)):
+        return
+    start, end = inside[0].start, inside[-1].end
+    edits = [Edit(start, start, "{")] * ("LBRACE" not in braces) + [Edit(end, end, "}")] * (
+        "RBRACE" not in braces
+    )
+    message = f"Several sources are written in braces. Write `{{{' '.join(map(draft.word, inside))}}}`."
+    group = [Piece("LBRACE", start, start), *inside, Piece("RBRACE", end, end)]
+    parts = [*form.items[:first], *items[: 2 * starred], *group, *form.items[arrow:]]
+    yield Correction("LRP108", message, start, end, tuple(edits), parts)
+
+
+def trigger_last(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Events and delays at the end of a transition."""
+    items, kinds = form.items, form.kinds
+    arrow = source_length(kinds)
+    if not arrow or kinds[arrow:-1] != ("ARROW", "NAME"):
+        return
+    first, destination, trigger = items[0], items[arrow + 1], items[-1]
+    word = draft.word(trigger)
+    known = draft.defined["var" if form.keyword == "ontime" else "event"]
+    if trigger.kind != "NAME" or (word in known and word not in draft.states):
+        what = "The delay" if form.keyword == "ontime" else "The event"
+        message = f"{what} comes before the states. Write `{USAGE[form.keyword]}`."
+        edits = Edit(first.start, first.start, f"{word} "), Edit(destination.end, trigger.end, "")
+        yield Correction("LRP108", message, trigger.start, trigger.end, edits, [trigger, *items[:-1]])
+
+
+def other_keyword(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Transitions with the parts of another kind."""
+    kinds, start = form.kinds, form.head - len(form.keyword)
+    if form.keyword == "on" and kinds[:1] == ("INTEGER",):
+        meant, reason = "ontime", "A delay belongs in `ontime`"
+    elif form.keyword == "eps" and kinds[1:3] in (("NAME", "ARROW"), ("STAR", "ARROW")):
+        meant = "ontime" if kinds[0] == "INTEGER" else "on"
+        reason = "An `eps` has neither an event nor a delay"
+    else:
+        return
+    if draft.text[start : form.head] == form.keyword:  # else it is misspelt, which is reported already
+        edit = Edit(start, form.head, meant)
+        message = f"{reason}. Write `{meant}`."
+        yield Correction("LRP108", message, start, form.head, (edit,), form.items, keyword=meant)
+
+
+def name_last(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Blocks before their name."""
+    items, kinds = form.items, form.kinds
+    if kinds in (("BLOCK", "NAME"), ("BLOCK", "ASSIGN", "NAME")):
+        block, name = items[0], items[-1]
+        message = f"The name comes before the block. Write `{USAGE[form.keyword]}`."
+        edits = Edit(block.start, block.end, draft.word(name)), Edit(name.start, name.end, draft.word(block))
+        yield Correction("LRP108", message, block.start, block.end, edits, [name, *items[1:-1], block])
+
+
+def several_words(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Names of several words."""
+    kinds = form.kinds
+    count = next((index for index, kind in enumerate(kinds) if kind != "NAME"), len(kinds))
+    name = "_".join(map(draft.word, form.items[:count]))
+    if count > 1 and name in draft.known():
+        start, end = form.items[0].start, form.items[count - 1].end
+        parts = [Piece("NAME", start, end), *form.items[count:]]
+        message = f"A name is one word. Write `{name}`."
+        yield Correction("LRP110", message, start, end, (Edit(start, end, name),), parts)
+
+
+def action(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Actions straight in a state."""
+    start, end = form.items[at].start, form.items[at].end
+    repeats = _ACTION.search(draft.text, start, end) and "RUNNING_FORM" not in form.kinds
+    keyword, other = ("running", "onentry") if repeats else ("onentry", "running")
+    message = f"An action needs a form that says when it runs. Write `({keyword} […])` or `({other} […])`."
+    edits = Edit(start, start, f"({keyword} "), Edit(end, end, ")")
+    parts = form.replaced(at, at, Piece(f"{keyword.upper()}_FORM", start, end))
+    yield Correction("LRP117", message, start, end, edits, parts)
+
+
+def source_length(kinds: Sequence[str]) -> int:
+    """Return the number of parts in the source at the beginning of some; 0 if there is none."""
+    if kinds[:1] == ("NAME",):
+        return 1
+    if kinds[:1] == ("STAR",) and kinds[1:2] != ("MINUS",):
+        return 1
+    if "RBRACE" in kinds and kinds[0] in ("LBRACE", "STAR"):
+        return list(kinds).index("RBRACE") + 1
+    return 0

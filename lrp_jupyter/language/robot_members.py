@@ -1,0 +1,106 @@
+"""The known members of the robot that a program is written for, as plain data.
+
+The checks compare the blocks of a program with it. A bridge describes its members itself; the caller, which
+knows both the program and the bridge, converts them to this description.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from lrp_jupyter.language.python.python_parser import parse_python
+
+
+class Parameters(NamedTuple):
+    """What a method accepts.
+
+    `text`: as written in a definition: ``(down=True)``.
+    `names`: names under which arguments can be passed, those that can also be passed by position first.
+    `positional`: how many can be passed by position; None for any number.
+    `required`: those without a default.
+    `fields`: names of numbers in a message, which can only be passed by name; empty without a message.
+    `is_open`: whether other names are accepted, too.
+    """
+
+    text: str
+    names: tuple[str, ...] = ()
+    positional: int | None = 0
+    required: tuple[str, ...] = ()
+    fields: frozenset[str] = frozenset()
+    is_open: bool = False
+
+
+class RobotMember(NamedTuple):
+    """A member of the robot.
+
+    `path`: below ``robot``: ``light.data``.
+    `type`: name of the type of a reading; empty where it is unknown.
+    `parameters`: of a method; None for a reading.
+    `acts`: whether it is a method that makes the robot do something, and returns nothing.
+    """
+
+    path: str
+    type: str = ""
+    parameters: Parameters | None = None
+    acts: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class RobotMembers:
+    """The members of a robot; it equals only itself, so that results for it can be cached.
+
+    `members`: by their paths.
+    `complete`: whether the robot has no other members and never will.
+    """
+
+    members: Mapping[str, RobotMember]
+    complete: bool = False
+
+    @cached_property
+    def _inside(self) -> dict[str, dict[str, None]]:
+        found: dict[str, dict[str, None]] = {"": {}}
+        for path in self.members:
+            parent = ""
+            for name in path.split("."):
+                found.setdefault(parent, {})[name] = None
+                parent = f"{parent}.{name}" if parent else name
+        return found
+
+    def inside(self, path: str) -> tuple[str, ...]:
+        """Return the names directly below a part of the robot; below the robot itself for an empty path."""
+        return tuple(self._inside.get(path, ()))
+
+    def named(self, name: str) -> Iterator[str]:
+        """Yield the paths of the members with a last name."""
+        return (path for path in self.members if path.rpartition(".")[2] == name)
+
+
+def parameters_of(text: str, fields: Collection[str] = ()) -> Parameters:
+    """Return the parameters that a signature such as ``(speed, seconds=1)`` describes."""
+    names = [argument.partition("=")[0] for argument in text.strip("()").split(", ")]
+    if fields:
+        return Parameters(text, tuple(names), 1, fields=frozenset(fields))
+    try:
+        function = parse_python(f"def f{text}: pass").body[0]
+    except SyntaxError:  # a default that cannot be written
+        return Parameters(text, positional=None, is_open=True)
+    assert isinstance(function, ast.FunctionDef)
+    arguments = function.args
+    plain = [argument.arg for argument in [*arguments.posonlyargs, *arguments.args]]
+    without = len(plain) - len(arguments.defaults)
+    by_name = [argument.arg for argument in arguments.kwonlyargs]
+    required = plain[:without]
+    required += [
+        name for name, default in zip(by_name, arguments.kw_defaults, strict=True) if default is None
+    ]
+    return Parameters(
+        text,
+        (*plain[len(arguments.posonlyargs) :], *by_name),
+        None if arguments.vararg else len(plain),
+        tuple(required),
+        is_open=arguments.kwarg is not None,
+    )

@@ -1,0 +1,1 @@
+"""The past of a run: look back, repeat, fork, and what if."""

@@ -1,0 +1,154 @@
+"""Forks: independent copies of a session at a moment of its past, in virtual time, with no effect outside.
+
+A fork begins at the last checkpoint before the moment and repeats the recorded ticks and inputs up to it. Its
+blocks have no effect outside: variables are copied, as are numbers, texts and collections that blocks read
+from the namespace, with their values at the checkpoint. A simulated robot is copied, random numbers are drawn
+from a copy of Python's generator, and printed text goes to the fork's own output. A real robot is replaced by
+its recorded readings.
+
+Everything else is shared with the session: other objects in the namespace, such as instances and open files,
+and anything that cannot be copied. A fork is refused if its repeated ticks lead to a state that differs from
+the recorded one, unless the robot is real: then only its readings are known.
+"""
+
+from __future__ import annotations
+
+import builtins
+import random
+from collections.abc import Mapping
+from types import BuiltinMethodType, MappingProxyType, MethodType, ModuleType
+from typing import Any, NamedTuple
+
+from lrp_jupyter.bridges.bridge import Bridge, NullBridge
+from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.interpreter.history import PastState
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.program import path_text
+from lrp_jupyter.live.past.leftovers import differ
+from lrp_jupyter.live.past.replay import Entry, Ticked, merged
+from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
+from lrp_jupyter.live.running.loop import Loop
+from lrp_jupyter.live.running.notebook_names import ChangeNames
+from lrp_jupyter.live.running.randomness import random_module
+
+
+class ForkStart(NamedTuple):
+    """The parts from which a copy of a session is made.
+
+    `checkpoint`: where it begins.
+    `entries`: the entries repeated up to the moment of the copy.
+    `later`: the entries after that moment.
+    `bridge`: the copy of the robot at the checkpoint.
+    `recorded`: the recorded state at the moment of the copy; None if nothing is repeated, the state is not
+        recorded, or the robot is real.
+    `namespace`: the namespace at the checkpoint, except for objects changed in place since.
+    """
+
+    checkpoint: SessionCheckpoint
+    entries: tuple[Entry, ...]
+    later: tuple[Entry, ...]
+    bridge: Bridge
+    recorded: PastState | None = None
+    namespace: Mapping[str, Any] = MappingProxyType({})
+
+
+def fork_start(loop: Loop, at: int | None) -> ForkStart:
+    """Return the parts of a copy, now or after an earlier tick; called between two ticks.
+
+    Raises ValueError: the tick is not, or no longer, recorded.
+    Raises BridgeError: the world cannot be reproduced so long ago.
+    """
+    loop.settle()
+    now, record = loop.interpreter.tick, loop.record
+    if at is None:
+        checkpoint = record.checkpoint(loop.status == "running")
+        bridge = _forked(loop.bridge, checkpoint.moment)
+        return ForkStart(checkpoint, (), (), bridge, namespace=record.names.namespace_before(()))
+    record.checkpoints.drop(record.inputs.lost)
+    found = record.checkpoints.before(at)
+    first = now - loop.interpreter.journal
+    if found is None or not max(found.tick, first) <= at <= now:
+        if not now:
+            raise ValueError("No tick has run yet. Run the program first.")
+        every = record.checkpoints.all
+        known = f"Choose one from {max(every[0].tick, first)} to {now}." if every else "None is."
+        raise ValueError(f"Tick {at} is not remembered. {known}")
+    bridge = _forked(loop.bridge, found.moment)
+    feeds = isinstance(bridge, RecordedBridge)
+    moments = [record.moment(tick) for tick in range(found.tick + 1, now + 1)]
+    ticks = [
+        Ticked(found.tick + number, time, record.readings_of(sensed) if feeds else None)
+        for number, (time, _, sensed) in enumerate(moments, 1)
+    ]
+    inputs = [entry for entry in record.inputs if entry.number > found.inputs]
+    whole = list(merged(ticks, inputs))
+    count = next((index for index, entry in enumerate(whole) if _is_after(entry, at)), len(whole))
+    history = loop.interpreter.history
+    is_exact = not feeds and found.tick < at and at in history.ticks
+    recorded = history.state(at) if is_exact else None
+    changes = [entry.what for entry in inputs if isinstance(entry.what, ChangeNames)]
+    namespace = record.names.namespace_before(changes)
+    return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded, namespace)
+
+
+def check_repeated(recorded: PastState, copy: Interpreter) -> None:
+    """Check that repeated ticks have led to the recorded state.
+
+    `recorded`: the recorded state.
+    `copy`: the interpreter in which they were repeated.
+    Raises ValueError: they have led to another state.
+    """
+    repeated = copy.history.state(copy.tick)  # an `onpause` caused by an issue of this tick came after it
+    variables = repeated.variables
+    other = [path for path, value in recorded.variables.items() if differ(value, variables.get(path))]
+    if not other and recorded.active == repeated.active:
+        return
+    what = f"`{path_text(other[0])}` had another value" if other else "other states were active"
+    raise ValueError(
+        f"Tick {copy.tick} cannot be repeated exactly: {what}. The program may depend on something that is "
+        "not recorded, such as a clock, a file, or a variable that a function of the notebook reads."
+    )
+
+
+def _is_after(entry: Entry, tick: int) -> bool:
+    """Return whether an entry comes after the end of a tick."""
+    return entry.tick > tick if isinstance(entry, Ticked) else entry.tick >= tick
+
+
+def _forked(bridge: Bridge, moment: object) -> Bridge:
+    """Return an open copy of a robot or, if it cannot be copied, a robot that repeats its readings."""
+    if bridge.simulated is not None:
+        return bridge.simulated.fork(moment)
+    is_none = isinstance(bridge, NullBridge)
+    fork = NullBridge() if is_none else RecordedBridge(bridge.name, bridge.nodes.members())
+    fork.open()
+    return fork
+
+
+def private_namespace(namespace: Mapping[str, Any], state: tuple[Any, ...]) -> dict[str, Any]:
+    """Return a copy of a namespace in which `random` and its functions use a separate generator.
+
+    `state`: the initial state of the generator.
+    """
+    generator = random.Random()
+    generator.setstate(state)
+    current = random_module(namespace)
+    shared = vars(current)["_inst"]
+    module = ModuleType("random", random.__doc__)
+    vars(module).update(vars(current), _inst=generator)
+    for name, value in vars(current).items():
+        if getattr(value, "__self__", None) is shared:
+            setattr(module, name, getattr(generator, name))
+
+    def own_import(name: str, *arguments: Any, **keywords: Any) -> Any:
+        return module if name == "random" else builtins.__import__(name, *arguments, **keywords)
+
+    private: dict[str, Any] = {}
+    for name, value in dict(namespace).items():  # other threads may write it
+        if value is current:
+            value = module
+        elif isinstance(value, (MethodType, BuiltinMethodType)) and value.__self__ is shared:
+            value = getattr(generator, value.__name__)
+        private[name] = value
+    private["__builtins__"] = {**vars(builtins), "__import__": own_import}
+    return private

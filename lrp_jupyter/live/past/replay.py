@@ -1,0 +1,143 @@
+"""Repeat recorded ticks and inputs: the only way in which a run is reproduced.
+
+A loop is advanced to the time of each entry and repeats the entry there. With a simulated robot, or none, the
+run is the same bit for bit; with the readings of a real robot, if the program depends only on them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import nullcontext, suppress
+from typing import NamedTuple
+
+from lrp_jupyter.bridges.interventions import CommandsHeld, RobotArmed, RobotCommanded, RobotStopped
+from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.language.blocks.expressions import Evaluation
+from lrp_jupyter.language.program import Element
+from lrp_jupyter.live.past.leftovers import leftover
+from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
+from lrp_jupyter.live.running.commands import Rename, ReplaceProgram
+from lrp_jupyter.live.running.inbox import Command
+from lrp_jupyter.live.running.inputs import Input, Rewound
+from lrp_jupyter.live.running.loop import Loop
+
+
+class Ticked(NamedTuple):
+    """A tick of a recorded run.
+
+    `tick`: the first is 1.
+    `time`: seconds of the run.
+    `readings`: the values that the program read, if the robot cannot be reproduced.
+    """
+
+    tick: int
+    time: float
+    readings: object = None
+
+
+Entry = Ticked | Input
+
+
+def merged(ticks: Iterable[Ticked], inputs: Iterable[Input]) -> Iterator[Entry]:
+    """Yield ticks and inputs in the order in which they happened."""
+    waiting = list(reversed(list(inputs)))
+    for tick in ticks:
+        while waiting and waiting[-1].tick < tick.tick:
+            yield waiting.pop()
+        yield tick
+    yield from reversed(waiting)
+
+
+def without_edits(entries: Iterable[Entry]) -> Iterator[Entry]:
+    """Leave out the inputs that change the program, and entries valid only for the recorded program."""
+    return (
+        entry
+        for entry in entries
+        if not (isinstance(entry, Input) and isinstance(entry.what, (ReplaceProgram, Rename, Rewound)))
+    )
+
+
+def play(
+    loop: Loop, script: deque[Entry], end: float, after_tick: Callable[[], object] | None = None
+) -> bool:
+    """Repeat the entries up to a time, in seconds of the run; return whether `after_tick` ended the run.
+
+    The run may diverge from the recorded one: inputs that are impossible in it are left out.
+    """
+    while script and script[0].time <= end + 1e-9:
+        entry = script.popleft()
+        is_left_out = isinstance(entry, Input) and not isinstance(entry.what, Rewound)
+        with suppress(Exception) if is_left_out else nullcontext():
+            repeat(loop, entry)
+        if isinstance(entry, Ticked) and after_tick is not None and after_tick():
+            return True
+    if script:
+        due = script[0].time
+        loop.timing.go_to(min(end, due))
+        loop.timing.due = due
+    else:
+        loop.rest()
+    return False
+
+
+def repeat(loop: Loop, entry: Entry) -> None:
+    """Repeat an entry in a loop, at its recorded time."""
+    loop.timing.go_to(entry.time)
+    if isinstance(entry, Ticked):
+        if isinstance(loop.bridge, RecordedBridge) and isinstance(entry.readings, dict):
+            loop.bridge.given = entry.readings
+        loop.tick()
+    else:
+        _apply(loop, entry.what)
+
+
+def _apply(loop: Loop, what: object) -> None:
+    bridge = loop.bridge
+    match what:
+        case Command():
+            loop.apply(what)
+        case RobotStopped():
+            bridge.stop_all()
+        case RobotArmed(armed):
+            (bridge.arm if armed else bridge.disarm)()
+        case Rewound(checkpoint):
+            _check_rewound(loop, checkpoint)
+            loop.settle_as(checkpoint)
+        case CommandsHeld():
+            bridge.safety.again = what
+        case RobotCommanded(name, arguments):
+            bridge.nodes.table[name](**arguments)  # type: ignore[operator]
+        case _ if bridge.simulated is not None:
+            bridge.simulated.repeat(what)
+        case _:
+            raise BridgeError(f"`{bridge.name}` has no world to which {what!r} could be done.")
+
+
+def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
+    """Check that the ticks undone here have left no effect behind.
+
+    Raises ValueError: they have, so the recorded run continued from another state.
+    """
+    world = loop.bridge.simulated
+    other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
+    if left := other or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
+        raise ValueError(
+            f"What came after tick {checkpoint.tick} cannot be repeated from an earlier tick: the session "
+            f"went back to it, and {left} was no longer as before. Begin at tick {checkpoint.tick} or later."
+        )
+
+
+def tested_again(loop: Loop, script: deque[Entry], element: Element) -> Evaluation | Exception | None:
+    """Repeat the entries up to the end of the next tick; return how a transition was tested in it.
+
+    Return None if it was not tested, or its test is not a single expression.
+    """
+    while script and not isinstance(script[0], Ticked):
+        repeat(loop, script.popleft())
+    seen: list[Evaluation | Exception] = []
+    loop.interpreter.watch_test(element, seen.append)
+    if script:
+        repeat(loop, script.popleft())
+    return seen[-1] if seen else None

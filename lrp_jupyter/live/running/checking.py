@@ -1,0 +1,102 @@
+"""Checks of a program against the robot that it is written for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import lru_cache
+
+from lrp_jupyter import programs
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.bridges.member_tree import RobotMethod
+from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.language import checks
+from lrp_jupyter.language.program import Finding, Program
+from lrp_jupyter.language.robot_members import RobotMember, RobotMembers, parameters_of
+
+
+def check(
+    text_or_program: str | Program, names: Collection[str] = (), bridge: Bridge | str | None = None
+) -> tuple[Finding, ...]:
+    """Return the findings about a program, without running it.
+
+    Parameters
+    ----------
+    text_or_program : str or Program
+        A text that is not a valid program has only the parser's findings.
+    names : collection of str
+        Names in the session's namespace, such as a notebook's functions and imports.
+    bridge : Bridge or str, optional
+        The robot that the program is for: a bridge (which need not be open), or the name of one. By default
+        the simulated robot of the world that the text names, as in ``; world: line``; without that line,
+        nothing is assumed about the robot.
+
+    Returns
+    -------
+    tuple of Finding
+        In order of position; :data:`~lrp_jupyter.language.checks.CODES` explains their codes. An error
+        certainly cannot work; a correct program has no findings.
+
+    Raises
+    ------
+    BridgeError
+        There is no such bridge.
+    LRPError
+        The text names a world outside the current folder.
+
+    Examples
+    --------
+    >>> for finding in check("(machine m (state moving) (state b) (eps b -> movin)) (spawn m b)"):
+    ...     print(finding)
+    1:47: LRP303 error: `m` has no state `movin`. Did you mean `moving`?
+    """
+    robot: RobotMembers | None
+    if bridge is not None:
+        robot = members_of(make_bridge(bridge))
+    else:
+        text = text_or_program.text if isinstance(text_or_program, Program) else text_or_program
+        world = programs.world_of(text, None) if isinstance(text, str) else None
+        robot = members_of_world(world) if world is not None else None
+    return checks.check(text_or_program, names, robot)
+
+
+def members_of(bridge: Bridge) -> RobotMembers:
+    """Return the members of a bridge's robot for the checks; the bridge need not be open.
+
+    If its members are incomplete, the readings are left out because their types may change.
+    """
+    is_known = bridge.is_open or bool(bridge.nodes.table)
+    if not is_known:
+        bridge.add_members()
+        bridge.offer_stop()
+    nodes = [node for node in bridge.nodes.members() if bridge.complete or isinstance(node, RobotMethod)]
+    members = [_described(node.describe(), isinstance(node, RobotMethod) and node.command) for node in nodes]
+    if not is_known:
+        bridge.nodes.clear()
+    return RobotMembers({member.path: member for member in members}, bridge.complete and bool(members))
+
+
+def _described(member: Member, acts: bool) -> RobotMember:
+    if member.kind == "variable":
+        return RobotMember(member.name, member.type)
+    fields = set()
+    for field in member.fields:
+        name = field.name.rpartition(".")[2]
+        fields |= {name, *(f"{name}_{inner.name.rpartition('.')[2]}" for inner in field.fields)}
+    return RobotMember(member.name, parameters=parameters_of(member.signature, fields), acts=acts)
+
+
+def members_of_world(world: str) -> RobotMembers | None:
+    """Return the members of the robot of a simulated world; None if there is no such world, or no robot."""
+    return _simulated(world) if world.endswith(".json") else _bundled(world)
+
+
+def _simulated(world: str) -> RobotMembers | None:
+    try:
+        return members_of(make_bridge("sim", world=world))
+    except BridgeError:
+        return None
+
+
+_bundled = lru_cache(maxsize=32)(_simulated)

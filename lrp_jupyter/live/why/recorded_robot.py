@@ -1,0 +1,32 @@
+"""A robot with the readings of one earlier tick, for evaluating a condition again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from lrp_jupyter.errors import NotAValue
+from lrp_jupyter.language.blocks.expressions import UnknownValueError
+
+
+class RecordedRobot(NotAValue):
+    """A robot with only the readings of one tick.
+
+    `readings`: the readings by path; a failed one is its error.
+    `nodes`: the members of the robot.
+    `prefix`: which part of the robot this is: ``"light."``.
+    """
+
+    def __init__(self, readings: Mapping[str, object], nodes: Mapping[str, object], prefix: str = "") -> None:
+        self._readings, self._nodes, self._prefix = readings, nodes, prefix
+
+    def __getattr__(self, name: str) -> Any:
+        path = self._prefix + name
+        if path in self._readings:
+            value = self._readings[path]
+            if isinstance(value, Exception):
+                raise value
+            return value
+        if any(each.startswith(f"{path}.") for each in self._nodes):
+            return RecordedRobot(self._readings, self._nodes, f"{path}.")
+        raise UnknownValueError(f"`robot.{path}` was not read in this tick.")

@@ -1,0 +1,1 @@
+"""What a page can do and ask, one function each."""

@@ -1,0 +1,393 @@
+"""The questions of an editor: completion, hover, references, format, versions, files.
+
+They are answered on the worker's thread. Live values are read between two ticks, on the interpreter's
+thread, which passes on only texts of limited length.
+"""
+
+from __future__ import annotations
+
+import builtins
+import inspect
+import keyword
+import re
+from collections.abc import Callable, Iterator
+from itertools import islice
+from typing import Any
+
+from lrp_jupyter import codes
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.member_tree import RobotMethod
+from lrp_jupyter.bridges.members import Member, MemberError
+from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
+from lrp_jupyter.interpreter.rendering import of_type, render
+from lrp_jupyter.language.blocks.builtin_names import builtin, degrees
+from lrp_jupyter.language.edits.format import formatting
+from lrp_jupyter.language.edits.rename import references as find_references
+from lrp_jupyter.language.lookup import called
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.acts.messages import OpenProgram, question
+from lrp_jupyter.widgets.wire.page_places import edits_view, id_of, offset_of, path_of, range_of
+from lrp_jupyter.widgets.wire.protocol import (
+    ElementKind,
+    ExplanationView,
+    HoverView,
+    Option,
+    ReferencesView,
+    TextEdit,
+    VersionView,
+    WhyLine,
+    WhyView,
+)
+
+_MOST = 300  # completions
+_ARGUMENT = re.compile(r"[(,]\s*(\w+)")
+
+
+class _NothingError(Exception):
+    """A name has no meaning here."""
+
+
+@question("options")
+def complete(opened: OpenProgram, prefix: str, scope: str) -> list[Option]:
+    """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
+
+    ``robot.move().`` asks for the fields of the message that a command sends, ``robot.move(`` for its
+    arguments. The page itself completes keywords and the program's names.
+    """
+    session = opened.session
+    robot = session.bridge
+    command, bracket, argument = prefix.partition("(")
+    if bracket and not argument.startswith(")"):
+        return [each for each in arguments_of(robot, command) if each["label"].startswith(argument)]
+    before, dot, begun = prefix.rpartition(".")
+    if not dot:
+        return _names(session, begun)
+    fields = fields_of(robot, before)
+    if fields is not None:
+        return [each for each in fields if each["label"].startswith(begun)]
+    try:
+        options: list[Option] = session.call(lambda: _members(_value_of(session, before, scope), begun))
+        return options
+    except _NothingError:
+        return []
+
+
+@question("hover")
+def hover(opened: OpenProgram, chain: str, scope: str) -> HoverView | None:
+    """Describe a dotted name (``robot.light.data``) in a scope, with its present value."""
+    if keyword.iskeyword(chain):
+        return None
+    session = opened.session
+    path, frame = _variable_in_scope(session, chain, scope), session.frame
+    if path is not None:
+        if path not in frame.variables:
+            return None
+        return _hover_view(chain, type(frame.values[path]).__name__, frame.variables[path])
+
+    def card() -> HoverView:
+        if chain.startswith("robot."):
+            return _member_card(chain, session.bridge.describe(chain.removeprefix("robot.")))
+        return _card(chain, _value_of(session, chain, scope))
+
+    try:
+        found: HoverView = session.call(card)
+        return found
+    except (_NothingError, MemberError):
+        return None
+
+
+@question("references")
+def references(opened: OpenProgram, line: int, column: int) -> ReferencesView | None:
+    """Find the element named at a place of the last text sent."""
+    text = opened.texts.text
+    program, _ = scan(text)
+    if program is None:
+        raise LRPError(
+            "The text is not a valid program at the moment, so references cannot be found. Correct it first."
+        )
+    found = find_references(program, offset_of(text, line, column))
+    if found is None:
+        return None
+    definition = range_of(text, *found.definition)
+    others = [range_of(text, *span) for span in found.references if span != found.definition]
+    kind: Any = found.element.kind
+    return {
+        "kind": kind,
+        "path": id_of(kind, found.element.path),
+        "name": text[slice(*found.definition)],
+        "definition": definition,
+        "references": [definition, *others],
+    }
+
+
+@question("edits")
+def format_(opened: OpenProgram, text: str) -> list[TextEdit]:
+    """Lay out a program's text; only white space changes."""
+    try:
+        edits = formatting(text)
+    except LRPSyntaxError:
+        raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
+    return edits_view(text, edits)
+
+
+@question("why")
+def why(opened: OpenProgram, kind: ElementKind, path: str) -> WhyView:
+    """Ask why a transition did not fire, why a state is active, or why the robot does what it does.
+
+    `kind` is ``transition``, ``state`` or ``robot``, whose `path` is the name of a command, or empty for the
+    command that moves it. The question is about the moment that the views show.
+    """
+    session = opened.session
+    at = opened.looking.tick(session)
+    try:
+        if kind == "transition":
+            reason = session.why_not(path_of(kind, path), at)
+        elif kind == "state":
+            reason = session.why(path_of(kind, path), at)
+        else:
+            reason = session.why(f"robot.{path or _moving(session.bridge)}", at)
+    except ValueError as error:
+        raise LRPError(str(error)) from None
+    program = session.at(reason.tick).program if reason.code != "not-in-program" else session.program
+    lines: list[WhyLine] = []
+    sources = program.text.splitlines()
+    for line in reason.facts["lines"]:
+        if line <= len(sources):
+            lines.append({"line": line, "text": sources[line - 1].strip()})
+    return {
+        "code": reason.code,
+        "name": _name_of(kind, path, program),
+        "tick": reason.tick,
+        "time": reason.time,
+        "sentence": str(reason),
+        "lines": lines,
+        "present": program.text == session.program.text,
+    }
+
+
+@question("explanation")
+def explain(opened: OpenProgram, code: str) -> ExplanationView:
+    """Explain a code, such as ``LRP301``."""
+    found, *_ = codes.explain(code)
+    return {
+        "code": found.code,
+        "title": found.title,
+        "explanation": found.explanation,
+        "example": found.example,
+        "script": found.script,
+        "remedy": found.remedy,
+        "repaired": found.repaired,
+        "address": found.address,
+    }
+
+
+@question("versions")
+def versions(opened: OpenProgram) -> list[VersionView]:
+    """List the earlier texts, the newest first."""
+    return [
+        {"key": version.key, "when": version.when, "text": version.text} for version in opened.texts.versions
+    ]
+
+
+@question("exists")
+def save(opened: OpenProgram, name: str, replace: bool) -> bool:
+    """Write the text to a file; return whether another file is there, and nothing was written."""
+    if not name.strip():
+        raise LRPError("Enter a name for the file.")
+    return not opened.saver.save_as(name.strip(), replace)
+
+
+# -- Python names ----------------------------------------------------------------------------------------
+
+
+def _names(session: Session, begun: str) -> list[Option]:
+    known: dict[str, object] = {**vars(builtins), "degrees": degrees, **session.namespace}
+    names = [name for name in known if name.startswith(begun) and (begun.startswith("_") or name[0] != "_")]
+    words = [word for word in keyword.kwlist if word.startswith(begun)]
+    options = [_option(name, known[name]) for name in islice(sorted(names, key=_by_case), _MOST)]
+    return options + [{"label": word, "kind": "keyword", "detail": "", "info": ""} for word in words]
+
+
+def _by_case(name: str) -> tuple[bool, str]:
+    return name[:1].isupper(), name
+
+
+def _members(value: object, begun: str) -> list[Option]:
+    names = [
+        name for name in dir(value) if name.startswith(begun) and (begun.startswith("_") or name[0] != "_")
+    ]
+    options = []
+    for name in names[:_MOST]:
+        try:
+            member = inspect.getattr_static(value, name)
+            if not isinstance(member, property):
+                member = getattr(value, name)
+        except Exception:  # it is listed anyway
+            member = None
+        options.append(_option(name, member))
+    return options
+
+
+def _option(name: str, value: object) -> Option:
+    if inspect.isclass(value):
+        kind, detail = "class", ""
+    elif inspect.ismodule(value):
+        kind, detail = "namespace", ""
+    elif callable(value):
+        kind, detail = "function", _signature(value)
+    elif isinstance(value, property):
+        kind, detail = "property", ""
+    else:
+        kind, detail = "variable", "" if value is None else render(value, of_type)[:40]
+    return {"label": name, "kind": kind, "detail": detail, "info": _doc(value) if callable(value) else ""}
+
+
+def _member_card(title: str, member: Member) -> HoverView:
+    value = member.absence or ("" if member.kind == "method" else render(member.value))
+    return _hover_view(title + member.signature, member.type, value, member.doc)
+
+
+def _card(title: str, value: object) -> HoverView:
+    kind = type(value).__name__
+    if callable(value):
+        return _hover_view(title + _signature(value), kind, "", _doc(value))
+    return _hover_view(title, kind, render(value), _doc(value) if inspect.ismodule(value) else "")
+
+
+def _hover_view(title: str, kind: str, value: str, doc: str = "") -> HoverView:
+    return {"title": title, "type": kind, "value": value, "doc": doc}
+
+
+def _signature(value: Callable[..., object]) -> str:
+    try:
+        return str(inspect.signature(value))
+    except (TypeError, ValueError):
+        return "(…)"
+
+
+def _doc(value: object) -> str:
+    try:
+        return (inspect.getdoc(value) or "").partition("\n\n")[0][:300]
+    except Exception:  # an unusual object: no documentation
+        return ""
+
+
+def _value_of(session: Session, chain: str, scope: str) -> object:
+    """Return the value of a dotted name in the scope of a machine; between two ticks."""
+    first, *rest = chain.split(".")
+    value = _root(session, first, scope)
+    for name in rest:
+        try:
+            value = getattr(value, name)
+        except Exception:
+            raise _NothingError from None
+    return value
+
+
+def _root(session: Session, name: str, scope: str) -> object:
+    path = _variable_in_scope(session, name, scope)
+    if path is not None:
+        try:
+            return session.interpreter.variables[path]
+        except UnknownElementError:
+            raise _NothingError from None
+    if name == "robot":
+        return session.bridge.robot
+    if name in session.namespace:
+        return session.namespace[name]
+    try:
+        return builtin(name)
+    except AttributeError:
+        raise _NothingError from None
+
+
+def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
+    names = resolve(session.program)
+    here = names.by_path.get(tuple(scope.split("/")), names.top)
+    owner = here.visible.get(name)
+    return None if owner is None else (*owner.path, name)
+
+
+# -- readings and messages of a robot, known from their types before anything arrived --------------------
+
+
+def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
+    """Return the fields of ``robot.odom``, or of what ``robot.move()`` sends; None for other chains.
+
+    `chain`: ``robot.odom.pose``, ``robot.move().linear``.
+    """
+    command, called, inner = chain.partition("()")
+    root, _, path = command.partition(".")
+    if root != "robot" or not path:
+        return None
+    try:
+        if called:
+            return [_field(field) for field in bridge.describe(path + inner).fields]
+        names = path.split(".")
+        if any(bridge.describe(".".join(names[:end])).kind == "method" for end in range(1, len(names) + 1)):
+            return []
+        return [_field(field) for field in bridge.describe(path).fields] or None
+    except LRPError:
+        return None
+
+
+def _field(member: Member) -> Option:
+    is_shown = member.value is not None and not (member.fields or member.stale)
+    value = render(member.value, of_type)[:40] if is_shown else ""
+    kind = "method" if member.kind == "method" else "property"
+    detail = value or member.signature or member.type
+    return {"label": member.name.rpartition(".")[2], "kind": kind, "detail": detail, "info": member.doc}
+
+
+def arguments_of(bridge: Bridge, command: str) -> list[Option]:
+    """Return the arguments of a command: ``robot.move`` takes ``linear=`` and ``linear_x=``.
+
+    `command`: ``robot.move``.
+    """
+    root, _, path = command.partition(".")
+    try:
+        member = bridge.describe(path) if root == "robot" and path else None
+    except LRPError:
+        member = None
+    if member is None or member.kind != "method":
+        return []
+    found = dict.fromkeys(_ARGUMENT.findall(member.signature), "")
+    for field in _leaves(member):
+        found[field.name.removeprefix(f"{path}.").replace(".", "_")] = field.type
+    return [
+        {"label": f"{name}=", "kind": "property", "detail": type_, "info": ""}
+        for name, type_ in found.items()
+    ]
+
+
+def _leaves(member: Member) -> Iterator[Member]:
+    for field in member.fields:
+        if field.fields:
+            yield from _leaves(field)
+        else:
+            yield field
+
+
+# -- why -------------------------------------------------------------------------------------------------
+
+
+def _name_of(kind: ElementKind, path: str, program: Program) -> str:
+    """Return the name of an element; of a transition without one, its label."""
+    if kind == "robot":
+        return path
+    wanted = path_of(kind, path)
+    found = called(program, kind, wanted)
+    return found[0].shown[-1] if found else wanted[-1]
+
+
+def _moving(bridge: Bridge) -> str:
+    """Return the name of the command that moves a robot."""
+    methods = [
+        node.path for node in bridge.nodes.members() if isinstance(node, RobotMethod) and node.velocity
+    ]
+    if not methods:
+        raise LRPError(f"`{bridge.name}` has no command that moves it.")
+    return "move" if "move" in methods else methods[0]

@@ -1,0 +1,1 @@
+"""The text of a lab: shared by its views, and kept in files."""

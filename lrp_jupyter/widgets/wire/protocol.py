@@ -1,0 +1,739 @@
+"""The messages from the kernel to a page, their parts, and how the two sides cooperate.
+
+This module and the page's messages (`messages`, `commands`, `requests`, `inspection`) are the protocol;
+every build of the page generates ``js/src/protocol.ts`` from them. All messages are JSON objects,
+distinguished by ``type``. They are sent as texts, in custom messages ``{"json": "…"}`` of the widget, because
+notebooks differ in what they make of ``None``, null and subclasses of `str`. Fields that may be missing are
+`NotRequired`. What the package has as a dataclass is sent as it is, field by field (`as_fields` of `plain`).
+
+**Views.** Every view of a lab in a page has a random name of its own, the ``view`` of every message. A
+comm's messages reach all views of its widget, so each keeps those with its own name. The
+kernel keeps for each view what it has sent and how much credit is left, and forgets it at ``bye``.
+
+**Flow.** A view sends `HelloMessage` and gets one `SnapshotMessage`. From then on it gets `FrameMessage`,
+at most 30 a second, each holding what changed in the `ViewState` since the last one *sent to this view*
+(and a `WorldMessage`, if it shows a world that changed). Every frame carries a number, which the page sends
+back as `CreditMessage` for it and all before it; the kernel sends only while few are in flight: three, and
+more over a slow link (`Window` in `publisher`). The page acknowledges two at a time, because the kernel
+reports itself busy and idle for each message that it gets, and the host draws that; a frame that comes
+alone is acknowledged at once. While nothing changes, an empty frame once a second is the heartbeat.
+Everything that must not be lost in a frame left out is cumulative: counts of entries, firings, issues,
+restarts; what moved is listed by revision.
+
+**Text.** The kernel has the text; an editor may be ahead of it. A view sends `TextMessage`: its changes to
+the text of a revision, with a number of its own, ``seq``; one is in flight at a time, and what is typed
+meanwhile is sent in the next one. The kernel maps the changes over what others did since that revision, so
+that nothing has to be sent twice however slow the link is; each becomes an update with the next revision
+(`Document`). What comes from elsewhere, such as a cell that is run again, is an update of the kernel. When
+the session has read the text, `AnswerMessage` goes to *all* views, with the updates since the answer
+before. A view applies them in the order of the answers' numbers, each once: its own confirm what it has
+typed, others' are mapped over what is not confirmed yet. Changes are those of CodeMirror, mapped one by one
+on both sides, so all come to one text.
+
+The text of editors has line feeds between its lines, whatever the program has, and its places are UTF-16
+units (`changes`). Where the cursor is comes with a text, or alone as `CursorMessage`: what is half typed at
+any cursor is not meant yet, and other views show the cursor (``hands`` of `ViewState`).
+
+After a lost connection, ``hello`` names the revision that the view knows, and the snapshot has the updates
+since; texts that are on their way then never count, and the view sends what they contained again. If the
+kernel does not know the revision any more, the page gives its text back by ``recover``: a conflict.
+
+**Commands and requests** with an ``id`` other than 0 get exactly one `ReplyMessage`, as soon as the session
+has applied or refused them; ``error`` is one sentence. The reply to a change of the world comes after the
+`WorldMessage` about it: until then the page shows what it has sent. A page without an answer for 300 ms
+shows "kernel busy".
+
+**Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
+after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` of `places`
+convert to and from the character offsets of Python).
+
+**Names.** ``path`` is an element's path in the text, ``follower/looking/lookalgo``; a transition's is
+``follower:tlooking``: the machine's path, a colon, its name or ``kind:from->to`` (`Machine.ids`).
+`path_of` and `id_of` of `places` convert.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NotRequired, Required, TypedDict
+
+from lrp_jupyter.bridges.panel import Panel
+from lrp_jupyter.errors import Severity
+from lrp_jupyter.graph.layout_parts import Layout
+from lrp_jupyter.language.triggers import TransitionKind
+from lrp_jupyter.live.running.breakpoint import BreakpointKind
+from lrp_jupyter.live.running.frame import Hung, Status
+from lrp_jupyter.sim.world import Point, Pose
+from lrp_jupyter.widgets.wire.changes import Sections
+
+PartName = Literal["lab", "goal", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
+OnActiveEdit = Literal["restart", "keep"]
+Looked = Literal["why", "hover", "inspect", "explain", "panel", "redraw", "page"]
+Edits = Literal["live", "hold"]
+GraphMode = Literal["live", "static", "hidden"]
+CriterionState = Literal["open", "so far", "met", "failed"]
+ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
+CountAndTick = tuple[int, int]
+"""How often something happened since the session began, and the tick of the last time."""
+TextAndNumber = tuple[str, float | None]
+"""A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline)."""
+
+
+class BreakpointView(TypedDict):
+    """A breakpoint: `path` as the page writes that of its element, empty for a condition.
+
+    `hits` are counted whether it is `enabled` or not; from hit `after` on it pauses. `dormant`: its element
+    is missing; `problem`: why its condition could not be evaluated. `line` is that of its element, or 0.
+    """
+
+    kind: BreakpointKind
+    path: str
+    name: str
+    expression: str
+    machine: str
+    enabled: bool
+    hits: int
+    after: int
+    dormant: bool
+    problem: str
+    line: int
+
+
+class HitView(TypedDict):
+    """The breakpoint that paused the program: its number, the sentence about it, and its hits."""
+
+    number: int
+    text: str
+    hits: int
+
+
+class TextRange(TypedDict):
+    """A range of the text: lines and columns from 1, columns in characters, end exclusive."""
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+
+class TextEdit(TypedDict):
+    """Replace a range by a text."""
+
+    range: TextRange
+    text: str
+
+
+class QuickFix(TypedDict):
+    """A certain remedy; its edits are places of the text that was answered."""
+
+    title: str
+    edits: list[TextEdit]
+
+
+class FindingView(TypedDict):
+    """A static finding of `check`; `id` identifies it among the others of its text.
+
+    `fix` is certain; `creates` is offered, because only the user knows what is meant.
+    """
+
+    id: str
+    code: str
+    severity: Severity
+    message: str
+    range: TextRange
+    fix: QuickFix | None
+    creates: QuickFix | None
+
+
+class IssueView(TypedDict):
+    """A run-time issue. `range` is a place of the running text, None if it has none.
+
+    `finding` is the id of the static finding about the same fault of the same text, empty if there is none:
+    a page lists the two as one.
+    """
+
+    id: int
+    code: str
+    severity: Severity
+    kind: str
+    element: str
+    message: str
+    range: TextRange | None
+    finding: str
+    traceback: str
+    first_tick: int
+    last_tick: int
+    count: int
+    resolved: bool
+
+
+class OutdatedView(TypedDict):
+    """What a variable was computed from has been assigned by hand since.
+
+    `computed`: from which variable and when, a sentence.
+    `initial`: the expression that recomputes it; empty if its initialiser is not an expression.
+    """
+
+    computed: str
+    initial: str
+
+
+class StateItem(TypedDict):
+    """A state and the paths of the machines nested in it."""
+
+    path: str
+    machines: list[str]
+
+
+class TransitionItem(TypedDict):
+    """A transition; `source` and `trigger` as the language writes them."""
+
+    id: str
+    kind: TransitionKind
+    trigger: str
+    source: str
+    destination: str
+
+
+class MachineItem(TypedDict):
+    """A machine; `parent` is the path of the state it is nested in. Variables and events are paths."""
+
+    path: str
+    parent: str | None
+    states: list[StateItem]
+    transitions: list[TransitionItem]
+    variables: list[str]
+    events: list[str]
+
+
+class ProgramView(TypedDict):
+    """The running program without its blocks, machines in the order of `Program.walk`."""
+
+    variables: list[str]
+    events: list[str]
+    machines: list[MachineItem]
+
+
+class Difference(TypedDict):
+    """The changes in a held text, each element as text (``str(element)``)."""
+
+    added: list[str]
+    removed: list[str]
+    changed: list[str]
+    moved: list[str]
+
+
+class MovedElement(TypedDict):
+    """An element that an edit or a rename kept under another path."""
+
+    kind: ElementKind
+    old: str
+    new: str
+
+
+class RestartView(TypedDict):
+    """A restart by an edit. The view state lists the last ones by their number, from 1."""
+
+    tick: int
+    reason: str
+
+
+class MemberView(TypedDict):
+    """A member of `robot`: ``light.data``; `insert` is the text that a click puts into the program."""
+
+    name: str
+    kind: str
+    type: str
+    unit: str
+    doc: str
+    insert: str
+
+
+class BridgeView(TypedDict):
+    """The bridge. `status` is one of the words of `Bridge.status`, `sentence` explains it.
+
+    `failsafe` is who stops the robot when the program or the computer dies; empty for a simulated one.
+    """
+
+    name: str
+    status: str
+    sentence: str
+    hardware: bool
+    armed: bool
+    failsafe: str
+    members: list[MemberView]
+
+
+class StrokeView(TypedDict):
+    """A line on the floor, in metres; grey from 0 (black) to 255. `ink` (of a pen) only darkens."""
+
+    path: NotRequired[list[Point]]
+    circle: NotRequired[Pose]
+    arc: NotRequired[list[float]]
+    width: NotRequired[float]
+    grey: NotRequired[float]
+    ink: NotRequired[bool]
+
+
+class FloorView(TypedDict):
+    """The floor, as the light sensor sees it."""
+
+    grey: NotRequired[float]
+    strokes: NotRequired[list[StrokeView]]
+
+
+class SolidView(TypedDict):
+    """A solid. `box`: centre and size; `angle` in rad; `push`: a number if pushable.
+
+    `patrol`: the points that its middle passes through, if it moves by itself; the first one again at the end
+    if it goes round.
+    """
+
+    box: NotRequired[list[float]]
+    circle: NotRequired[Pose]
+    angle: NotRequired[float]
+    name: NotRequired[str]
+    push: NotRequired[float | None]
+    patrol: NotRequired[list[Point]]
+
+
+class RobotShape(TypedDict):
+    """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors.
+
+    `name`: how it is called, where there are several.
+    """
+
+    pose: Pose
+    name: NotRequired[str]
+    radius: NotRequired[float]
+    light: NotRequired[list[Point]]
+    bumper: NotRequired[bool]
+    distance: NotRequired[list[Point]]
+
+
+class ZoneView(TypedDict):
+    """A region that a challenge refers to."""
+
+    circle: NotRequired[Pose]
+    box: NotRequired[list[float]]
+
+
+class WorldView(TypedDict):
+    """The world as `World.to_dict` writes it, without default values, which the page fills in.
+
+    Solids are where they are now. `edited`: it is not what was loaded; `undo` and `redo`: whether there is an
+    edit to undo or redo.
+    """
+
+    version: int
+    name: NotRequired[str]
+    open: NotRequired[bool]
+    size: Point
+    seed: int
+    floor: FloorView
+    solids: list[SolidView]
+    robots: list[RobotShape]
+    zones: dict[str, ZoneView]
+    edited: NotRequired[bool]
+    undo: NotRequired[bool]
+    redo: NotRequired[bool]
+
+
+class InkView(TypedDict):
+    """Pen trails: keep the first `first` strokes of the ink, then these."""
+
+    first: int
+    strokes: list[StrokeView]
+
+
+class SettingsView(TypedDict):
+    """Switches of the session that all its views share.
+
+    `edits`, `graph`, `quiet` and `lock` are the `Conditions` of a study. With ``hold``, texts wait for
+    ``apply``. `lock`: the kernel refuses ``hold`` and ``graph``. `log`: the file into which is recorded what
+    a person looks at, reported by ``looked``; empty: nothing is.
+    """
+
+    edits: Edits
+    graph: GraphMode
+    quiet: bool
+    lock: bool
+    log: str
+    on_active_edit: OnActiveEdit
+    pause_on_issue: bool
+
+
+class ConflictView(TypedDict):
+    """Another text than the present one, and a question. Ended by ``take`` or ``keep`` with its number.
+
+    `use` and `keep` are the labels of the two answers.
+    """
+
+    number: int
+    text: str
+    sentence: str
+    use: str
+    keep: str
+
+
+class VersionView(TypedDict):
+    """An earlier text; `when` in seconds since 1970, `key` names it."""
+
+    key: str
+    when: float
+    text: str
+
+
+class UpdateView(TypedDict):
+    """Changes to the text that a view made, or the kernel if `view` is empty."""
+
+    view: str
+    changes: Sections
+
+
+class HandView(TypedDict):
+    """Where the selection in an editor is, in the text of this revision; None without one."""
+
+    revision: int
+    selection: tuple[int, int] | None
+
+
+class CriterionView(TypedDict):
+    """A criterion of a challenge, and what it says of the present run, with the measured figure."""
+
+    sentence: str
+    state: CriterionState
+    reason: str
+
+
+class OutlineView(TypedDict):
+    """A world of a challenge as a small picture: paths of SVG, in metres, with y downwards."""
+
+    name: str
+    width: float
+    height: float
+    solids: str
+    line: str
+    zones: str
+
+
+class AttemptView(TypedDict):
+    """A run that a check has made: in which world, how it ended, the robot's path in its outline.
+
+    `failed` is what was not met, and `reason` why. `shows`: whether the run can be shown in the timeline.
+    """
+
+    world: int
+    seed: int
+    passed: bool
+    failed: str
+    reason: str
+    share: float
+    shows: bool
+    path: str
+
+
+class CheckView(TypedDict):
+    """A check of the program: how many runs were made of all, and the points; ``attempts`` are the runs.
+
+    `stale`: the text has changed since. `error`: why the check has ended without a result.
+    """
+
+    busy: bool
+    stale: bool
+    done: int
+    total: int
+    passed: bool
+    points: float
+    error: str
+
+
+class GoalView(TypedDict):
+    """The challenge that a program is written for.
+
+    `seconds` is the longest time of a run, `over` whether the present one is decided. `world` is the number
+    of the world it is in. `note` is a sentence about what is not as in the challenge. `hints` were asked
+    for, and there are `more_hints`. `begun` counts how often the robot was put back to its start here, and
+    `trail` is the way of a run that was shown then: time, x, y and the innermost active state.
+    """
+
+    name: str
+    task: str
+    points: float
+    seconds: float
+    over: bool
+    world: int
+    worlds: list[OutlineView]
+    note: str
+    hints: list[str]
+    more_hints: int
+    check: CheckView | None
+    begun: int
+    trail: list[tuple[float, float, float, str]]
+
+
+class ChoicesView(TypedDict):
+    """Names of the bridges, of worlds (bundled ones and files), of the bundled programs."""
+
+    bridges: list[str]
+    worlds: list[str]
+    programs: list[str]
+
+
+# ------------------------------------------------------------------ kernel -> page
+
+
+class ViewState(TypedDict):
+    """Everything that a view may show of a session, apart from its texts and its world.
+
+    ============= =======================================================================================
+    ``status``    the words of `lrp_jupyter.live.running.frame.Frame`; ``reason`` explains it
+    ``rate``      ticks per second that are wanted, 0: free; ``achieved_rate`` are the measured ones
+    ``speed``     simulated over real time that is wanted, 0: as fast as possible; so is ``achieved_speed``
+    ``revision``  of the text that runs (the last one applied); ``program`` is its structure
+    ``active``    innermost active states, as spawned (``Interpreter.active`` as text)
+    ``lit``       every active state by its path in the text, outer ones too: what the page marks
+    ``entered``   state path -> entries, so that a visit too short to see leaves an afterglow
+    ``fired``     transition -> firings; the one with the newest tick in its machine is marked
+    ``variables`` path -> value, of those that exist now
+    ``events``    path -> value at its last test, of those whose test returned one
+    ``members``   member of `robot` -> its value now, as text
+    ``issues``    number -> issue
+    ``printed``   number of the line since the session began -> line; the last ones
+    ``hung``      None unless a block does not return
+    ``paused_by`` the breakpoint that paused the program, until it runs on; ``breakpoints`` by number
+    ``layouts``   machine path -> layout
+    ``moved``     revision of the run -> elements that have another path since; the last ones
+    ``looking``   the earlier moment that everything here shows, or None for now
+    ``unkept``    why the text is not kept in its file; empty if it is
+    ``late``      why a stop in a page may come late; empty if it comes while a cell runs
+    ``hands``     view -> where the selection in its editor is; empty where only one has an editor
+    ``goal``      the challenge, or None; ``criteria`` are what its criteria say of the present run
+    ``attempts``  number of a run of the check -> what came of it
+    ============= =======================================================================================
+    """
+
+    status: Status
+    reason: str
+    tick: int
+    time: float
+    rate: float
+    achieved_rate: float
+    speed: float
+    achieved_speed: float
+    revision: int
+    program: ProgramView
+    layouts: dict[str, Layout]
+    moved: dict[str, list[MovedElement]]
+    active: list[str]
+    lit: list[str]
+    entered: dict[str, CountAndTick]
+    fired: dict[str, CountAndTick]
+    variables: dict[str, TextAndNumber]
+    outdated: dict[str, OutdatedView]
+    events: dict[str, bool]
+    members: dict[str, str]
+    issues: dict[str, IssueView]
+    printed: dict[str, str]
+    restarts: dict[str, RestartView]
+    hung: Hung | None
+    breakpoints: dict[str, BreakpointView]
+    paused_by: HitView | None
+    bridge: BridgeView
+    panel: Panel | None
+    settings: SettingsView
+    conflict: ConflictView | None
+    looking: LookingView | None
+    unkept: str
+    late: str
+    hands: dict[str, HandView]
+    goal: GoalView | None
+    criteria: list[CriterionView]
+    attempts: dict[str, AttemptView]
+
+
+class FrameMessage(ViewState, total=False):
+    """What changed in the view state since the last frame sent to this view.
+
+    A field that is missing has not changed. Of an object only the changed entries are sent, None for one
+    that is gone (see `difference` in `view_state`); other fields are sent in full. `ink` are new trails of
+    pens. If something moved in the world, one buffer comes with it: where everything is
+    now, made by `pack_poses`; 36 bytes for one robot. `asks`: it is to be acknowledged at once, and not by
+    what the page says next.
+    """
+
+    type: Required[Literal["frame"]]
+    view: Required[str]
+    frame: Required[int]
+    asks: bool
+    ink: InkView
+
+
+class AnswerMessage(TypedDict):
+    """The answer to a text that the session has read; all views get all of them, numbered from 1.
+
+    `updates` lead to the text's `revision` from that of the answer before. `seq` is that of the receiver's
+    own text, or 0. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
+    restarted. `half_typed`: something waits, or is not marked, until a word at a cursor is meant or left.
+    `running` is the running text where that is neither this text nor an earlier one. `pending` is what a held
+    text would change.
+    """
+
+    type: Literal["answer"]
+    view: str
+    number: int
+    seq: int
+    revision: int
+    updates: list[UpdateView]
+    findings: list[FindingView]
+    accepted: bool
+    applied: bool
+    reason: str
+    half_typed: bool
+    running: str | None
+    pending: Difference | None
+
+
+class SnapshotMessage(TypedDict):
+    """Everything, for a view that has just opened, or lost its connection.
+
+    `running` is the running text, `text` the editor's; `accepted`: it is a program. `updates` lead to it from
+    the revision that the view knows; None if they are not known. Answers up to `number` are contained in it,
+    and texts of the view up to `seq`, apart from those that never arrived. `home` distinguishes programs of
+    the same name, `document` texts of other kernels. `tab_only`: the kernel keeps no text, so what the page
+    keeps ends with its tab. `debugger` begins the command that debugs an issue in a cell; it is empty where
+    there are no cells. `half_typed`: as in an answer. Its frame is acknowledged like any other.
+    """
+
+    type: Literal["snapshot"]
+    view: str
+    name: str
+    home: str
+    tab_only: bool
+    debugger: str
+    document: str
+    number: int
+    seq: int
+    text: str
+    revision: int
+    updates: list[UpdateView] | None
+    running: str
+    findings: list[FindingView]
+    accepted: bool
+    half_typed: bool
+    pending: Difference | None
+    choices: ChoicesView
+    world: WorldView | None
+    frame: FrameMessage
+
+
+class WorldMessage(TypedDict):
+    """The world has changed other than by movement and ink, or no longer exists."""
+
+    type: Literal["world"]
+    view: str
+    world: WorldView | None
+
+
+class Option(TypedDict):
+    """One completion; `detail` stands beside it (a live value), `info` in its card."""
+
+    label: str
+    kind: str
+    detail: str
+    info: str
+
+
+class HoverView(TypedDict):
+    """A card about a name."""
+
+    title: str
+    type: str
+    value: str
+    doc: str
+
+
+class ReferencesView(TypedDict):
+    """An element, the place that defines it, and every place that names it (the definition included)."""
+
+    kind: ElementKind
+    path: str
+    name: str
+    definition: TextRange | None
+    references: list[TextRange]
+
+
+class Facet(TypedDict):
+    """One line of an inspected object; `step` leads into it."""
+
+    step: str
+    label: str
+    type: str
+    text: str
+    deep: bool
+
+
+class InspectView(TypedDict):
+    """An inspected object; `more` counts the facets left out."""
+
+    title: str
+    type: str
+    text: str
+    source: str
+    facets: list[Facet]
+    more: int
+
+
+class WhyLine(TypedDict):
+    """A line of the program that an answer mentions."""
+
+    line: int
+    text: str
+
+
+class WhyView(TypedDict):
+    """Why something happened, or did not; `present`: whether its lines are those of the running text.
+
+    `name` is what its sentence calls the transition or state that was asked about.
+    """
+
+    code: str
+    name: str
+    tick: int
+    time: float
+    sentence: str
+    lines: list[WhyLine]
+    present: bool
+
+
+class ExplanationView(TypedDict):
+    """What a code means; its `address` is the one in the documentation."""
+
+    code: str
+    title: str
+    explanation: str
+    example: str
+    script: str
+    remedy: str
+    repaired: str
+    address: str
+
+
+class LookingView(TypedDict):
+    """An earlier moment that the lab shows, `ago` seconds ago; `edited`: the program was edited meanwhile."""
+
+    tick: int
+    time: float
+    ago: float
+    edited: bool
+
+
+class ReplyMessage(TypedDict):
+    """The one reply to a command or request with this id; of a request, with what its function returns."""
+
+    type: Literal["reply"]
+    view: str
+    id: int
+    error: str | None
+
+
+FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage
