@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from lrp_jupyter.interpreter.interpreter import Interpreter as Interpreter
     from lrp_jupyter.interpreter.issues import Issue as Issue
     from lrp_jupyter.language.diff import diff as diff
-    from lrp_jupyter.language.printer import to_source as to_source
     from lrp_jupyter.language.parser import parse as parse
+    from lrp_jupyter.language.printer import to_source as to_source
     from lrp_jupyter.language.program import Machine as Machine
     from lrp_jupyter.language.program import Program as Program
     from lrp_jupyter.live.clock import VirtualClock as VirtualClock

@@ -21,8 +21,8 @@ from lrp_jupyter.grading.criteria import (
 )
 from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.language.checks import check
-from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Spawn
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import load as load_world

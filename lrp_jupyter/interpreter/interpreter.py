@@ -53,8 +53,8 @@ from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.tree import Activation, Count, bind_block
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
-from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.blocks.expressions import Evaluation
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.edits.rename import rename as renamed_text
 from lrp_jupyter.language.half_typed import Unmeant

@@ -14,8 +14,8 @@ from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Call, Environment, bind_code, is_boolean, not_boolean
 from lrp_jupyter.language.blocks.block import compile_block, facts_of, faults_of
-from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.blocks.expressions import expression_of
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.python.python_parser import parse_python
 

@@ -16,8 +16,8 @@ from typing import Any, Literal, TypeVar, cast
 from lrp_jupyter.arguments import check_callable, check_number, check_type
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.errors import BridgeError, SessionTimeoutError
-from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.blocks.expressions import Evaluation
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.live.clock import VirtualClock

@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.tables import every
 
+from lrp_jupyter.language.blocks import block as blocks
 from lrp_jupyter.language.blocks.block import (
     bind,
     block_names,
@@ -22,7 +23,6 @@ from lrp_jupyter.language.blocks.block import (
     facts_of,
     faults_of,
 )
-from lrp_jupyter.language.blocks import block as blocks
 from lrp_jupyter.language.blocks.names_in_blocks import Offsets, words
 from lrp_jupyter.language.checks import block_facts as facts
 from lrp_jupyter.language.parser import parse

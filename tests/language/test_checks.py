@@ -14,8 +14,8 @@ from support.tables import every
 import lrp_jupyter
 from lrp_jupyter.errors import MOST_FINDINGS
 from lrp_jupyter.language.checks import CODES, Code, check, report
-from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Machine, Name, Program, Spawn, State, Transition
 from lrp_jupyter.language.triggers import Epsilon
 from lrp_jupyter.programs import heading

@@ -18,8 +18,8 @@ from support.tables import every
 from lrp_jupyter import programs as bundled
 from lrp_jupyter.errors import LRPError, edited
 from lrp_jupyter.language.edits import drawing, nesting
-from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Machine, Name, Path, Program, Spawn, State, Transition
 from lrp_jupyter.language.reading.tokens import tokenize
 from lrp_jupyter.language.resolution import resolve

@@ -3,8 +3,8 @@ from __future__ import annotations
 from hypothesis import given
 from programs import programs
 
-from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Program
 
 

@@ -10,9 +10,9 @@ from programs import programs
 from support.tables import every
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.edits.rename import references, rename, symbols
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Program, Span
 
 

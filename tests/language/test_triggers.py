@@ -5,8 +5,8 @@ from __future__ import annotations
 from support.tables import every
 
 from lrp_jupyter.interpreter.tree import _TESTS
-from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Name
 from lrp_jupyter.language.triggers import FORMS, Condition, Delay, Epsilon, Occurrence, Trigger
 

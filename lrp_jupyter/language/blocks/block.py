@@ -21,8 +21,8 @@ from functools import lru_cache
 from types import CellType, CodeType, FunctionType
 from typing import Any, NamedTuple
 
-from lrp_jupyter.language.blocks.names_in_blocks import Offsets, Uses, normal, uses
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
+from lrp_jupyter.language.blocks.names_in_blocks import Offsets, Uses, normal, uses
 from lrp_jupyter.language.blocks.slips import brief, explain, fault_of
 from lrp_jupyter.language.blocks.smalltalk import smalltalk
 from lrp_jupyter.language.program import Block

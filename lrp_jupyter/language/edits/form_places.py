@@ -13,8 +13,8 @@ from functools import cached_property
 from itertools import takewhile
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.blocks.names_in_blocks import normal
 from lrp_jupyter.language.blocks.block_margins import STEP, reindented
+from lrp_jupyter.language.blocks.names_in_blocks import normal
 from lrp_jupyter.language.python.scanner import LINE_END, strings
 from lrp_jupyter.language.reading.tokens import LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS

@@ -17,9 +17,9 @@ from typing import NamedTuple
 from lrp_jupyter.errors import Edit, LRPSyntaxError, UnknownElementError, edited
 from lrp_jupyter.language.blocks.block import block_names
 from lrp_jupyter.language.blocks.names_in_blocks import normal
-from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Element, Name, Path, Program, Span
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 

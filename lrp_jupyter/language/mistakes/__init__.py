@@ -159,7 +159,7 @@ def _first_accepted(draft: TextDraft, form: DraftForm, at: int, ignored: set[Ite
             continue
         for guess in rule.propose(draft, form, at):
             later = first_wrong(guess.keyword or form.keyword, guess.items, ignored)
-            if guess.hides or later is None or form.part(guess.items, later)[1] > place:
+            if guess.hides or guess.alone or later is None or form.part(guess.items, later)[1] > place:
                 return guess
     return None
 

@@ -34,7 +34,8 @@ def wrong_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         tight = draft.text[start - 1 : start] + draft.text[end : end + 1]
         edit = Edit(start, end, "->" if tight.isspace() or item.kind != "NAME" else " -> ")
         parts = form.replaced(index, index, Piece("ARROW", start, end))
-        yield Correction("LRP104", message, start, end, (edit,), parts, "<" not in word)
+        alone = item.kind in SIGNS and ">" in word
+        yield Correction("LRP104", message, start, end, (edit,), parts, "<" not in word, alone=alone)
 
 
 def no_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:

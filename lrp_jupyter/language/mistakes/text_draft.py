@@ -79,6 +79,7 @@ class Correction(NamedTuple):
     `hides`: the text after it is to be read again.
     `is_prefix`: the error is a word with which a keyword begins.
     `keyword`: that of the form, if it is another one.
+    `alone`: it is wrong even if the form stays wrong before or at it.
     """
 
     code: str
@@ -91,6 +92,7 @@ class Correction(NamedTuple):
     hides: bool = False
     is_prefix: bool = False
     keyword: str = ""
+    alone: bool = False
 
 
 Corrections = Iterator[Correction]

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Literal, NamedTuple
 
-from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.blocks.expressions import UnknownValueError, evaluate, expression_of, names_in
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import called, missing
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.resolution import Scope, resolve
