@@ -399,7 +399,7 @@ def test_an_interruption_that_comes_too_late_ends_a_run_and_does_no_harm(session
 def test_the_rate_reached_is_that_of_a_running_program(session, monkeypatch):
     now = [0.0]
     for module in ("loop", "timing"):
-        monkeypatch.setattr(f"lrp_jupyter.live.{module}.perf_counter", lambda: now[0])
+        monkeypatch.setattr(f"lrp_jupyter.live.running.{module}.perf_counter", lambda: now[0])
     running = session(COUNT, clock=clocks.VirtualClock())
     running.resume()
 

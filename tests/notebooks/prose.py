@@ -13,8 +13,9 @@ from stored import NOTEBOOKS, Node, challenge_of
 JAVASCRIPT = Path(__file__).parents[2] / "js" / "src"
 _TEXT = r'"((?:[^"\\]|\\.)+)"'
 _NAMED = re.compile(
-    rf"""\b(?:label|title):\s*{_TEXT}          # a button, an item of a menu
-    |\btoggle\(\s*{_TEXT}                      # a switch
+    rf"""\b(?:label|title):\s*{_TEXT}          # a button
+    |\b(?:item|switchItem|toggle)\(\s*{_TEXT}  # an item of a menu, a switch
+    |\biconButton\(\s*"[\w-]+",\s*{_TEXT}      # a button without words
     |\bpanel\(\s*"[\w-]+",\s*{_TEXT}           # a part of the lab
     |h\("span",\s*\{{\}},\s*{_TEXT}            # what stands beside a slider
     |\[\s*"[\w-]+",\s*{_TEXT}\s*\]            # an item in a list of them
