@@ -2,6 +2,7 @@
 /** What the editor draws into the text goes on, whatever is done to the text. */
 
 import { redo, undo } from "@codemirror/commands";
+import { forceParsing } from "@codemirror/language";
 import { StateEffect } from "@codemirror/state";
 import { type EditorView, ViewPlugin } from "@codemirror/view";
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
@@ -28,7 +29,12 @@ let editor: Editor;
 let reported: unknown[];
 
 const failures = () => reported.map(String);
-const drawn = () => LIVE.map((selector) => editor.view.dom.querySelectorAll(selector).length);
+
+/** How many there are of each, once the text is parsed, which the editor does in slices of time. */
+function drawn(): number[] {
+  forceParsing(editor.view, editor.view.state.doc.length, Number.POSITIVE_INFINITY);
+  return LIVE.map((selector) => editor.view.dom.querySelectorAll(selector).length);
+}
 
 /** An editor without a kernel, in which the program runs. */
 function open(): void {
