@@ -89,17 +89,19 @@ class InputLog:
         """Record an input applied at a step."""
         self._checkpoints[-1].inputs.append((step, what))
 
-    def find(self, step: int, inputs: int) -> tuple[Checkpoint, list[tuple[int, Input]]]:
-        """Return what reproduces a moment, as :meth:`cut` does, and drop nothing.
+    def find(self, step: int, inputs: int | None) -> tuple[Checkpoint, list[tuple[int, Input]]]:
+        """Return what reproduces a moment: the last checkpoint before it, and the inputs between the two.
 
+        `inputs`: number of inputs applied before it; None: those before this step.
         Raises ValueError: it is too long ago.
         """
-        if step < self.earliest:
-            raise ValueError(f"Step {step} is too long ago: steps from {self.earliest} on can be reached.")
-        last = next(each for each in reversed(self._checkpoints) if not each.is_after(step, inputs))
-        return last, [
-            (at, what) for at, what in last.inputs[: max(0, inputs - last.moment.inputs)] if at <= step
-        ]
+        last = next((each for each in reversed(self._checkpoints) if not each.is_after(step, inputs)), None)
+        if last is None:
+            raise ValueError(f"Step {step} is too long ago: the log begins in step {self.earliest}.")
+        if inputs is None:
+            return last, [(at, what) for at, what in last.inputs if at < step]
+        noted = last.inputs[: max(0, inputs - last.moment.inputs)]
+        return last, [(at, what) for at, what in noted if at <= step]
 
     def between(self, first: WorldMoment, last: WorldMoment) -> list[tuple[int, Input]]:
         """Return the inputs after a moment, up to another one, with their steps."""
@@ -111,20 +113,12 @@ class InputLog:
         ]
 
     def cut(self, step: int, inputs: int | None) -> tuple[Checkpoint, list[tuple[int, Input]]]:
-        """Drop everything after a moment of the run; return what reproduces the moment.
-
-        `inputs`: number of inputs applied before it; None: those before this step.
-        Checkpoint: the last one before the moment.
-        list of (int, Input): the inputs between the two, to be recorded again.
-        """
-        while len(self._checkpoints) > 1 and self._checkpoints[-1].is_after(step, inputs):
+        """Drop everything after a moment; return the same as :meth:`find`, to be recorded again."""
+        last, between = self.find(step, inputs)
+        while self._checkpoints[-1] is not last:
             self._checkpoints.pop()
-        checkpoint = self._checkpoints[-1]
-        noted, checkpoint.inputs = checkpoint.inputs, []
-        if inputs is None:
-            return checkpoint, [(at, what) for at, what in noted if at < step]
-        noted = noted[: max(0, inputs - checkpoint.moment.inputs)]
-        return checkpoint, [(at, what) for at, what in noted if at <= step]
+        last.inputs = []
+        return last, between
 
 
 def packed(random: Random) -> tuple[Any, ...]:

@@ -456,8 +456,8 @@ class Simulation:
             raise ValueError(
                 f"Cannot rewind to step {step}: only steps {self.earliest} to {self.steps} can be reached."
             )
-        self._queue.clear()
         checkpoint, inputs = self._log.cut(step, most)
+        self._queue.clear()
         self._restore(checkpoint, inputs, step)
         self.revision += 1
 

@@ -243,6 +243,17 @@ def test_memory_is_bounded_by_forgetting_the_oldest(monkeypatch):
     assert simulation.time == 30
 
 
+def test_a_moment_before_what_is_remembered_of_its_step_is_refused(monkeypatch):
+    monkeypatch.setattr(input_log, "MOST_CHECKPOINTS", 1)
+    simulation = Simulation("empty")
+    simulation.step(10)
+    moment = simulation.moment
+    simulation.reset()
+    for go_to in (simulation.fork, simulation.rewind):
+        with pytest.raises(ValueError, match=r"^Step 10 is too long ago: the log begins in step 10\.$"):
+            go_to(moment)
+
+
 def test_many_inputs_are_bounded_too(monkeypatch):
     monkeypatch.setattr(input_log, "CHECKPOINT_INPUTS", 10)
     monkeypatch.setattr(input_log, "MOST_INPUTS", 50)
