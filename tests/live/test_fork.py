@@ -31,6 +31,20 @@ def test_what_a_rewind_has_undone_is_in_no_fork(monkeypatch):
             assert fork.frame.values["n"] == 205
 
 
+def test_a_fork_is_as_a_tick_ended_though_a_checkpoint_was_taken_later_before_the_next(monkeypatch):
+    monkeypatch.setattr(checkpoints, "_SHARE", 0)
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(20)
+        session.variables["n"] = 1000
+        session.run(0.5)
+        assert session._loop.record.checkpoints.all[-1].tick == 200
+        with session.fork(200) as fork:
+            assert fork.frame.values["n"] == session.at(200).values["n"] == 200
+        with session.fork(200, inputs=True) as fork:
+            fork.run(0.5)
+            assert fork.frame.values["n"] == session.frame.values["n"] == 1005
+
+
 def test_a_fork_after_a_rewind_to_the_beginning_has_the_program_of_the_session():
     with Session(COUNTER, clock=VirtualClock()) as session:
         session.edit(COUNTER.replace("n += 1", "n += 7"))

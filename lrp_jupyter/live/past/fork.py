@@ -14,6 +14,7 @@ the recorded one, unless the robot is real: then only its readings are known.
 from __future__ import annotations
 
 import builtins
+import math
 import random
 from collections.abc import Mapping
 from types import BuiltinMethodType, MappingProxyType, MethodType, ModuleType
@@ -65,7 +66,8 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
         bridge = _forked(loop.bridge, checkpoint.moment)
         return ForkStart(checkpoint, (), (), bridge, namespace=record.names.namespace_before(()))
     record.checkpoints.drop(record.inputs.lost)
-    found = record.checkpoints.before(at)
+    after = record.inputs.since(at)
+    found = record.checkpoints.before(at, after[0].number if after else math.inf)
     first = now - loop.interpreter.journal
     if found is None or not max(found.tick, first) <= at <= now:
         if not now:

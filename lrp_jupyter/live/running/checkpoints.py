@@ -121,9 +121,14 @@ class Checkpoints:
         self.all.clear()
         self.due = 0
 
-    def before(self, tick: int) -> SessionCheckpoint | None:
-        """Return the last checkpoint that is not after a tick."""
-        return next((each for each in reversed(self.all) if each.tick <= tick), None)
+    def before(self, tick: int, later: float) -> SessionCheckpoint | None:
+        """Return the last checkpoint before a tick, or after it without any later input; else the first one.
+
+        `later`: the number of the first input after the tick.
+        """
+        known = [each for each in self.all if each.tick <= tick]
+        clean = (each for each in reversed(known) if each.inputs < later or each.rewound)
+        return next(clean, known[0] if known else None)
 
 
 def names_of(plan: Plan) -> frozenset[str]:
