@@ -1,9 +1,12 @@
 """What holds the package together: which module may import which, and one meaning for every class name."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections import Counter
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
@@ -89,6 +92,33 @@ def test_a_module_name_has_one_meaning():
     names = [file.parent.name if file.stem == "__init__" else file.stem for file in files]
     twice = {name for name, count in Counter(names).items() if count > 1}
     assert twice == {"interpreter", "sim"}  # the module of the package's name, and the bridge to it
+
+
+def test_what_texts_and_documents_import_is_there():
+    """Scripts in strings and examples in pages are run seldom, and are not seen by other tools."""
+    places = ("lrp_jupyter", "tests", "notebooks", ".binder", ".github", "README.md")
+    files = [file for place in places for file in (PROJECT / place, *(PROJECT / place).rglob("*"))]
+    texts = [
+        file.read_text(encoding="utf-8")
+        for file in files
+        if file.suffix in (".py", ".md", ".ipynb", ".lrp", ".yml") or file.name == "Dockerfile"
+    ]
+    found = {
+        (module, name.split(" as ")[0].strip())
+        for text in texts
+        for module, names in re.findall(r"from (lrp_jupyter(?:\.\w+)*) import (\w[\w, ]*)", text)
+        for name in names.split(",")
+        if name.strip()
+    }
+    assert len(found) > 500
+    assert [each for each in sorted(found) if not is_there(*each)] == []
+
+
+def is_there(module: str, name: str) -> bool:
+    try:
+        return hasattr(import_module(module), name) or bool(find_spec(f"{module}.{name}"))
+    except ModuleNotFoundError:
+        return False
 
 
 def test_two_modules_write_the_files_of_a_user_whole_ones_and_lines(package: Package):

@@ -25,7 +25,7 @@ from bridges import wheels
 from support.waiting import until
 
 PROGRAM = "(machine m (state s (running [robot.move(linear=0.2)]))) (spawn m s)"
-PATIENT = "from lrp_jupyter.bridges import guard\nguard.SILENCE = guard._LAPSE = 3600.0\n"
+PATIENT = "from lrp_jupyter.bridges.guarding import guard\nguard.SILENCE = guard._LAPSE = 3600.0\n"
 
 _LRP = "{imports}\n{before}\nfrom lrp_jupyter.cli import main\nmain()"
 _CELL = """

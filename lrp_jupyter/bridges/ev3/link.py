@@ -58,7 +58,7 @@ class BrickLink(Link):
 
     Owner: any thread may use it; its own one is the only one that reads the brick.
 
-    `find`: returns a new connection, like :func:`~lrp_jupyter.bridges.ev3.client.connect`; its argument is a
+    `find`: returns a new connection, like :func:`~lrp_jupyter.bridges.ev3.finding.connect`; its argument is a
         function that returns whether to stop searching.
     `report`: called with the state (``connected``, ``stale``, ``lost``, ``disconnected``) and a sentence when
         it changes; with ``late`` and a sentence when the brick stopped motors which nothing renewed in time.

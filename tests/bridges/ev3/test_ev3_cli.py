@@ -27,7 +27,7 @@ ROVER = """
 """
 
 PATIENT = """
-from lrp_jupyter.bridges import guard
+from lrp_jupyter.bridges.guarding import guard
 from lrp_jupyter.bridges.ev3.client import BrickClient
 guard.SILENCE = guard._LAPSE = 3600.0
 BrickClient.request.__defaults__ = BrickClient.command.__defaults__ = (60.0,)  # it may be held up

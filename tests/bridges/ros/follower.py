@@ -23,7 +23,7 @@ for _wire in FRESH["subscriptions"].values():
 _ROUNDING = 1e-6  # s
 TOLD = 0.0  # the speed of a robot whose time passes when it is told to
 PATIENT = """
-from lrp_jupyter.bridges import guard
+from lrp_jupyter.bridges.guarding import guard
 from lrp_jupyter.bridges.ros import RosBridge, websocket
 guard._LAPSE = websocket._STALE = websocket._FRESH = 60.0
 RosBridge.stopper = lambda bridge: None
