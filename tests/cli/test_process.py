@@ -150,7 +150,8 @@ HOLDS = WAIT.replace("robot.move(linear=0.1)", "sum(range(10**12))")
 def test_a_run_of_limited_length_ends_though_a_call_never_gives_up_the_interpreter_lock(
     program, before, code
 ):
-    start = f"import signal\n{before}\nfrom lrp_jupyter.cli import main, run_command\nrun_command.LIMIT = 1.0\nmain()"
+    hasty = "from lrp_jupyter.cli import main, run_command\nrun_command.LIMIT = 1.0"
+    start = f"import signal\n{before}\n{hasty}\nmain()"
     command = [sys.executable, "-c", start, "run", str(program(HOLDS)), "--for", "1"]
     run = subprocess.run(command, capture_output=True, text=True, timeout=240)
     assert run.returncode == code
