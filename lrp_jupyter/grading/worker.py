@@ -124,9 +124,11 @@ def _limit(memory: float, seconds: float) -> None:
 def _forked(job: bytes, limit: float, requests: int, endings: int) -> tuple[int | None, bytes]:
     """Make a run in a process of its own; return its exit code, None if it took too long, and its answer."""
     reading, writing = os.pipe()
-    child = os.fork()
+    worker, child = os.getpid(), os.fork()
     if not child:
-        _prctl(_SET_PDEATHSIG, signal.SIGKILL)  # it ends with its worker, also in a call of C
+        _prctl(_SET_PDEATHSIG, signal.SIGKILL)  # it ends with its worker, also in a call of C …
+        if os.getppid() != worker:  # … which may have ended before that
+            os._exit(1)
         os.setsid()
         for pipe in (reading, requests, endings):
             os.close(pipe)

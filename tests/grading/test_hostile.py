@@ -2,10 +2,12 @@
 
 import json
 import os
+import signal
 import struct
 import sys
 from contextlib import suppress
 from pathlib import Path
+from subprocess import PIPE, Popen
 
 import pytest
 from support.waiting import until
@@ -147,3 +149,33 @@ def test_a_worker_that_cannot_start_is_an_error_and_no_mark(monkeypatch):
     monkeypatch.setattr(workers, "python_of", lambda _: {"args": [sys.executable, "-c", "1/0"], "env": {}})
     with pytest.raises(LRPError, match=r"does not start: ZeroDivisionError: division by zero\."):
         grade_all([DRIVE], FIRST, 1)
+
+
+WORKER = """
+import os, signal, sys
+from lrp_jupyter.grading import worker
+
+def held_up(option, value):  # until its worker is gone
+    parent = os.getppid()
+    os.kill(parent, signal.SIGKILL)
+    while os.getppid() == parent:
+        pass
+    prctl(option, value)
+
+prctl, worker._prctl = worker._prctl, held_up
+worker._answer = lambda *_: os.write(int(sys.argv[1]), b"made")
+worker._forked(b"", 1.0, 0, 1)
+"""
+
+
+@needs_fork
+@pytest.mark.slow
+def test_a_run_whose_worker_has_ended_before_it_could_ask_to_end_with_it_is_not_made():
+    reading, writing = os.pipe()
+    with Popen(
+        [sys.executable, "-c", WORKER, str(writing)], stdin=PIPE, stdout=PIPE, pass_fds=[writing]
+    ) as worker:
+        os.close(writing)
+        with open(reading, "rb") as made:
+            assert made.read() == b""
+    assert worker.returncode == -signal.SIGKILL
