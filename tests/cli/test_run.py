@@ -473,8 +473,15 @@ def impatient(monkeypatch):
     monkeypatch.setattr(run, "LIMIT", 0.2)
 
 
-@pytest.mark.parametrize("options", ["--for 1", "--for 1 --speed max", "--until b --speed max"])
-@pytest.mark.parametrize("block", ["while True: pass", "import time; time.sleep(60)"])
+@pytest.mark.parametrize(
+    ("options", "block"),
+    [
+        ("--for 1", "while True: pass"),
+        ("--for 1", "import time; time.sleep(60)"),
+        ("--for 1 --speed max", "while True: pass"),
+        ("--until b --speed max", "while True: pass"),
+    ],
+)
 def test_a_run_of_limited_length_ends_though_a_block_does_not_return(lrp, program, impatient, options, block):
     text = "(machine m\n  (state a (running [" + block + "])) (state b))\n(spawn m a)\n"
     result = lrp("run", program(text), *options.split(), "--bridge", "none")

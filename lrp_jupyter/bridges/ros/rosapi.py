@@ -166,6 +166,7 @@ class Rosapi:
                 pause = _SOON if self._in_need or self.trouble else _RARELY
                 await self._wake.wait(min(pause * 2**self._failures, _LONGEST))
         finally:
+            self._answered.set()  # whoever connects waits for the first list no longer
             await self._hang_up()
 
     async def _ask_all(self) -> bool:
