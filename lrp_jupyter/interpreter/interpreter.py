@@ -1,8 +1,8 @@
 """The interpreter: runs a program that can be changed while it runs.
 
-How it works ------------ *A program is a value, an edit is a diff of two values, a tick is a function of
-time.* There is no clock, no thread and no input or output here: :meth:`Interpreter.step` is exactly the loop
-of §5.1 of the paper. The caller decides when to call it, and passes the time.
+*A program is a value, an edit is a diff of two values, a tick is a function of time.* There is no clock, no
+thread and no input or output here: :meth:`Interpreter.step` is exactly the loop of §5.1 of the paper. The
+caller decides when to call it, and passes the time.
 
 It is built from three parts:
 

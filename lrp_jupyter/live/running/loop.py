@@ -3,9 +3,9 @@
 There is one loop body, :meth:`Loop.turn`. The driver (a thread, asyncio, the caller) calls it and then waits
 until the time that it returns. A turn
 
-1. applies the queued commands, 2. advances the time, at most to the next tick: a simulated world moves by
-whole physics steps, so that it is at
-   the tick's time when the tick reads the sensors,
+1. applies the queued commands,
+2. advances the time, at most to the next tick: a simulated world moves by whole physics steps, so that it is
+   at the tick's time when the tick reads the sensors,
 3. ticks, if a tick is due: latch the sensors, run one step of the interpreter, flush the commands,
 4. publishes a frame, at most sixty times a second.
 
