@@ -11,11 +11,11 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import NoneType
-from typing import Any, Literal, TypeVar, cast
+from typing import Any, Literal, TypeVar
 
 from lrp_jupyter.arguments import check_callable, check_number, check_type
 from lrp_jupyter.bridges.recorded import RecordedBridge
-from lrp_jupyter.errors import BridgeError, SessionTimeoutError
+from lrp_jupyter.errors import BridgeError, SessionTimeoutError, sentence_of
 from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.parser import parse
@@ -24,15 +24,19 @@ from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.past.fork import ForkStart, check_repeated, fork_start, private_namespace
 from lrp_jupyter.live.past.past_frames import animation_of, frame_at, tick_of
 from lrp_jupyter.live.past.plots import Plot, plotting_named
-from lrp_jupyter.live.past.replay import tested_again, without_edits
+from lrp_jupyter.live.past.replay import Entry, Ticked, repeat, tested_again, without_edits
 from lrp_jupyter.live.past.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.past.trials import Trial, Trials
 from lrp_jupyter.live.past.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.reason import Reason
-from lrp_jupyter.live.runner import REPEATING, Runner, Until
+from lrp_jupyter.live.runner import Runner, Until
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.frame import Frame
+from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.why.answers import Answers
+
+REPEATING = 2.0
+"""Wall seconds that a block may take in a fork that others wait for."""
 
 Moment = int | float | None
 """A tick; a time in seconds, as a float: then the last tick that was not after it; None: now."""
@@ -42,7 +46,9 @@ Asked = TypeVar("Asked", bound=Runner)
 def at(session: Runner, tick: int | float) -> Frame:
     """Return the frame of an earlier moment."""
     _check_moment("tick", tick)
-    return cast(Frame, session._value("at", lambda: frame_at(session._loop, _tick_of(session, tick))))
+    return session._value(
+        "at", lambda loop: frame_at(loop, tick_of(loop, tick) if isinstance(tick, float) else tick)
+    )
 
 
 def animation(session: Runner, begin: Moment, end: Moment) -> str:
@@ -50,25 +56,19 @@ def animation(session: Runner, begin: Moment, end: Moment) -> str:
     for name, at in (("begin", begin), ("end", end)):
         if at is not None:
             _check_moment(name, at)
-
-    def start() -> Callable[[], str] | None:
-        ticks = [None if at is None else _tick_of(session, at) for at in (begin, end)]
-        return animation_of(session._loop, *ticks)
-
-    draw = session._value("animation", start)
+    draw = session._value(
+        "animation", lambda loop: animation_of(loop, _tick_of(loop, begin), _tick_of(loop, end))
+    )
     if draw is None:
         raise BridgeError(f"`{session.bridge.name}` has no simulated world that could be drawn.")
-    return cast(str, draw())
+    return draw()
 
 
 def timeline(session: Runner, since: TimelineCursor | None, plots: Mapping[str, int] | None) -> Timeline:
     """Return what happened, in order, since an earlier answer."""
     check_type("since", since, (TimelineCursor, NoneType), "the `cursor` of a timeline")
     check_type("plots", plots, (Mapping, NoneType), "a mapping of names to ticks")
-    timeline: Callable[[], Timeline] = session._value(
-        "timeline", partial(timeline_of, session._loop, since, plots)
-    )
-    return timeline()
+    return session._value("timeline", lambda loop: timeline_of(loop, since, plots))()
 
 
 def plots(session: Runner, names: Iterable[str]) -> list[Plot]:
@@ -76,8 +76,7 @@ def plots(session: Runner, names: Iterable[str]) -> list[Plot]:
     wanted = _listed("names", names, '["robot.light.data"]')
     for name in wanted:
         check_type("names", name, str, "a list of texts")
-    plot: Callable[[], list[Plot]] = session._value("plots", partial(plotting_named, session._loop, wanted))
-    return plot()
+    return session._value("plots", lambda loop: plotting_named(loop, wanted))()
 
 
 def answer(
@@ -87,13 +86,12 @@ def answer(
     if at is not None:
         _check_moment("at", at)
 
-    def answer() -> Reason:
-        tick = None if at is None else _tick_of(session, at)
-        answers = Answers(session._loop, partial(test_again, session))
-        reason: Reason = getattr(answers, question)(name, tick)
+    def answer(loop: Loop) -> Reason:
+        answers = Answers(loop, partial(test_again, session))
+        reason: Reason = getattr(answers, question)(name, _tick_of(loop, at))
         return reason
 
-    return cast(Reason, session._value(question, answer))
+    return session._value(question, answer)
 
 
 def test_again(session: Runner, tick: int, element: Element) -> Evaluation | Exception | None:
@@ -115,11 +113,7 @@ def fork(session: Asked, at: Moment, program: str | Program | None, inputs: bool
     check_type("program", program, (str, Program, NoneType), "a text or a Program")
     if isinstance(program, str):
         program = parse(program, session.program.filename)
-
-    def start() -> ForkStart:
-        return fork_start(session._loop, None if at is None else _tick_of(session, at))
-
-    copy = _forked(session, session._value("fork", start))
+    copy = _forked(session, session._value("fork", lambda loop: fork_start(loop, _tick_of(loop, at))))
     with copy._closed_on_error(), copy._driver.exclusive("fork"):
         if program is not None:
             copy._loop.apply(do.ReplaceProgram(program))
@@ -228,12 +222,33 @@ def _forked(session: Asked, start: ForkStart) -> Asked:
     with copy._closed_on_error():
         copy._loop.begin(checkpoint)
         if start.entries:
-            copy._repeat(start.entries)
+            _repeat(copy, start.entries)
         if start.recorded is not None:
             check_repeated(start.recorded, copy.interpreter)
     copy._text = copy.interpreter.program.text
     copy._script.extend(start.later)
     return copy
+
+
+def _repeat(copy: Runner, entries: Iterable[Entry]) -> None:
+    """Repeat ticks and inputs.
+
+    Raises SessionTimeoutError: a block did not return.
+    Raises ValueError: an input cannot be applied again.
+    """
+    queued, what = copy._loop.inbox.queued, ""
+    try:
+        with copy.driving(REPEATING):
+            for entry in entries:
+                noun = "Tick" if isinstance(entry, Ticked) else "What was done after tick"
+                what = f"{noun} {entry.tick}"
+                repeat(copy._loop, entry)
+                if queued:  # the limit is exceeded
+                    break
+    except SessionTimeoutError:
+        raise SessionTimeoutError(f"{what} cannot be repeated: a block did not return.") from None
+    except Exception as error:
+        raise ValueError(f"{what} cannot be repeated: {sentence_of(error)}") from error
 
 
 def _listed(name: str, values: Iterable[Any], example: str) -> list[Any]:
@@ -251,6 +266,6 @@ def _check_moment(name: str, at: object) -> None:
         check_number(name, at, "a time in seconds", least=0)
 
 
-def _tick_of(session: Runner, at: int | float) -> int:
-    """Return the tick that is meant by its number, or by a time in seconds."""
-    return at if isinstance(at, int) else tick_of(session._loop, at)
+def _tick_of(loop: Loop, at: Moment) -> int | None:
+    """Return the tick that is meant by its number, or by a time in seconds; None for now."""
+    return tick_of(loop, at) if isinstance(at, float) else at

@@ -11,14 +11,14 @@ import threading
 import warnings
 import weakref
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 from time import monotonic
 from types import NoneType, TracebackType
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar
 
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_callable, check_choice, check_number, check_type
@@ -29,7 +29,6 @@ from lrp_jupyter.errors import (
     LRPError,
     SessionClosedError,
     SessionTimeoutError,
-    sentence_of,
 )
 from lrp_jupyter.files import read_text
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -41,7 +40,7 @@ from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.language.robot_members import RobotMembers
 from lrp_jupyter.live.clock import Clock, MonotonicClock
-from lrp_jupyter.live.past.replay import Entry, Ticked, play, repeat
+from lrp_jupyter.live.past.replay import Entry, play
 from lrp_jupyter.live.recorder import Recorder
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.checking import members_of
@@ -53,8 +52,8 @@ from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.running.output import Output
 
 _GLANCE = 1.0  # wall seconds of one wait, which Ctrl-C does not end if another thread gets the signal
-REPEATING = 2.0  # wall seconds that a block may take in a fork that others wait for
 
+Value = TypeVar("Value")
 Until = str | Path | Callable[[Frame], object]
 """The end of a run or a wait: a state, by bare name or path, or a condition on a frame."""
 
@@ -141,10 +140,7 @@ class Runner:
         )
         self.output.written = partial(self._loop.emit, "printed")
         self._driver = Driver(self._loop, name)
-        self.ask, self.submit = (
-            self._driver.ask,
-            self._driver.submit,
-        )  # of commands: internal, not in `help`, `dir`
+        self.ask, self.submit = self._driver.ask, self._driver.submit  # internal, not in `help`, `dir`
         self.dead_man = dead_man
         """Wall seconds without a view after which the program pauses; None: it never does for that."""
         self._start_driver = partial(self._driver.start, driver, hung_after, dead_man)
@@ -175,7 +171,7 @@ class Runner:
 
     def __repr__(self) -> str:
         frame = self.frame
-        active = ", ".join("/".join(path) for path in frame.active) or "nothing"
+        active = ", ".join(map(path_text, frame.active)) or "nothing"
         return f"<{type(self).__name__} {self.name}: {frame.status}, tick {frame.tick}, {active} active>"
 
     def __dir__(self) -> list[str]:
@@ -502,8 +498,6 @@ class Runner:
             with self._changed:
                 self._changed.wait_for(lambda old=version: self._version != old, min(left, _GLANCE))  # type: ignore[misc]
 
-    # -- the past, and what if -------------------------------------------------------------------
-
     @contextmanager
     def _closed_on_error(self) -> Iterator[None]:
         try:
@@ -512,26 +506,6 @@ class Runner:
             self.close()
             raise
 
-    def _repeat(self, entries: Iterable[Entry]) -> None:
-        """Repeat ticks and inputs.
-
-        Raises SessionTimeoutError: a block did not return.
-        Raises ValueError: an input cannot be applied again.
-        """
-        queued, what = self._loop.inbox.queued, ""
-        try:
-            with self.driving(REPEATING):
-                for entry in entries:
-                    noun = "Tick" if isinstance(entry, Ticked) else "What was done after tick"
-                    what = f"{noun} {entry.tick}"
-                    repeat(self._loop, entry)
-                    if queued:  # the limit is exceeded
-                        break
-        except SessionTimeoutError:
-            raise SessionTimeoutError(f"{what} cannot be repeated: a block did not return.") from None
-        except Exception as error:
-            raise ValueError(f"{what} cannot be repeated: {sentence_of(error)}") from error
-
     # -- commands, events and frames -------------------------------------------------------------
 
     def call(self, function: Callable[[], Any]) -> Any:
@@ -539,13 +513,14 @@ class Runner:
         check_callable("function", function)
         return self._driver.do(do.Call(function))
 
-    def _value(self, what: str, function: Callable[[], Any]) -> Any:
-        """Return what a function returns between two ticks, for a method of this name.
+    def _value(self, what: str, function: Callable[[Loop], Value]) -> Value:
+        """Return what a function returns for the loop between two ticks, for a method of this name.
 
         Raises LRPError: a block of the program itself is the caller.
         """
         self._driver.refuse_inside(what)
-        return self._driver.do(do.Call(function))
+        value: Value = self._driver.do(do.Call(partial(function, self._loop)))
+        return value
 
     def observe(self, observer: Observer) -> Callable[[], None]:
         """Subscribe a function to every event of the interpreter; return a function that ends this.

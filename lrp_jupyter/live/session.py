@@ -404,7 +404,7 @@ class Session(Runner):
     def breakpoints(self) -> tuple[Breakpoint, ...]:
         """The breakpoints, by number."""
         known = self._loop.breakpoints
-        return () if known is None else self._value("breakpoints", lambda: known.all)
+        return () if known is None else self._value("breakpoints", lambda _: known.all)
 
     def pause_when(
         self,
