@@ -60,6 +60,7 @@ def lost(walk: str, calls: list[Call]) -> list[list[str]]:
 
 
 def test_the_walks_are_the_ways_of_the_program(tmp_path, monkeypatch):
+    assert all(map(legs, TOUR)), "every walk names functions"
     monkeypatch.chdir(tmp_path)
     with traced() as calls:
         lab = Lab(PROGRAM, bridge="sim", namespace={})
