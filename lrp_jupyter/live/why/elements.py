@@ -15,11 +15,6 @@ def line_of(program: Program, part: Block | Spawn | State | Transition | None) -
     return program.place(part.span.start)[0] if part is not None else 0
 
 
-def line_of_transition(program: Program, element: Element) -> int:
-    """Return the line of a transition; 0 if the program does not have it."""
-    return line_of_element(program, element)
-
-
 def line_of_state(program: Program, path: Path) -> int:
     """Return the line of a state by its path of definition; 0 if the program does not have it."""
     return line_of_element(program, Element("state", path))

@@ -6,10 +6,11 @@ from collections.abc import Iterable
 
 from lrp_jupyter.interpreter.facts import Commanded, Enabled, Entered, Fact, Fired, Spawned
 from lrp_jupyter.interpreter.history import PastMachine
+from lrp_jupyter.language.lookup import line_of_element
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import Reason, StateCode
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
-from lrp_jupyter.live.why.elements import line_of, line_of_state, line_of_transition, spawns_of
+from lrp_jupyter.live.why.elements import line_of, line_of_state, spawns_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import restart_text, time_text
 
@@ -76,7 +77,7 @@ def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, 
 def how_entered(run: RecordedRun, entered: Fired | Entered, when: float) -> tuple[str, int]:
     """Return a description of how a state was entered, and the line."""
     if isinstance(entered, Fired):
-        line = line_of_transition(run.program(int(when)), entered.transition)
+        line = line_of_element(run.program(int(when)), entered.transition)
         return f" by `{entered.label}` (line {line})", line
     reason = entered_otherwise(run, entered, "", when)
     words = {"forced": " by hand", "restarted": " at the restart"}
@@ -98,7 +99,7 @@ def say_whether_it_acted(draft: AnswerDraft, run: RecordedRun, entered: Fired | 
     """Say that a state did not act in the tick of its entry, if a transition could leave it at once."""
     tick = int(when)
     for enabled in enabled_in(run, entered, tick) if tick == when else ():
-        line = line_of_transition(run.program(tick), enabled.transition)
+        line = line_of_element(run.program(tick), enabled.transition)
         left = f"`{enabled.state[-1]}`"
         what = (
             "it at once, so it did not act"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fired, Spawned
+from lrp_jupyter.language.lookup import line_of_element
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
-from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
+from lrp_jupyter.live.why.elements import line_of, spawns_of
 from lrp_jupyter.live.why.entries import restart_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import restart_text, time_text
@@ -22,7 +23,7 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
             if fact.by:
                 by = f"when `{fact.by[-1]}` was entered"
                 entering = [each for each in facts if isinstance(each, Fired) and each.path == fact.by]
-                lines += [line_of_transition(program, each.transition) for each in entering]
+                lines += [line_of_element(program, each.transition) for each in entering]
             else:
                 restart = restart_of(run.history.facts(tick - 0.5))
                 by = f"when the program {'restarted' if restart else 'started'}"
@@ -73,6 +74,6 @@ def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tupl
     for fired in [fact for fact in reversed(run.history.facts(when)) if isinstance(fact, Fired)]:
         home = fired.path[:-1]
         if discarded.machine[: len(home)] == home != discarded.machine:
-            line = line_of_transition(run.program(int(when)), fired.transition)
+            line = line_of_element(run.program(int(when)), fired.transition)
             return f", because `{fired.label}` (line {line}) left `{discarded.machine[len(home)]}`", line
     return "", 0

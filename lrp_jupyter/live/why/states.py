@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from lrp_jupyter.interpreter.facts import Entered, Fired
 from lrp_jupyter.interpreter.tick_reasons import Cause
+from lrp_jupyter.language.lookup import line_of_element
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.case import Case
-from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state, line_of_transition
+from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state
 from lrp_jupyter.live.why.entries import entered_otherwise, say_whether_it_acted
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
@@ -36,7 +37,7 @@ def state_reason(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
 def _entered_by(run: RecordedRun, fired: Fired, called: str, tick: int) -> Reason:
     before = run.state(tick)
     machine = next((each for each in before.walk() if each.path == fired.machine), None)
-    line = line_of_transition(before.program, fired.transition)
+    line = line_of_element(before.program, fired.transition)
     case = Case(run, fired.transition, fired.label, line, tick, Cause("fired", machine, fired))
     draft = AnswerDraft({"transition": fired.transition.path})
     by = f"`{fired.label}` (line {line}), from `{fired.source}`{because(draft, case)}"

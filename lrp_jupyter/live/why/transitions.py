@@ -6,13 +6,14 @@ from lrp_jupyter.errors import did_you_mean, ended
 from lrp_jupyter.interpreter.facts import Enabled, Entered, Faulted, Fired
 from lrp_jupyter.interpreter.tick_reasons import cause_in
 from lrp_jupyter.language.blocks.expressions import Evaluation
+from lrp_jupyter.language.lookup import line_of_element
 from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Delay, Epsilon
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.case import Case
-from lrp_jupyter.live.why.elements import line_of, line_of_transition
+from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.entries import enabled_in, entry_text, how_entered
 from lrp_jupyter.live.why.evaluation import delay_of, evaluate_again, last_true
 from lrp_jupyter.live.why.machines import not_running
@@ -35,7 +36,7 @@ def transition_reason(run: RecordedRun, element: Element, known: Program, tick: 
     cause = cause_in(state, run.history.facts(tick), element)
     arrow = resolve(known).arrow(element)
     label = arrow.label if arrow is not None else element.shown[-1]
-    line = line_of_transition(known if cause.code == "not-in-program" else state.program, element)
+    line = line_of_element(known if cause.code == "not-in-program" else state.program, element)
     case = Case(run, element, label, line, tick, cause)
     draft = AnswerDraft({"transition": element.path, "state": cause.machine and cause.machine.full_path})
     match cause.code:
@@ -216,7 +217,7 @@ def _just_entered(draft: AnswerDraft, case: Case) -> None:
 def _other_fired(draft: AnswerDraft, case: Case) -> None:
     fired = case.cause.fact
     assert isinstance(fired, Fired)
-    line = line_of_transition(case.program, fired.transition)
+    line = line_of_element(case.program, fired.transition)
     what, way = f"`{fired.label}` (line {line})", f"from `{fired.source}` to `{fired.destination}`"
     match case.cause.code:
         case "earlier-fired":
