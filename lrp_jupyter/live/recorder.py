@@ -8,7 +8,6 @@ from inspect import Parameter
 from time import monotonic
 from typing import Any
 
-from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain
 from lrp_jupyter.errors import FileError, LRPError, sentence_of
@@ -122,11 +121,9 @@ class Recorder(Trace):
             self._failure = error
 
 
-def start_of(
-    loop: Loop, bridge: Bridge, seed: int | None = None, initials: Mapping[str, str] | None = None
-) -> RunStart:
+def start_of(loop: Loop, seed: int | None = None, initials: Mapping[str, str] | None = None) -> RunStart:
     """Return the start of a session that has not ticked yet."""
-    interpreter = loop.interpreter
+    interpreter, bridge = loop.interpreter, loop.bridge
     world = None if bridge.simulated is None else bridge.simulated.world_form()
     members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
     namespace = interpreter.namespace

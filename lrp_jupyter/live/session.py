@@ -593,7 +593,7 @@ class Session(Runner):
         """
         self._refuse_late_recording()
         self.bridge.open()
-        return Recorder(self._loop, write, start_of(self._loop, self.bridge, seed, initials), looking)
+        return Recorder(self._loop, write, start_of(self._loop, seed, initials), looking)
 
     def _refuse_late_recording(self) -> None:
         if self._loop.interpreter.tick or self._loop.record.inputs:
