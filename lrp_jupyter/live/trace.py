@@ -36,6 +36,7 @@ from typing import Any, TextIO, cast
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.interpreter.rendering import render, short
 from lrp_jupyter.interpreter.trace_events import UNSET, TraceEvent
+from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.stored.json_values import plain, unplain
 from lrp_jupyter.live.why.wording import call_text
 
@@ -66,7 +67,7 @@ def as_dict(event: TraceEvent) -> dict[str, Any]:
 
 
 def _details(event: TraceEvent) -> dict[str, Any]:
-    path, data = "/".join(event.path), cast(Any, event.data)
+    path, data = path_text(event.path), cast(Any, event.data)
     match event.kind:
         case "entered" | "left":
             return {"state": path}
@@ -80,13 +81,13 @@ def _details(event: TraceEvent) -> dict[str, Any]:
             return {"reason": data}
         case "fired":
             return {
-                "machine": "/".join(data.machine),
+                "machine": path_text(data.machine),
                 "transition": data.label,
                 "source": data.source,
                 "destination": data.destination,
             }
         case "issue":
-            element = "/".join(data.element.shown)
+            element = path_text(data.element.shown)
             return {
                 "code": data.code,
                 "element": element,

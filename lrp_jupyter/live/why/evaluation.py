@@ -14,6 +14,7 @@ from lrp_jupyter.language.blocks.builtin_names import builtin
 from lrp_jupyter.language.blocks.expressions import Evaluation, UnknownValueError, evaluate, expression_of
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.triggers import Delay
+from lrp_jupyter.live.running.checkpoints import PLAIN
 from lrp_jupyter.live.running.notebook_names import ABSENT
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.earlier_names import Names
@@ -21,7 +22,6 @@ from lrp_jupyter.live.why.recorded_robot import RecordedRobot
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 
 _SEARCH = 0.03  # wall seconds to search for the last time a condition was true
-_IMMUTABLE = (int, float, complex, str, bytes, type(None))
 _UNCHANGING = (FunctionType, BuiltinFunctionType, ModuleType, type)
 
 
@@ -150,4 +150,4 @@ def _cells(state: PastState, machine: Path) -> Mapping[str, CellType]:
 def _is_immutable(value: object) -> bool:
     if isinstance(value, tuple):
         return all(map(_is_immutable, value))
-    return isinstance(value, _IMMUTABLE)
+    return isinstance(value, PLAIN)
