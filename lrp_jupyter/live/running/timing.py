@@ -41,7 +41,6 @@ class Timing:
     `now`: seconds of the run.
     `due`: the time at which the next tick is due.
     `end`: the time at which a run paced by a clock comes to rest; may be infinite.
-    `rate`: ticks per second.
     `period`: seconds from one tick to the next.
     `free`: whether ticks follow each other without waiting.
     `achieved`: the rate that was reached, and seconds of the run per wall second.
