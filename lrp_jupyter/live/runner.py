@@ -208,6 +208,14 @@ class Runner:
         """The faults of the program so far."""
         return self._loop.frame.issues
 
+    def clear_issues(self) -> None:
+        """Forget the issues so far; a fault that is still there is an issue again when it occurs.
+
+        What was noted about commands of the program is forgotten, too: that they were limited, or ended by a
+        stop of the robot.
+        """
+        self._driver.do(do.ClearIssues())
+
     def traceback_of(self, issue: Issue | None = None) -> TracebackType | None:
         """Return the traceback of an issue's last occurrence, for a debugger: ``pdb.post_mortem(…)``.
 

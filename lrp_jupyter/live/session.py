@@ -132,16 +132,6 @@ class Session(Runner):
     True
     """
 
-    # -- the state of the run --------------------------------------------------------------------
-
-    def clear_issues(self) -> None:
-        """Forget the issues so far; a fault that is still there is an issue again when it occurs.
-
-        What was noted about commands of the program is forgotten, too: that they were limited, or ended by a
-        stop of the robot.
-        """
-        self._driver.do(do.ClearIssues())
-
     # -- changing the program --------------------------------------------------------------------
 
     def edit(self, text: str) -> tuple[Finding, ...]:
