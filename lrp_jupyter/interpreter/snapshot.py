@@ -21,11 +21,10 @@ from lrp_jupyter.language.program import Element, Path, Program
 
 
 class _Machine(NamedTuple):
-    """A running machine: where it is defined, which state is active, and the numbers of its variables."""
+    """A running machine: its active state, and the numbers of its variables."""
 
-    definition: Path
     parent: int | None  # its number in the order of a tick
-    place: Path
+    place: Path  # of the active state, by definition
     entered: float
     spawn: tuple[str, str] | None
     own: tuple[tuple[str, int, bool], ...]  # name, number of the cell, and whether it leaks
@@ -97,7 +96,6 @@ def take(
     numbers = {id(act): number for number, act in enumerate(acts)}
     machines = tuple(
         _Machine(
-            act.place[:-1],
             None if act.parent is None else numbers[id(act.parent)],
             act.place,
             act.entered,
@@ -135,7 +133,7 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dic
     _fill(run.globals, snapshot.own, cells, run.base)
     acts: list[Activation] = []
     for machine in snapshot.machines:
-        plan = run.plan.machines[machine.definition]
+        plan = run.plan.machines[machine.place[:-1]]
         parent = None if machine.parent is None else acts[machine.parent]
         outer = run.live[plan.outer]
         act = Activation(plan, parent, outer, machine.spawn, plan.states[machine.place[-1]])
