@@ -24,7 +24,9 @@ _ACTION = re.compile(r"\brobot\.(?!stop\b|pen\b|lamp\b)\w+(?:\s*\(|\s+as\b)|[+\-
 def wrong_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Signs and words in the place of the arrow of a transition."""
     items, kinds = form.items, form.kinds
-    for index, item in enumerate(items if "ARROW" not in kinds else ()):
+    if "ARROW" in kinds:
+        return
+    for index, item in reversed([*enumerate(items)]):  # a sign before it is one of a condition
         word, start, end = draft.word(item), item.start, item.end
         is_word = 0 < index < len(items) - 1 and word.lower() in ARROW_WORDS and word not in draft.states
         but = item.kind == "MINUS" and kinds[index - 1 :: 2][:2] == ("STAR", "LBRACE")
