@@ -49,25 +49,25 @@ class _Move:
             f"Delete it or connect it to another state first, then move `{self.name}`."
         )
 
-    def arrows(self) -> Iterator[Arrow]:
-        """Yield the transitions that name the state; raise for those that name it among others."""
+    def arrows(self) -> Iterator[tuple[Arrow, bool]]:
+        """Yield the transitions that name the state, and whether as their source; those to itself move along.
+
+        Raises ValueError: one names the state among others, or leads from inside it to a state beside it.
+        """
         for arrow in chain.from_iterable(self.drawing.names.arrows.values()):
             noun = arrow.noun
             is_source = arrow.scope is self.scope and self.name in noun.sources
             if is_source and (noun.wildcard or set(noun.sources) != {self.name}):
                 self.refuse(arrow, "names it together with other states")
-            if is_source or (noun.destination == self.name and self.scope in arrow.homes):
-                yield arrow
+            is_destination = noun.destination == self.name and self.scope in arrow.homes
+            if is_source and is_destination and not noun.outward:
+                self.bring(arrow)
+            elif is_source or is_destination:
+                yield arrow, is_source
             elif (
                 noun.outward and arrow.scope.path[: len(self.path)] == self.path and self.scope in arrow.homes
             ):
                 self.refuse(arrow, f"leads from inside `{self.name}` to a state beside it")
-
-    def is_self(self, arrow: Arrow) -> bool:
-        """Return whether a transition leads from the state to itself."""
-        return (
-            set(arrow.noun.sources) == {self.name} == {str(arrow.noun.destination)} and not arrow.noun.outward
-        )
 
     def finish(self, parent: WrittenForm, new_machine: str = "") -> list[Edit]:
         """Return all edits; the state and its transitions are written into a machine, or into a new one."""
@@ -138,11 +138,9 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
         if name in inner.states:
             raise ValueError(f"`{name}` is taken in `{inner.path[-1]}`. Rename one of them first.")
         _refuse_captured(move, inner)
-    for arrow in move.arrows():
+    for arrow, is_source in move.arrows():
         noun = arrow.noun
-        if move.is_self(arrow):
-            move.bring(arrow)
-        elif arrow.scope is scope and name in noun.sources:
+        if is_source:
             if noun.kind != "on":
                 move.refuse(arrow, "would have to be an `exit`, which needs a condition")
             move.bring(arrow, keyword="exit")
@@ -179,11 +177,9 @@ def unnest(text: str, path: Path) -> list[Edit]:
     if name in outer.states:
         raise ValueError(f"`{name}` is taken in `{outer.path[-1]}`. Rename one of them first.")
     _refuse_lost(move, outer)
-    for arrow in move.arrows():
+    for arrow, is_source in move.arrows():
         noun = arrow.noun
-        if move.is_self(arrow):
-            move.bring(arrow)
-        elif arrow.scope is scope and name in noun.sources:
+        if is_source:
             if noun.outward and set(arrow.homes) != {outer}:
                 move.refuse(arrow, "leads somewhere else")
             move.bring(arrow, *(("on", "") if noun.outward else ("", around)))
