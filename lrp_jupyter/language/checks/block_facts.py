@@ -95,7 +95,7 @@ class Facts:
     `test`: the place of its value, if that is `True` or `False` for certain.
     `texts`: names that it compares with a text, and that text.
     `numbers`: names that it binds, and to nothing but numbers.
-    `misread`: python that means something other than it seems to.
+    `misread`: Python that means something other than it seems to.
     `inner`: names that functions inside assign without `nonlocal`, and without any use.
     `unread`: names that it assigns and never reads.
     """

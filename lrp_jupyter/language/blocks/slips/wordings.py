@@ -112,7 +112,7 @@ _TABLE = [(re.compile(pattern), words) for pattern, words in _WORDS]
 def in_words(message: str, found: str, line: int) -> str:
     """Return a sentence about an error in a block.
 
-    `message`: python's.
+    `message`: Python's.
     `found`: what is at the place of the error; empty at the end of a line.
     `line`: the line in which the block begins, from 1.
     """
