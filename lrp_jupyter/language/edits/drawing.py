@@ -257,7 +257,7 @@ def new_form(text: str, path: Path, form: str) -> list[Edit]:
     if keyword == "state":
         parent = drawing.sheet.at(drawing.state(path)[1].span.start)
     else:
-        parent = drawing.form_of(drawing.machine(path)) if path else drawing.sheet.root
+        parent = drawing.form_of(drawing.machine(path) if path else drawing.names.top)
     return drawing.edits([drawing.sheet.added(parent, _only_form(form, keyword))])
 
 
