@@ -14,13 +14,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from random import Random
-from typing import Any
 
 import pymunk
 
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
-from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid, middle_of, put_at
+from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid, middle_of
 
 STEP = 0.01  # s: one step of physics
 GRAVITY = 9.81  # m/s²
@@ -114,7 +113,6 @@ class Memory:
     odometer: Odometer
     first_heading: float = 0.0  # rad: the gyro counts from here
     command: tuple[float, float] = (0.0, 0.0)
-    commanded_at: int = 0  # step of the last command
     slip: tuple[float, float] = (1.0, 1.0)  # factor of motor noise on each wheel's speed, in this tick
     readings: Readings = field(default_factory=Readings)
     latched_at: int = -1
@@ -168,21 +166,6 @@ class SimRobot:
     def command(self) -> tuple[float, float]:
         """The commanded speeds, in m/s and rad/s, within its limits."""
         return self.memory.command
-
-    def state(self) -> dict[str, Any]:
-        """Return the visible state as plain data; see ``Simulation.state``."""
-        readings = self.memory.readings
-        return {
-            "pose": list(self.pose),
-            "command": list(self.memory.command),
-            "light": list(readings.lights),
-            "bumper": readings.bumper,
-            "distance": [None if math.isinf(way) else way for way in readings.distances],
-            "gyro": readings.gyro,
-            "odom": list(readings.odom),
-            "pen": int(self.memory.pen is not None),
-            "lamp": int(self.memory.lamp),
-        }
 
     def steer(self) -> None:
         """Compute the target speeds from the command and the motor noise of this tick."""
@@ -277,11 +260,6 @@ class SimSolid:
     def pose(self) -> Pose:
         """The present pose: x, y (metres), angle (radians)."""
         return (*self.body.position, self.body.angle)
-
-    def here(self) -> Solid:
-        """Return its description with the present pose."""
-        x, y, angle = self.pose
-        return replace(put_at(self.spec, (x, y)), angle=angle)
 
     def embody(self, space: pymunk.Space, motion: Motion, steps: int) -> None:
         """Create the body in a new space, so many steps after the start of the world."""

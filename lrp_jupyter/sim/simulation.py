@@ -18,14 +18,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from random import Random
-from typing import Any
 
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed, unpack
 from lrp_jupyter.sim.rest import Rest
 from lrp_jupyter.sim.sensors import Readings, light_spots
 from lrp_jupyter.sim.sim_robot import STEP, Motion, SimRobot, SimSolid, StepCount, clear, edge, fresh_space
-from lrp_jupyter.sim.world import Point, Pose, Solid, World, can_move, middle_of, put_at
+from lrp_jupyter.sim.world import Point, Pose, Solid, World, middle_of, put_at
 from lrp_jupyter.sim.world_edits import Become, Draw, Edition, WorldEdit, WorldHistory
 from lrp_jupyter.sim.world_inputs import (
     Drive,
@@ -274,9 +273,7 @@ class Simulation:
             case Latch():
                 self._latch()
             case Drive(linear, angular, index):
-                memory = self.robots[index].memory
-                memory.command = (linear, angular)
-                memory.commanded_at = self.steps
+                self.robots[index].memory.command = (linear, angular)
                 self.robots[index].steer()
             case Pen():
                 self._lower(what)
@@ -353,43 +350,6 @@ class Simulation:
             return solid
         (x, y), (dx, dy) = middle_of(solid), thing.displacement(self.steps - self._base)
         return put_at(replace(solid, patrol=thing.spec.patrol), (x - dx, y - dy))
-
-    def scene(self) -> dict[str, Any]:
-        """Return the static part as plain data: the world's JSON form with the present poses of solids.
-
-        Views draw it again when :attr:`revision` has changed.
-        """
-        return replace(self.world, solids=tuple(thing.here() for thing in self.solids)).to_dict()
-
-    def state(self, marks: int = 0) -> dict[str, Any]:
-        """Return the moving part as JSON-compatible data.
-
-        Parameters
-        ----------
-        marks : int
-            Number of the floor's marks (trails) that the caller knows; only later ones are returned.
-            Known ones stay valid while `revision` is the same.
-
-        Returns
-        -------
-        dict
-            ``step``, ``time``, ``revision``; ``robots``: a dict each of ``pose``, ``command``,
-            ``light``, ``bumper``, ``distance`` (``None``: nothing), ``gyro``, ``odom``, ``pen``, ``lamp``;
-            ``solids``: number, x, y, angle of each that can move; ``marks``: how many there are;
-            ``new``: width, grey, ink (1: it darkens; 0: it covers), x and y of both ends.
-        """
-        return {
-            "step": self.steps,
-            "time": self.time,
-            "revision": self.revision,
-            "robots": [robot.state() for robot in self.robots],
-            "solids": [[thing.index, *thing.pose] for thing in self.solids if can_move(thing.spec)],
-            "marks": len(self.floor.marks),
-            "new": [
-                [2 * paint.half, paint.grey, int(paint.ink), *piece.ends()]
-                for _, paint, piece in self.floor.marks[marks:]
-            ],
-        }
 
     def _edit(self, world: World) -> None:
         """Continue with another description: solids that are in both stay where they are."""

@@ -1,4 +1,3 @@
-import json
 import math
 import threading
 
@@ -7,7 +6,7 @@ from support.tables import every
 
 from lrp_jupyter.sim import Draw, Drive, Lamp, Pen, PlaceRobot, PlaceSolid, Simulation, World, load
 from lrp_jupyter.sim.sim_robot import Body
-from lrp_jupyter.sim.world import BoxSolid, DiscSolid, RobotSpec
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, RobotSpec, middle_of
 
 
 def room(*solids, pose=(1, 1, 0), size=(4, 2)):
@@ -166,7 +165,7 @@ def test_a_moved_wall_is_felt_where_it_is_now():
     simulation.drive(0.5)
     simulation.step(300)
     assert simulation.robot.pose[0] == pytest.approx(1.87, abs=0.002)
-    assert simulation.scene()["solids"] == [{"box": [2, 1, 0.1, 0.3]}]
+    assert simulation.solids[0].pose == (2, 1, 0)
 
 
 def test_a_pushable_box_is_put_elsewhere():
@@ -261,7 +260,8 @@ def test_a_reset_puts_everything_back_but_time_and_drawings():
     assert simulation.time == 3
     assert simulation.robot.pose == simulation.world.robots[0].pose
     assert simulation.robot.command == (0, 0)
-    assert simulation.scene() == simulation.world.to_dict()
+    starts = [(*middle_of(solid), solid.angle) for solid in simulation.world.solids]
+    assert [solid.pose for solid in simulation.solids] == starts
     assert simulation.floor.light(0.6, 1) == 255
     assert simulation.floor.light(0.2, 1.9) == 0
     assert simulation.latch() == start
@@ -283,26 +283,6 @@ def test_a_run_after_a_reset_is_the_first_run_again():
 
 
 # -- for views ------------------------------------------------------------------------------------
-
-
-def test_the_state_is_plain_data_with_the_marks_that_are_new():
-    simulation = Simulation("boxes")
-    simulation.pen()
-    simulation.drive(0.2)
-    simulation.step(100)
-    simulation.latch()
-    state = simulation.state()
-    assert json.loads(json.dumps(state, allow_nan=False)) == state
-    assert state["robots"][0]["pose"] == list(simulation.robot.pose)
-    assert [solid[0] for solid in state["solids"]] == [0, 1, 2]
-    assert state["marks"] == len(state["new"]) > 10
-    assert simulation.state(marks=state["marks"])["new"] == []
-
-
-def test_nothing_in_range_is_null_in_the_state():
-    simulation = room(pose=(0.5, 1, 0))
-    simulation.latch()
-    assert simulation.state()["robots"][0]["distance"] == [None]
 
 
 def test_the_revision_grows_when_a_drawing_of_the_scene_has_become_wrong():
