@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from lrp_jupyter.sim.world import (
     PathStroke,
@@ -24,7 +24,6 @@ from lrp_jupyter.sim.world import (
 
 MOST_POINTS = 20_000  # of drawn lines; later ones are not drawn
 _MOST_STEPS = 500  # that can be undone
-_Shape = TypeVar("_Shape", bound=Solid | Zone)
 
 
 class WorldEdit(ABC):
@@ -67,7 +66,8 @@ class PutSolid(WorldEdit):
 
     def edited(self, world: World) -> World:
         """Return the world with the solid; its middle is inside of it."""
-        solid, solids = _put_inside(self.solid, world.size), list(world.solids)
+        solid = put_at(self.solid, _inside(middle_of(self.solid), world.size))
+        solids = list(world.solids)
         if self.index is None:
             solids.append(solid)
         else:
@@ -102,7 +102,7 @@ class PutZone(WorldEdit):
         former = self.former or self.name
         if former != self.name and self.name in world.zones:
             raise WorldError(f"There is a zone `{self.name}` already. Choose another name.")
-        zone = _put_inside(self.zone, world.size)
+        zone = put_at(self.zone, _inside(middle_of(self.zone), world.size))
         zones = {
             self.name if name == former else name: zone if name == former else other
             for name, other in world.zones.items()
@@ -216,7 +216,3 @@ def _known(index: int, world: World) -> int:
 def _inside(point: Point, size: Point) -> Point:
     (x, y), (width, height) = point, size
     return min(width, max(0.0, x)), min(height, max(0.0, y))
-
-
-def _put_inside(shape: _Shape, size: Point) -> _Shape:
-    return put_at(shape, _inside(middle_of(shape), size))
