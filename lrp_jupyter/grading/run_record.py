@@ -15,7 +15,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.running.frame import is_active
-from lrp_jupyter.sim.world import BoxSolid, Solid, World
+from lrp_jupyter.sim.world import World, middle_of
 
 _STILL = 0.002  # m; a robot at rest may drift this far in one period
 _T = TypeVar("_T")
@@ -215,14 +215,10 @@ class RunRecord:
 def at_start(world: World) -> RunRecord:
     """Return the record of a run that has just begun."""
     robot = world.robots[0]
-    solids = tuple((*middle, solid.angle) for solid in world.solids for middle in [_middle(solid)])
+    solids = tuple((*middle_of(solid), solid.angle) for solid in world.solids)
     lights, distances = (255,) * len(robot.light), (math.inf,) * len(robot.distance)
     sample = Sample(0.0, *robot.pose, lights, distances, False, frozenset(), solids, (), (0.0, 0.0), False, 0)
     return RunRecord(world, [sample])
-
-
-def _middle(solid: Solid) -> tuple[float, float]:
-    return (solid.box if isinstance(solid, BoxSolid) else solid.circle)[:2]
 
 
 def _driven(so_far: float, now: Sample, before: Sample) -> float:

@@ -11,7 +11,7 @@ from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import covers, looks, sees_line, stays_in, touches_nothing, visits
 from lrp_jupyter.grading.run_record import RunRecord
-from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, RobotSpec, World
+from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World, middle_of, put_at
 from lrp_jupyter.sim.worlds import load
 
 
@@ -52,7 +52,7 @@ def _junction(name: str, free: int, corridor: float) -> World:
 
 
 def _mirrored(world: World, name: str, *, x: bool = False, y: bool = False) -> World:
-    """Return a world of boxes and round zones as it is seen in a mirror along an axis, or both."""
+    """Return a world, in which no solid is turned, as it is seen in a mirror along an axis, or both."""
     width, height = world.size
 
     def there(at: tuple[float, float]) -> tuple[float, float]:
@@ -62,14 +62,12 @@ def _mirrored(world: World, name: str, *, x: bool = False, y: bool = False) -> W
     heading = math.atan2(
         math.sin(robot.pose[2]) * (-1 if y else 1), math.cos(robot.pose[2]) * (-1 if x else 1)
     )
-    boxes = (solid for solid in world.solids if isinstance(solid, BoxSolid))
-    circles = ((zone, shape) for zone, shape in world.zones.items() if isinstance(shape, CircleZone))
     return replace(
         world,
         name=name,
-        solids=tuple(replace(each, box=(*there(each.box[:2]), *each.box[2:])) for each in boxes),
+        solids=tuple(put_at(solid, there(middle_of(solid))) for solid in world.solids),
         robots=(replace(robot, pose=(*there(robot.pose[:2]), heading)),),
-        zones={zone: CircleZone((*there(shape.circle[:2]), shape.circle[2])) for zone, shape in circles},
+        zones={key: put_at(zone, there(middle_of(zone))) for key, zone in world.zones.items()},
     )
 
 
