@@ -158,6 +158,8 @@ class RunRecord:
 
     def first(self, condition: Callable[[Sample], object], key: object = None) -> Sample | None:
         """Return the first sample of which a condition holds; with a key, each is asked once."""
+        if key is None:
+            return next(filter(condition, self.samples), None)
         nothing: Sample | None = None
         return self.fold(lambda found, now, _: found or (now if condition(now) else None), nothing, key)
 
