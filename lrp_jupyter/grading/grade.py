@@ -110,7 +110,8 @@ class Grade:
             lines.append(f"  {self.needed:.0%} of the runs have to pass")
         if len(self.attempts) > 1:
             lines += list(self._summary())
-        for shown in [self.first_failed or self.attempts[0]] if self.attempts else []:
+        if self.attempts:
+            shown = self.first_failed or self.attempts[0]
             lines += [f"  {verdict}" for verdict in shown.verdicts]
         if self.hint:
             lines.append(f"Hint: {self.hint}")

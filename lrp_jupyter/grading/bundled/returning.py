@@ -55,11 +55,10 @@ def _hints(run: RunRecord) -> Iterator[str]:
         )
     yield from lost_the_line(run)
     if share < 1 and run.stood <= 2:
-        done = f"it had touched the far wall after {touched.time:.1f} s" if touched else ""
+        done = f"touched the far wall after {touched.time:.1f} s" if touched else "not touched the far wall"
         yield (
-            f"After {run.seconds:.0f} s the robot was still on its way between the walls;"
-            f" {done or 'it had not touched the far wall'}. Where does it lose time: driving, searching, or"
-            " turning?"
+            f"After {run.seconds:.0f} s the robot was still on its way between the walls; it had {done}."
+            " Where does it lose time: driving, searching, or turning?"
         )
 
 
