@@ -20,7 +20,6 @@ from lrp_jupyter.errors import NoDataYet
 class RecordedBridge(Bridge, offered=False):
     """A robot made of recorded readings.
 
-    `name`: that of the bridge whose readings were recorded.
     `members`: what it offered.
     `given`: the readings of the next tick, by path; an error where a reading failed.
     """
@@ -29,8 +28,7 @@ class RecordedBridge(Bridge, offered=False):
     hardware = False
     stop_timeout = None
 
-    def __init__(self, name: str, members: Iterable[RobotVariable | RobotMethod]) -> None:
-        self.recorded_name = name
+    def __init__(self, members: Iterable[RobotVariable | RobotMethod]) -> None:
         self.given: Mapping[str, object] = {}
         self._recorded = tuple(members)
 

@@ -119,7 +119,7 @@ class RunStart:
             return Bridge.registry["none"]()
         if self.world is not None:
             return make_bridge("sim", world=self.world)
-        bridge = RecordedBridge(self.bridge, self.recorded_members())
+        bridge = RecordedBridge(self.recorded_members())
         bridge.safety.armed = self.armed
         bridge.open()
         return bridge

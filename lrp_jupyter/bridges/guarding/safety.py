@@ -170,7 +170,6 @@ class Safety:
         self._refused = ""  # why commands of this tick were refused
         self._stopping: dict[int, bool] = {}  # threads that run `stop`, and whether that has called itself
         self._drives = 0  # how many commands that may move it were registered
-        self.notice_count = 0
         self.command_count = 0
         self._last_tick: float | None = None
         self._overdue_reported = False
@@ -204,7 +203,6 @@ class Safety:
         `origin`: that of the command which it is about.
         """
         with self._log_lock:
-            self.notice_count += 1
             known = range(len(self._notices)) if about else range(len(self._notices))[-1:]
             for index in known:
                 each = self._notices[index]

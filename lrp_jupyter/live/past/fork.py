@@ -122,7 +122,7 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
     if bridge.simulated is not None:
         return bridge.simulated.fork(moment)
     is_none = isinstance(bridge, NullBridge)
-    fork = NullBridge() if is_none else RecordedBridge(bridge.name, bridge.nodes.members())
+    fork = NullBridge() if is_none else RecordedBridge(bridge.nodes.members())
     fork.open()
     return fork
 
