@@ -635,7 +635,7 @@ class BridgeConformance:
 
     def _check_standing(self, bridge: Bridge, sent: Sent, calls: list[str]) -> None:
         """Require that the robot was stopped, and that no further command moves it."""
-        # with commands, or the command watchdog would be who stops it; it may be stopped on another thread
+        # with commands, or the command watchdog would stop it; another thread may be what stops it
         stopped = self._ticks(bridge, self.answer_within, lambda: bool(calls), _drive_all)
         require(stopped, "The robot was not stopped.")
         before = _moved(sent)

@@ -37,7 +37,7 @@ GROUP = "lrp.bridges"
 class Offer:
     """A bridge that can be chosen.
 
-    `origin`: where it comes from: the name of a package, or ``"defined here"``.
+    `origin`: the name of the package that it comes from, or ``"defined here"``.
     """
 
     name: str

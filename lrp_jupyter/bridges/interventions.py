@@ -14,11 +14,11 @@ class RobotStopped:
 
 @dataclass(frozen=True, slots=True)
 class CommandsHeld:
-    """Of the commands of the next tick, only so many are sent.
+    """Only the first commands of the next tick are sent.
 
-    `sent`: how many are.
-    `blind`: why those that move the robot are not: its data are too old. Empty if it was stopped instead.
-    `lost`: why those after them were refused: the robot did not answer. Empty if it did.
+    `sent`: how many.
+    `blind`: why those that move the robot are held back (its data are too old); empty if it was stopped.
+    `lost`: why later ones are refused (the robot does not answer); empty if it answers.
     """
 
     sent: int

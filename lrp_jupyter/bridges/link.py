@@ -1,4 +1,4 @@
-"""A connection to a robot, on a thread of its own that makes it again whenever it is lost."""
+"""A connection to a robot, with its own thread, which restores it whenever it is lost."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from enum import Enum
 
 from lrp_jupyter.errors import BridgeError, sentence_of
 
-_CALM = 0.3  # s that a turn has to end before the connection is closed under it
-_JOIN = 1.7  # s that it has then
+_CALM = 0.3  # s that the thread has to end before the connection is closed under it
+_JOIN = 1.7  # s that it has after that
 _SLICE = 0.1  # s of waiting: Windows lets Ctrl-C in only in between
 
 
@@ -24,7 +24,7 @@ class Stage(Enum):
     ENDED = "nothing"
 
 
-_NEXT = {  # if that has succeeded, and if it has failed
+_NEXT = {  # after a success, and after a failure
     Stage.OPENING: (Stage.UP, Stage.ENDED),
     Stage.SEARCHING: (Stage.UP, Stage.SEARCHING),
     Stage.UP: (Stage.UP, Stage.SEARCHING),
@@ -35,7 +35,7 @@ _NEXT = {  # if that has succeeded, and if it has failed
 class Link(ABC):
     """A thread that goes through the stages; a subclass says what is done in them.
 
-    `name`: of the thread, and of the bridge where an error is its own fault and not the robot's.
+    `name`: names the thread, and the bridge in the sentence about a fault of the bridge itself.
     """
 
     def __init__(self, name: str) -> None:
@@ -51,7 +51,7 @@ class Link(ABC):
 
     @abstractmethod
     def attend(self) -> float:
-        """Read or probe the connection; return the seconds until the next time. An exception is its loss."""
+        """Read or probe the connection; return the seconds until the next time. Any exception is a loss."""
 
     @abstractmethod
     def lose(self, sentence: str) -> float:
@@ -59,7 +59,7 @@ class Link(ABC):
 
     @abstractmethod
     def disconnect(self) -> None:
-        """Close the connection, if there is one; also on other threads, to end a wait of the link's own."""
+        """Close the connection, if any; other threads call this to end a wait of the link's thread."""
 
     def explain(self, error: BaseException) -> str:
         """Return why `connect` or `attend` has failed, in a sentence."""
@@ -98,7 +98,7 @@ class Link(ABC):
         return self._stage is Stage.ENDED
 
     def open(self, patience: float | None = None) -> bool:
-        """Connect; return whether that took no more than so many seconds.
+        """Connect; return whether that succeeded within `patience`, in seconds.
 
         Raises BridgeError: it is not possible.
         """
@@ -136,7 +136,7 @@ class Link(ABC):
         self.has_ended(within=_JOIN)
 
     def has_ended(self, within: float) -> bool:
-        """Wait for the end of the thread; return whether it came within so many seconds."""
+        """Wait some seconds for the thread to end; return whether it has."""
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(within)
         return not self._thread.is_alive()

@@ -73,7 +73,7 @@ class ReconnectingBridge(Bridge, offered=False):
     connect_within: ClassVar[float] = 8.0
     retry_after: ClassVar[float] = 0.5
 
-    _kept_link: Link | None = None  # a name that authors leave alone
+    _kept_link: Link | None = None  # an unusual name: an author's class has attributes, too
 
     # -- what the author of a bridge writes -------------------------------------------------------
 

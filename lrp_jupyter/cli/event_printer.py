@@ -23,7 +23,7 @@ SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused",
 class EventCollector:
     """An observer that queues events for another thread, which pops them from the left.
 
-    `until`: whether a state, by its path, ends the run; :attr:`reached` is set when such a one is entered.
+    `until`: returns whether entering a state, by its path, ends the run; then :attr:`reached` is set.
     `traced`: whether to collect the lines of a trace.
     `lines`: lines of the trace not written yet.
     `pending`: events worth printing, not printed yet.

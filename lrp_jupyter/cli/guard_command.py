@@ -107,7 +107,7 @@ class RosSide:
 
     @property
     def heard(self) -> tuple[float, bool]:
-        """When the last command came, by `time.monotonic`, maybe before a loss, and whether it moves."""
+        """When the last command came (possibly before a loss), by `time.monotonic`, and whether it moves."""
         for channel in self._bridge.wiring.channels:
             if channel.wire.direction == "subscription" and channel.latest is not None:
                 self._heard = (channel.latest.time, moves(channel.latest.value._as_dict()))

@@ -56,7 +56,7 @@ LOST = Ending(-9, "")
 
 
 def patience(limit: float) -> float:
-    """Return after how many seconds a worker must have answered, of a run that has so many for computing."""
+    """Return the seconds in which a worker must answer if its run has `limit` seconds of computing."""
     return _longest(limit) + _LATER
 
 
@@ -92,7 +92,7 @@ def _prctl(option: int, value: int) -> None:
 
 
 def _answer(packed: bytes, limit: float) -> bytes:
-    """Make a run and return what came of it, a line; to unpickle it may fail, or run anything."""
+    """Make a run and return its result as a line; unpickling a job may fail, or run any code."""
     # a thread of C, which also ends a call of C that does not return, and a run whose worker is gone
     faulthandler.dump_traceback_later(patience(limit) + _LATER, exit=True)
     try:

@@ -76,7 +76,7 @@ def run_jobs(
 ) -> Iterator[tuple[int, Attempt]]:
     """Make runs, several at a time, and yield each with its index as it is done.
 
-    To close the iterator early ends the runs that have begun.
+    Closing the iterator early ends the runs that have begun.
 
     `stop_at_end`: whether no other run of a program is begun after one that took too long, crashed or is not
         a valid program. Where there are several programs, the second run of each waits for the first one, so
@@ -168,7 +168,7 @@ class _Batch:
         return made
 
     def _withdraw(self, job: Job) -> list[int]:
-        """Return the waiting runs of the program of a job, which wait no more."""
+        """Take the runs of a job's program from those that wait, and return them."""
         found = [index for index in self._waiting if self._jobs[index].texts == job.texts]
         self._waiting = [index for index in self._waiting if index not in found]
         return found
@@ -369,7 +369,7 @@ def _unstarted(reason: str) -> LRPError:
 def _attempt_of(job: Job, ending: Ending) -> Attempt:
     """Return the attempt that a worker's answer describes.
 
-    The program could write it: what is not the answer for this run is none.
+    The program may have written it: anything but the answer for this run counts as no answer.
     """
     with suppress(ValueError, RecursionError):
         return Attempt.from_dict(json.loads(ending.answer)).of(job)

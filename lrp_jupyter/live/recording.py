@@ -77,7 +77,7 @@ _LONGEST_PROGRAM = 1_000_000  # characters
 Line = dict[str, Any]
 
 _OF_THE_RUN = ("rest", "hold")
-"""Inputs that nobody caused: the run ended, commands were held back."""
+"""Inputs that come from the run itself: it ended, or commands were held back."""
 
 
 @dataclass(frozen=True, slots=True)

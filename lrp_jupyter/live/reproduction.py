@@ -50,7 +50,7 @@ def reproduce(
     """Run a recorded session again, including its blocks, which are Python and can do anything you can do.
 
     No command of `robot` reaches a robot, but anything that a block does directly, over a socket or with
-    `rospy`, happens again. Check ``is_own`` first if somebody else may have made the recording.
+    `rospy`, happens again. Check ``is_own`` first if someone else may have made the recording.
 
     Parameters
     ----------

@@ -54,9 +54,9 @@ class _Connection:
 
 
 class BrickLink(Link):
-    """The connection to one brick over its losses.
+    """The connection to one brick, restored after every loss.
 
-    Owner: any thread may use it; its own one is the only one that reads the brick.
+    Owner: any thread may use it; only its own thread reads the brick.
 
     `find`: returns a new connection, like :func:`~lrp_jupyter.bridges.ev3.finding.connect`; its argument is a
         function that returns whether to stop searching.

@@ -59,7 +59,7 @@ class RosBridge(Bridge):
     Parameters
     ----------
     backend : {"auto", "rosbridge", "rospy", "rclpy", "dds"}
-        With ``"auto"`` that for which the environment is set up, else the first one that answers.
+        ``"auto"``: the one that the environment is set up for, else the first that answers.
     host : str, optional
         Of the rosbridge server or the ROS master, ``host`` or ``host:port``; of an encrypted server
         ``wss://host/path``. Default: this machine or, with rospy, the value of ``ROS_MASTER_URI``. With

@@ -2,10 +2,10 @@
 
 It is asked on a websocket of its own, rarely, and nothing depends on its answers coming soon: rosbridge
 processes the messages of one connection in their order, so that a service that hangs would hold up every
-command after it, and a list would wait behind large messages. On the same connection, commands are listened
-to that others send: subscribing waits, too, while the master of ROS 1 hangs.
+command after it, and a list would wait behind large messages. The commands of others arrive on this
+connection as well, since subscribing, too, waits while the master of ROS 1 hangs.
 
-An unknown type is asked for in the way that the robot survives. On ROS 1 that is `message_details`. On ROS 2
+An unknown type is asked for in a way that the robot survives. On ROS 1 that is `message_details`. On ROS 2
 Jazzy and later, rosapi of rosbridge before 2.3.0 raises ``KeyError: 'check_fields'`` at this question, which
 can end it; its version cannot be asked for. So on ROS 2 it is `topics_and_raw_types`, the text of the
 ``.msg`` files of all topics that exist; and only releases before Jazzy are asked for other types.

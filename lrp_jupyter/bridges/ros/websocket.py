@@ -57,7 +57,7 @@ class Bell:
                 self._loop.call_soon_threadsafe(self._event.set)
 
     async def wait(self, seconds: float | None = None) -> None:
-        """Wait until it is rung, at most so many seconds."""
+        """Wait until it is rung, but no longer than this."""
         self._loop = asyncio.get_running_loop()
         if not self._was_rung:
             with contextlib.suppress(TimeoutError):

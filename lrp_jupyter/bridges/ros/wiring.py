@@ -158,7 +158,7 @@ class Wiring:
             self.link.hurry()
 
     def _release(self, channel: Channel) -> None:
-        """Stop what a channel has moved, while the link still has it; nothing arrives in it from now on."""
+        """Stop what a channel has set in motion while the link still has it; it receives nothing more."""
         if channel.has_moved:
             with contextlib.suppress(BridgeError):  # it is lost and cannot be stopped from here
                 self.stand_still(channel)
