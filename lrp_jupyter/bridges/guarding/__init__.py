@@ -1,1 +1,1 @@
-"""Safety for every robot: limits, watchdogs, and the process that stops it."""
+"""Safety for every robot: limits, watchdogs, and the link to the process that stops it."""
