@@ -50,6 +50,7 @@ from lrp_jupyter.widgets.views.layouts import Layouts
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.changes import TextChanges
 from lrp_jupyter.widgets.wire.codec import DecodeError
+from lrp_jupyter.widgets.wire.packing import plain
 from lrp_jupyter.widgets.wire.page_places import path_of
 from lrp_jupyter.widgets.wire.protocol import ViewState
 
@@ -172,7 +173,8 @@ class PageConnection:
         if handler.is_present:
             self.looking.back(self.session)
         job = partial(handler.function, self, **asked.given)
-        answer = _done(partial(self.work, job) if handler.answer else job)
+        # an answer may be long, and the publisher, which packs it, holds a lock that messages need
+        answer = _done(partial(self.work, lambda: plain(job())) if handler.answer else job)
         if answer.exception() is None and answer.result() is not None:
             answer = answer.result()
         if asked.id:

@@ -1,5 +1,7 @@
 """The timeline of a page: what happened, looking at an earlier moment, running on from there, what if."""
 
+import json
+
 import pytest
 
 PROGRAM = """\
@@ -63,6 +65,20 @@ def test_a_page_gets_what_happened_once(lab, page):
     assert all(each["tick"] > more["kept"] for each in more["happenings"])
     lab.session.rewind(20)
     assert timeline(page, more["epoch"], more["last"])["kept"] == -1
+
+
+def test_an_answer_is_plain_data_before_the_publisher_packs_it(lab):
+    sent = []
+    receive = lab.connection.receive
+    receive(lambda message, _: sent.append(message), {"type": "hello", "view": "raw", "part": "lab"})
+    request = {"type": "timeline", "view": "raw", "id": 1, "epoch": None, "tick": 0}
+    receive(None, {**request, "plots": {"robot.odom.x": 0}})
+    lab.finish()
+    reply = next(message for message in sent if message["type"] == "reply")
+    told = json.loads(json.dumps(reply))["timeline"]
+    assert "m/far" in [each["by"] for each in told["happenings"]]
+    values = told["plots"][0]["values"]
+    assert values == [round(value, 8) for value in values]
 
 
 def test_plots_come_with_their_thresholds_and_only_what_is_new(lab, page):

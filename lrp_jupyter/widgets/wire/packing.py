@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any
 
@@ -17,26 +17,30 @@ def packed(message: Any) -> str:
 
 
 def as_fields(value: Any) -> dict[str, Any]:
-    """Return a dataclass as its fields, without those that its `repr` hides; dataclasses in it stay."""
+    """Return a dataclass as its fields in plain data, without those that its `repr` hides."""
     kind: Any = type(value)
     return {name: write(getattr(value, name)) for name, write in _writers(kind)}
 
 
 @cache
 def _writers(kind: Any) -> list[tuple[str, Callable[[Any], Any]]]:
-    return [(field.name, _WRITERS.get(field.type, _plain)) for field in fields(kind) if field.repr]
+    return [(field.name, _WRITERS.get(field.type, plain)) for field in fields(kind) if field.repr]
 
 
-def _plain(value: Any) -> Any:
-    """Return a value with numbers rounded to four decimals, small ones to eight: no page shows more."""
+def plain(value: Any) -> Any:
+    """Return a value as plain data.
+
+    Numbers are rounded to four decimals, small ones to eight: no page shows more, and a plot is a third
+    shorter.
+    """
     kind = type(value)
     if kind is float:
         return round(value, 4 if abs(value) >= 0.01 else 8)
     if kind is tuple or kind is list:
-        return [_plain(each) for each in value]
+        return [plain(each) for each in value]
     if kind is dict:
-        return {key: _plain(each) for key, each in value.items()}
-    return value
+        return {key: plain(each) for key, each in value.items()}
+    return as_fields(value) if is_dataclass(kind) else value
 
 
 _WRITERS: dict[Any, Callable[[Any], Any]] = {"Path": path_text}
