@@ -1,10 +1,10 @@
 """The messages from the kernel to a page, their parts, and how the two sides cooperate.
 
-This module and the page's messages (`messages`, `commands`, `requests`, `inspection`) are the protocol;
-every build of the page generates ``js/src/protocol.ts`` from them. All messages are JSON objects,
-distinguished by ``type``. They are sent as texts, in custom messages ``{"json": "…"}`` of the widget, because
-notebooks differ in what they make of ``None``, null and subclasses of `str`. Fields that may be missing are
-`NotRequired`. What the package has as a dataclass is sent as it is, field by field (`as_fields` of `plain`).
+This module and what a page sends (`acts`) are the protocol; every build of the page generates
+``js/src/protocol.ts`` from them. All messages are JSON objects, distinguished by ``type``. They are sent as
+texts, in custom messages ``{"json": "…"}`` of the widget, because notebooks differ in what they make of
+``None``, null and subclasses of `str`. Fields that may be missing are `NotRequired`. What the package has as
+a dataclass is sent as it is, field by field (`as_fields` of `packing`).
 
 **Views.** Every view of a lab in a page has a random name of its own, the ``view`` of every message. A
 comm's messages reach all views of its widget, so each keeps those with its own name. The
@@ -12,11 +12,11 @@ kernel keeps for each view what it has sent and how much credit is left, and for
 
 **Flow.** A view sends `HelloMessage` and gets one `SnapshotMessage`. From then on it gets `FrameMessage`,
 at most 30 a second, each holding what changed in the `ViewState` since the last one *sent to this view*
-(and a `WorldMessage`, if it shows a world that changed). Every frame carries a number, which the page sends
-back as `CreditMessage` for it and all before it; the kernel sends only while few are in flight: three, and
-more over a slow link (`Window` in `publisher`). The page acknowledges two at a time, because the kernel
-reports itself busy and idle for each message that it gets, and the host draws that; a frame that comes
-alone is acknowledged at once. While nothing changes, an empty frame once a second is the heartbeat.
+(and a `WorldMessage`, if it shows a world that changed). Every frame carries a number; whatever the page says
+next acknowledges it, and all before it. The kernel sends only while few are in flight: three at first, and
+more to a quick page or over a slow link (`Window` in `publisher`). A frame that ``asks`` is acknowledged at
+once, by a `CreditMessage`. Few ask, because the kernel reports itself busy and idle for each message that it
+gets, and the host draws that. While nothing changes, an empty frame once a second is the heartbeat.
 Everything that must not be lost in a frame left out is cumulative: counts of entries, firings, issues,
 restarts; what moved is listed by revision.
 
@@ -44,12 +44,13 @@ has applied or refused them; ``error`` is one sentence. The reply to a change of
 shows "kernel busy".
 
 **Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
-after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` of `places`
+after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` of `page_places`
 convert to and from the character offsets of Python).
 
 **Names.** ``path`` is an element's path in the text, ``follower/looking/lookalgo``; a transition's is
 ``follower:tlooking``: the machine's path, a colon, its name or ``kind:from->to`` (`Machine.ids`).
-`path_of` and `id_of` of `places` convert.
+`path_of` and `id_of` of `page_places` convert. In a dataclass of the package, a transition's path has slashes
+alone, ``follower/tlooking``.
 """
 
 from __future__ import annotations
