@@ -283,21 +283,10 @@ describe("the window", () => {
   it("shows the end of what would happen after an edit of the past", async () => {
     page.show(18);
     await page.drawn();
-    const course = {
-      ...{ happenings: [entered(18, "m/a", "")], tick: 181 },
-      ...{ way: [], touch: null, others: {}, solids: [] },
-    };
-    const whatIf: WhatIf = {
-      ...{
-        tick: 181,
-        begin: 18,
-        end: 40,
-        recorded: course,
-        changed: course,
-        divergence: null,
-        open_loop: true,
-      },
-    };
+    const happenings = [entered(18, "m/a", "")];
+    const course = { happenings, tick: 181, way: [], touch: null, others: {}, solids: [] };
+    const courses = { recorded: course, changed: course, divergence: null };
+    const whatIf: WhatIf = { tick: 181, begin: 18, end: 40, ...courses, open_loop: true };
     page.store.set("whatIf", whatIf);
     await page.drawn();
     expect(page.axis).toContain("40 s");
