@@ -33,6 +33,7 @@ import type { AnswerMessage, ElementKind, SnapshotMessage, TextRange, UpdateView
 import type { Connection, Typed, Typist } from "../session/connection";
 import type { Lab } from "../session/store";
 import { KeptSwitch } from "../ui/kept";
+import { pointOf } from "../ui/point";
 import { whenAttached } from "../ui/root";
 import { alive } from "./alive";
 import { completion } from "./complete";
@@ -174,8 +175,7 @@ export class Editor implements Typist {
   }
 
   private openLink(event: MouseEvent, view: EditorView): boolean {
-    const offset =
-      event.ctrlKey || event.metaKey ? view.posAtCoords({ x: event.clientX, y: event.clientY }) : null;
+    const offset = event.ctrlKey || event.metaKey ? view.posAtCoords(pointOf(event)) : null;
     if (offset === null) return false;
     void goToDefinition(view, this.lab, offset);
     return true;

@@ -1,6 +1,6 @@
 /** A small form in the graph: a name or a trigger is written where it is drawn. */
 
-import { freshId, h, prose } from "../ui/dom";
+import { freshId, h, setProse } from "../ui/dom";
 import { type Point, placeInSight } from "../ui/point";
 import { openPopup } from "../ui/popup";
 
@@ -54,7 +54,7 @@ export function openField(host: HTMLElement, at: Point, field: Field): void {
         const values = inputs.map(({ control }) => control.value.trim());
         const refusal = await field.submit(values, check?.checked ?? false);
         isSent = false;
-        if (refusal) error.replaceChildren(...prose(refusal));
+        if (refusal) setProse(error, refusal);
         else close(true);
       },
     },

@@ -2,6 +2,7 @@
 
 import type { ExplanationView } from "../protocol";
 import type { Lab } from "../session/store";
+import { linkButton } from "../ui/button";
 import { openCard } from "../ui/card";
 import { h, prose } from "../ui/dom";
 import { below, type Point } from "../ui/point";
@@ -9,17 +10,12 @@ import { looked } from "./study";
 
 /** A code as a button that explains it. */
 export function codeButton(lab: Lab, code: string, text = code): HTMLButtonElement {
-  const button = h(
-    "button",
-    {
-      type: "button",
-      class: "lrp-link lrp-code",
-      title: `What ${text} means`,
-      "data-lrp-action": "explain",
-      onclick: () => void explain(lab, code, below(button)),
-    },
-    text,
-  );
+  const button = linkButton(text, {
+    class: "lrp-link lrp-code",
+    title: `What ${text} means`,
+    "data-lrp-action": "explain",
+    onclick: () => void explain(lab, code, below(button)),
+  });
   return button;
 }
 

@@ -2,6 +2,7 @@
 
 import type { Camera } from "../graph/camera";
 import { isDrawnIn } from "../graph/inside";
+import { isIn, parentOf } from "../language/paths";
 import {
   type Changes,
   type ElementKind,
@@ -152,7 +153,7 @@ function withoutNull(entries: object): object {
 function showAnother(state: LabState): boolean {
   const machines = state.program.machines;
   if (machines.some((machine) => machine.path === state.machine)) return false;
-  const around = machines.findLast((machine) => `${state.machine}/`.startsWith(`${machine.path}/`));
+  const around = machines.findLast(({ path }) => isIn(state.machine, path));
   state.machine = (around ?? machines[0])?.path ?? "";
   return true;
 }
@@ -162,7 +163,7 @@ function followActive(state: LabState): boolean {
   let deepest = "";
   for (const path of besideGraph(state).lit)
     if (path.split("/").length > deepest.split("/").length) deepest = path;
-  const machine = deepest.slice(0, Math.max(0, deepest.lastIndexOf("/")));
+  const machine = parentOf(deepest);
   if (!machine || machine === state.machine || isDrawnIn(machine, state.machine, state.layouts)) return false;
   state.machine = machine;
   return true;

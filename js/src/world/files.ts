@@ -10,7 +10,7 @@ export function savePng(lab: Lab, stage: Stage): Promise<void> {
   return savePicture(`${nameOf(lab)}.png`, stage.image(), lab.notify);
 }
 
-/** Save a drawing of the whole world, which can be enlarged without loss, or of how it moved, as far as it is remembered. */
+/** Save a drawing, which can be enlarged without loss: of the whole world, or of its remembered motion. */
 export async function saveDrawing(lab: Lab, type: "world_picture" | "world_animation"): Promise<void> {
   const { svg, error } = await lab.ask({ type });
   const name = `${nameOf(lab)}${type === "world_animation" ? "-run" : ""}.svg`;
