@@ -48,7 +48,7 @@ Definition = ast.ClassDef | ast.FunctionDef | ast.Assign
 
 @cache
 def definitions(module: str) -> dict[str, ast.stmt]:
-    """Return the classes, aliases and imports of a module by their names."""
+    """Return the classes, aliases and imports of a module, and what pages call, by their names."""
     path = ROOT.joinpath(*module.split("."))
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     found: dict[str, ast.stmt] = {}

@@ -256,7 +256,7 @@ export class Acts {
     });
   }
 
-  /** Write the name of a state, or a transition, in another way. */
+  /** Edit the name of a state, or a transition. */
   edit({ kind, path }: Drawn, at: Point): void {
     if (kind === "state") this.rename(at, kind, path);
     else this.change(at, path);

@@ -1,4 +1,4 @@
-/** States and transitions where they are drawn: which one is meant, and what its menu offers. */
+/** States and transitions where they are drawn: which one an event is about, and what its menu offers. */
 
 import { breakpointItems } from "../parts/breakpoints";
 import { askWhy } from "../parts/why";

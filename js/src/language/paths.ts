@@ -8,5 +8,5 @@ export const transitionAt = (path: string) => path && `${parentOf(path)}:${nameO
 
 export const nameOf = (path: string) => path.slice(path.lastIndexOf("/") + 1);
 
-/** Whether a path is another one, or that of something in it. */
+/** Whether a path is `around`, or that of something in it. */
 export const isIn = (path: string, around: string) => !around || `${path}/`.startsWith(`${around}/`);

@@ -16,7 +16,7 @@ import {
 /** How the kernel responds: not yet, at once, late, not for seconds, never again. */
 export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
 
-/** What a snapshot tells once, and answers and worlds replace; the rest of it belongs to the editor. */
+/** What a snapshot brings, of which answers and worlds replace some; its other fields belong to the editor. */
 type Told = Omit<
   SnapshotMessage,
   "type" | "view" | "document" | "number" | "seq" | "text" | "revision" | "updates" | "half_typed" | "frame"

@@ -44,7 +44,7 @@ export interface Plotted {
 const SPARE = 500; // happenings older than the recording before they are dropped
 
 export class Happened {
-  /** Another one when ticks were undone, or elements got other names; null until the kernel has answered. */
+  /** Changes when ticks are undone, or elements renamed; null until the kernel has answered. */
   epoch: number | null = null;
   first = 0;
   last = 0;

@@ -9,7 +9,7 @@ export interface Span {
 
 export interface Scale {
   span: Span;
-  /** px of the part in which time passes: what is left of it holds names. */
+  /** The part in which time passes, in px; names stand to its left. */
   left: number;
   width: number;
 }

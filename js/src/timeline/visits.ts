@@ -1,4 +1,4 @@
-/** What can be asked about visits of states: why they are, how they began and ended. */
+/** Questions about a visit of a state: why the state is active, and why it was entered or left. */
 
 import { nameOf } from "../language/paths";
 import { askWhy } from "../parts/why";

@@ -43,7 +43,7 @@ export function iconButton(
   return button({ icon, title, action, onclick });
 }
 
-/** A button that looks like a link: what is shown leads on. */
+/** A button that looks like a link. */
 export function linkButton(words: string, attributes: Attributes): HTMLButtonElement {
   return h("button", { type: "button", class: "lrp-link", ...attributes }, words);
 }

@@ -78,15 +78,15 @@ export function returnFocus(before: Element | null, inLab: Element): void {
   if (!focused || focused === document.body) focusLab(inLab);
 }
 
-/** An event is handled: neither the browser nor the notebook acts on it. */
+/** Mark an event as handled: neither the browser nor the notebook acts on it. */
 export function consume(event: Event): void {
   event.preventDefault();
   event.stopPropagation();
 }
 
 /**
- * Offer choices, given by their values and in words, of which one is chosen. While they are the same, an open list
- * is not disturbed.
+ * Offer choices, each with its value and in words, and select one. An open list is left alone while its choices stay
+ * the same.
  */
 export function setChoices(
   select: HTMLSelectElement,

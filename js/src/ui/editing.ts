@@ -1,8 +1,8 @@
-/** A text that is edited where it stands. */
+/** Editing a text in place. */
 
 import { h, setAttribute, setProse } from "./dom";
 
-/** A field in which Enter submits, and what refuses the text is shown in `error`; then, or by Escape, it closes. */
+/** A field: Enter submits its text and closes it, or shows in `error` why the text is refused; Escape closes it. */
 export function editing(
   text: string,
   label: string,

@@ -1,9 +1,9 @@
 /** What the browser keeps, under names; a page without storage forgets. */
 
-/** The names in a storage that begin with a prefix. */
+/** The entries of a storage whose names begin with a prefix. */
 export class Kept {
   constructor(
-    private readonly storage: () => Storage, // without it, the access itself fails
+    private readonly storage: () => Storage, // where there is none, the access itself fails
     private readonly prefix: string,
   ) {}
 

@@ -20,7 +20,7 @@ export interface MenuItem {
   hint?: string;
 }
 
-/** An item by what it says, its name in the page for tests and themes, and what it does. */
+/** Return an item: its label, its name for tests and themes, and what it does. */
 export function item(
   label: string,
   action: string,

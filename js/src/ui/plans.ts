@@ -4,7 +4,7 @@ import type { Division, Plan } from "./boxes";
 
 type Parts = readonly [first: Plan, second: Plan];
 
-/** Two parts side by side, or one above the other; the first has a share of so many percent. */
+/** Two parts side by side, or one above the other; the first gets `share` percent. */
 const beside = (name: string, label: string, share: number, ...parts: Parts): Division => ({
   ...{ name, label, share, axis: "columns", parts },
 });

@@ -12,7 +12,7 @@ export function pointOf({ clientX, clientY }: MouseEvent): Point {
   return { x: clientX, y: clientY };
 }
 
-/** The lower left corner of an element, or what is so far below it. */
+/** The lower left corner of an element, or the point `gap` px below it. */
 export function below(element: Element, gap = 0): Point {
   const { left, bottom } = element.getBoundingClientRect();
   return { x: left, y: bottom + gap };
@@ -23,7 +23,7 @@ export function middleOf(element: Element): Point {
   return { x: left + width / 2, y: top + height / 2 };
 }
 
-/** Put what lies over a host at a point, or beside it, where all of it is in sight; `edge` px stay free around. */
+/** Put an element over its host at a point, or as near as it is all in sight; `edge` px around it stay free. */
 export function placeInSight(host: HTMLElement, element: HTMLElement, at: Point, edge: number): void {
   const frame = host.getBoundingClientRect();
   const { top, bottom } = partInSight(host);

@@ -1,6 +1,6 @@
-/** What happens some time after something else. */
+/** Delayed calls, and elements that glow for a moment. */
 
-/** A function that calls back so many ms after it was called; calls in between change nothing. */
+/** Return a function that makes a call this many ms later; calling it again meanwhile changes nothing. */
 export function calledAfter(ms: number, call: () => void): () => void {
   let isDue = false;
   return () => {

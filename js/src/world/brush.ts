@@ -1,4 +1,4 @@
-/** What a world is painted with, and the figures that several of its things consist of. */
+/** The brush that paints a world, and the shapes that its things share. */
 
 import type { Pose } from "../protocol";
 import type { Palette } from "./palette";
@@ -7,11 +7,11 @@ export interface Brush {
   /** In metres, with y up. */
   c: CanvasRenderingContext2D;
   palette: Palette;
-  /** How many make a metre: lines and texts stay legible. */
+  /** Per metre: they keep lines and texts legible. */
   pixels: number;
 }
 
-/** Paint something in its own directions. */
+/** Paint in the coordinates of a pose. */
 export function paintAt(c: CanvasRenderingContext2D, [x, y, theta]: Pose, paint: () => void): void {
   c.save();
   c.translate(x, y);
@@ -51,7 +51,7 @@ export function fillAndOutline(c: CanvasRenderingContext2D, fill: string, edge: 
   c.stroke();
 }
 
-/** Draw lines with gaps from now on, of so many pixels; without numbers, lines without gaps. */
+/** Dash the lines that follow, with lengths in pixels; without lengths, make them solid. */
 export function setDash({ c, pixels }: Brush, ...dash: number[]): void {
   c.setLineDash(dash.map((length) => length / pixels));
 }

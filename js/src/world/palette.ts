@@ -1,4 +1,4 @@
-/** The colours of a world, which the stylesheet has. */
+/** The colours of a world, from the stylesheet. */
 
 import { h } from "../ui/dom";
 
@@ -24,7 +24,7 @@ export interface Style {
   dash: number[];
 }
 
-/** The colours in an element. A canvas knows no `light-dark()`, so another element that has them says what they are. */
+/** Read the colours that apply in an element. A canvas knows no `light-dark()`, so a probe resolves them. */
 export function paletteIn(root: HTMLElement): Palette {
   const probe = h("span", { hidden: true });
   root.append(probe);

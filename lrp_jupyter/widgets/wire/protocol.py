@@ -488,8 +488,8 @@ class ViewState(TypedDict):
 
     ============= =======================================================================================
     ``status``    the words of `lrp_jupyter.live.running.frame.Frame`; ``reason`` explains it
-    ``rate``      ticks per second that are wanted, 0: free; ``achieved_rate`` are the measured ones
-    ``speed``     simulated over real time that is wanted, 0: as fast as possible; so is ``achieved_speed``
+    ``rate``      wanted ticks per second, 0: as many as possible; ``achieved_rate`` is measured
+    ``speed``     wanted simulated seconds per second, 0: as many as possible; ``achieved_speed`` is measured
     ``revision``  of the text that runs (the last one applied); ``program`` is its structure
     ``active``    innermost active states, as spawned (``Interpreter.active`` as text)
     ``lit``       every active state by its path in the text, outer ones too: what the page marks
