@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.text.saver import Saver
@@ -21,7 +21,10 @@ from lrp_jupyter.widgets.views.layouts import Layouts
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.changes import Sections
 from lrp_jupyter.widgets.wire.codec import DecodeError, Fields, decode, fields_of
-from lrp_jupyter.widgets.wire.protocol import ElementKind, Looked, PartName, ViewState
+from lrp_jupyter.widgets.wire.protocol import ElementKind, ViewState
+
+PartName = Literal["lab", "goal", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
+Looked = Literal["why", "hover", "inspect", "explain", "panel", "redraw", "page"]
 
 
 class OpenProgram(Protocol):

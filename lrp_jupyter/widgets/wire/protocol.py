@@ -66,9 +66,7 @@ from lrp_jupyter.live.running.frame import Hung, Status
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.wire.changes import Sections
 
-PartName = Literal["lab", "goal", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
 OnActiveEdit = Literal["restart", "keep"]
-Looked = Literal["why", "hover", "inspect", "explain", "panel", "redraw", "page"]
 Edits = Literal["live", "hold"]
 GraphMode = Literal["live", "static", "hidden"]
 CriterionState = Literal["open", "so far", "met", "failed"]
