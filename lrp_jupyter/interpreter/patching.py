@@ -111,9 +111,9 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
     old, plan = run.plan, link(program)
     run.replace_program(program, successors)
     run.pending = frozenset(_spawn_now(successors, identity) for identity in run.pending)
-    anew: set[Slot] | None = None if renamed else set()
+    reinitialised: set[Slot] | None = None if renamed else set()
     if run.started:
-        _carry(run, run.globals, old.variables, plan.variables, run.base, successors, anew)
+        _carry(run, run.globals, old.variables, plan.variables, run.base, successors, reinitialised)
     added: list[tuple[Activation, SpawnPlan]] = []
     live: dict[Path, Environment] = {(): run.globals}
     for act in [act for root in run.roots for act in root.walk()]:  # outer ones come first
@@ -127,7 +127,7 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
             act.spawn = _spawn_now(successors, act.spawn)
         act.outer = live[machine.outer]
         live[machine.path] = act
-        _carry(run, act, before.variables, machine.variables, act.outer.visible, successors, anew)
+        _carry(run, act, before.variables, machine.variables, act.outer.visible, successors, reinitialised)
     run.live = live
     run.rebind()
     if not renamed:
@@ -150,11 +150,11 @@ def _carry(
     new: tuple[VariablePlan, ...],
     outer: dict[str, Slot],
     successors: Successors,
-    anew: set[Slot] | None,
+    reinitialised: set[Slot] | None,
 ) -> None:
     """Keep the cells of remaining variables; initialise new, changed and dependent ones.
 
-    `anew`: the variables that have been reinitialised so far; None to reinitialise nothing.
+    `reinitialised`: the variables that have been reinitialised so far; None to reinitialise nothing.
     """
     kept = {}
     for variable in old:
@@ -165,12 +165,13 @@ def _carry(
     for variable in new:
         initial, slot = kept.get(variable.name) or (None, Slot(CellType()))
         visible = environment.visible
-        if anew is not None and (
-            initial != variable.noun.initial or any(visible.get(name) in anew for name in variable.reads)
+        if reinitialised is not None and (
+            initial != variable.noun.initial
+            or any(visible.get(name) in reinitialised for name in variable.reads)
         ):
             has_changed = run.evaluate(variable, visible, slot)
             if has_changed and initial is not None:
-                anew.add(slot)
+                reinitialised.add(slot)
         visible[variable.name] = environment.own[variable.name] = slot
 
 
