@@ -28,16 +28,17 @@ def wrong_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         return
     for index, item in reversed([*enumerate(items)]):  # a sign before it is one of a condition
         word, start, end = draft.word(item), item.start, item.end
-        is_word = 0 < index < len(items) - 1 and word.lower() in ARROW_WORDS and word not in draft.states
-        but = item.kind == "MINUS" and kinds[index - 1 :: 2][:2] == ("STAR", "LBRACE")
-        if but or not (item.kind in SIGNS or (is_word and item.kind == "NAME")):
+        is_exception = item.kind == "MINUS" and kinds[index - 1 :: 2][:2] == ("STAR", "LBRACE")
+        is_sign = item.kind in SIGNS and not is_exception
+        is_between = item.kind == "NAME" and 0 < index < len(items) - 1
+        is_word = is_between and word.lower() in ARROW_WORDS and word not in draft.states
+        if not (is_sign or is_word):
             continue
         message = f"The arrow to the destination is `->`, not `{word}`. Write `->`."
         tight = draft.text[start - 1 : start] + draft.text[end : end + 1]
-        edit = Edit(start, end, "->" if tight.isspace() or item.kind != "NAME" else " -> ")
+        edit = Edit(start, end, "->" if is_sign or tight.isspace() else " -> ")
         parts = form.replaced(index, index, Piece("ARROW", start, end))
-        alone = item.kind in SIGNS and ">" in word
-        yield Correction("LRP104", message, start, end, (edit,), parts, "<" not in word, alone=alone)
+        yield Correction("LRP104", message, start, end, (edit,), parts, "<" not in word, alone=is_sign)
 
 
 def no_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
