@@ -326,8 +326,8 @@ def test_looking_back_sends_no_message(real: Any, connect: Connect) -> None:
             assert connection.view_state()["tick"] == 20
             assert "why" in ask("why", kind="state", path="m/drive")
             assert "why" in ask("why", kind="robot", path="move")
-            assert ask("timeline", epoch=0, tick=0)["timeline"].happenings
-            assert ask("what_if", seconds=1)["what_if"].open_loop
+            assert ask("timeline", epoch=0, tick=0)["timeline"]["happenings"]
+            assert ask("what_if", seconds=1)["what_if"]["open_loop"]
             with session.fork(5) as fork:
                 fork.run(3)
             assert session.status == "running"
