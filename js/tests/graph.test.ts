@@ -330,10 +330,10 @@ describe("the camera's own movements", () => {
   });
 
   it("wait for a second after the last key", () => {
-    autofit.typed();
+    autofit.acted();
     autofit.update(box(0, 0, 440, 300), null);
     vi.advanceTimersByTime(600);
-    autofit.typed();
+    autofit.acted();
     vi.advanceTimersByTime(990);
     expect(at()).toEqual([0, 0, 1]);
     vi.advanceTimersByTime(500);
@@ -343,7 +343,7 @@ describe("the camera's own movements", () => {
   it("stop at a key, and go on when the user pauses", () => {
     autofit.update(box(0, 0, 400, 3000), () => box(100, 2000, 60, 36));
     vi.advanceTimersByTime(60);
-    autofit.typed();
+    autofit.acted();
     const stopped = at();
     expect(stopped).not.toEqual([0, 0, 1]);
     vi.advanceTimersByTime(990);
@@ -353,7 +353,7 @@ describe("the camera's own movements", () => {
   });
 
   it("do not happen because the panel changes its size while one types", () => {
-    autofit.typed();
+    autofit.acted();
     resize(400, 320);
     autofit.resized(null);
     vi.advanceTimersByTime(990);
@@ -362,7 +362,19 @@ describe("the camera's own movements", () => {
     expect(at()).toEqual([0, 10, 1]);
   });
 
-  it("do not happen during a drag", () => {
+  it("wait while a button is down, whatever it does, and for a pause after it", () => {
+    autofit.acted(true);
+    autofit.update(box(0, 0, 440, 300), null);
+    vi.advanceTimersByTime(5000);
+    expect(at()).toEqual([0, 0, 1]);
+    autofit.acted();
+    vi.advanceTimersByTime(990);
+    expect(at()).toEqual([0, 0, 1]);
+    vi.advanceTimersByTime(500);
+    expect(camera.scale).toBeCloseTo(400 / 440);
+  });
+
+  it("do not happen before what was dragged is drawn where it was dropped", () => {
     autofit.hold();
     autofit.update(box(0, 0, 440, 300), null);
     vi.advanceTimersByTime(5000);
@@ -385,7 +397,7 @@ describe("the camera's own movements", () => {
 
   it("bring what is new into view where it is then, not where it was drawn first", () => {
     let fresh: Box | null = box(560, 100, 60, 36);
-    autofit.typed();
+    autofit.acted();
     autofit.update(box(0, 0, 400, 300), () => fresh);
     fresh = box(200, 100, 60, 36); // it was put where the user had clicked
     autofit.update(box(0, 0, 400, 300), null);
@@ -423,7 +435,7 @@ describe("the camera's own movements", () => {
   });
 
   it("leave a drawing alone that the user has shown whole since the panel changed its size", () => {
-    autofit.typed();
+    autofit.acted();
     resize(300, 200);
     autofit.resized(null);
     autofit.whole(box(0, 0, 400, 300));

@@ -758,6 +758,32 @@ describe("the page", () => {
     expect(page.commands("pin").at(-1)).toMatchObject({ name: "moving", x, y });
   });
 
+  it("moves no graph under a hand that draws in it, and after a pause shows what is new", async () => {
+    const svg = page.find(".lrp-graph");
+    const press = (type: string, buttons: number) =>
+      svg.dispatchEvent(new PointerEvent(type, { buttons, bubbles: true, composed: true }));
+    const place = () => svg.firstElementChild!.getAttribute("transform");
+    for (const side of ["clientWidth", "clientHeight"]) Object.defineProperty(svg, side, { value: 500 });
+    page.find('[data-lrp-action="zoom-fit"]').click();
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
+    vi.stubGlobal("matchMedia", () => ({ matches: true })); // no gliding
+    const before = place();
+    press("pointerdown", 1); // where all states are, here: on a border
+    const graph = recording.snapshot.frame.layouts.follower;
+    const states = [...graph.states, { ...graph.states[1]!, id: "follower/new", name: "new", x: 5000 }];
+    page.deliver({ type: "frame", frame: 9, layouts: { follower: { ...graph, states } } });
+    await vi.advanceTimersByTimeAsync(3000);
+    expect(page.find('[data-lrp-state="follower/new"]').isConnected).toBe(true);
+    expect(place()).toBe(before);
+    press("pointerup", 0);
+    await vi.advanceTimersByTimeAsync(900);
+    expect(place()).toBe(before);
+    await vi.advanceTimersByTimeAsync(200);
+    expect(place()).not.toBe(before);
+    vi.unstubAllGlobals();
+    vi.useRealTimers();
+  });
+
   it("says whether the robot is followed, whichever way that ended", () => {
     const follow = page.find('[data-lrp-action="world-follow"]');
     expect(follow.getAttribute("aria-pressed")).toBe("true"); // there is no room here to show all

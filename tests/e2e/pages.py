@@ -22,7 +22,8 @@ AT_REST = """async ([root, selector]) => {
     const node = root.querySelector(selector);
     const { x, y, width, height } = node?.getBoundingClientRect() ?? {};
     const now = JSON.stringify([x, y, width, height, node?.dataset.view]);
-    same = width > 0 && now === last ? same + 1 : 0;
+    const settled = width > 0 && !node.closest("[data-unsettled]");
+    same = settled && now === last ? same + 1 : 0;
     last = now;
     await new Promise(requestAnimationFrame);
   }

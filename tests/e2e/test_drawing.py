@@ -3,7 +3,7 @@
 from support.waiting import until
 
 from e2e.axe import finds_nothing_serious
-from e2e.drawer import Drawer
+from e2e.drawer import Drawer, middle
 from lrp_jupyter import parse
 
 DRAWN = """\
@@ -175,8 +175,8 @@ def rename_in_place(lab, drawer):
 def move_what_is_there(lab, drawer):
     """Drag the end of a transition to another state, an arrow to free space, a state into another one."""
     lab.sees('.lrp-layer-labels [data-of="m:on:counting->b"]').click()
-    handle = lab.box('.lrp-handle[data-end="destination"]')
-    drawer.drag((handle["x"] + 6, handle["y"] + 6), drawer.middle("m/c"))
+    end = drawer.middle("m/c")
+    drawer.drag(middle(lab.at_rest('.lrp-handle[data-end="destination"]')), end)
     lab.sees('[data-of="m:on:counting->c"]')
     drawer.transition("m/c", "m/b", "5 s")
     box = drawer.box("m/c")

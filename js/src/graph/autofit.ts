@@ -1,6 +1,6 @@
 /**
  * The camera's own movements. It fits a drawing into the panel when another one is shown and when part of it
- * gets out of view; it glides, and waits while the user types or drags. What would have to shrink below a
+ * gets out of view; it glides, and waits while the user types or points. What would have to shrink below a
  * legible size is larger than the panel instead, and is scrolled.
  */
 
@@ -8,7 +8,7 @@ import type { Box, Camera } from "./camera";
 
 /** The smallest scale chosen without the user: labels of 11.5 px are 10 px high. */
 export const LEGIBLE = 0.87;
-const QUIET = 1000; // ms without a key before anything moves
+const QUIET = 1000; // ms without a key, or a move of the pointer in the panel, before anything moves
 const GLIDE = 260; // ms
 const EDGE = 14; // px between the panel's border and what is brought into view
 
@@ -28,7 +28,8 @@ export class AutoFit {
   private wanted: Subject | null = null;
   /** Of the panel, when it was last seen: in a tab that is not shown it has none. */
   private size = { width: 0, height: 0 };
-  private lastKey = Number.NEGATIVE_INFINITY;
+  private lastAct = Number.NEGATIVE_INFINITY;
+  private pressed = false;
   private held = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private gliding = 0;
@@ -110,14 +111,15 @@ export class AutoFit {
     else this.check();
   }
 
-  /** A key was pressed: what moves stops, and goes on when the user pauses. */
-  typed(): void {
-    this.lastKey = performance.now();
+  /** The user types or points: what moves stops, and goes on after a pause; not while a button is down. */
+  acted(pressed = false): void {
+    this.lastAct = performance.now();
+    this.pressed = pressed;
     this.stop();
     this.check();
   }
 
-  /** Nothing moves while the pointer drags. */
+  /** Nothing moves until what was dragged is drawn where it was dropped. */
   hold(): void {
     this.stop();
     this.held = true;
@@ -132,6 +134,7 @@ export class AutoFit {
   stop(): void {
     cancelAnimationFrame(this.gliding);
     clearTimeout(this.timer);
+    this.svg.removeAttribute("data-unsettled");
   }
 
   private measure(): void {
@@ -146,17 +149,18 @@ export class AutoFit {
   }
 
   private isQuiet(): boolean {
-    return !this.held && performance.now() - this.lastKey >= QUIET;
+    return !this.held && !this.pressed && performance.now() - this.lastAct >= QUIET;
   }
 
   private readonly check = (): void => {
     const { camera } = this;
-    if (!camera.placed || this.held) return;
+    if (!camera.placed || this.held || this.pressed) return;
     const isResized = this.isResized();
     if (!(isResized || this.wanted || (!camera.moved && this.isCutOff()))) return;
     clearTimeout(this.timer);
     if (!this.isQuiet()) {
-      this.timer = setTimeout(this.check, this.lastKey + QUIET - performance.now() + 1);
+      this.svg.setAttribute("data-unsettled", "");
+      this.timer = setTimeout(this.check, this.lastAct + QUIET - performance.now() + 1);
       return;
     }
     if (isResized) {
@@ -175,7 +179,7 @@ export class AutoFit {
       wanted ? shift(wanted[at] * camera.scale + camera[at], wanted[extent] * camera.scale, size[extent]) : 0;
     const [x, y] = [by("x", "width"), by("y", "height")];
     if (x || y) this.glide({ x: camera.x + x, y: camera.y + y, scale: camera.scale });
-    else this.wanted = null;
+    else this.arrived();
   }
 
   /** Whether part of the drawing is out of view that need not be. */
@@ -249,9 +253,15 @@ export class AutoFit {
       camera.set({ x: at("x"), y: at("y"), scale: at("scale") });
       this.place();
       if (time < 1) this.gliding = requestAnimationFrame(step);
-      else this.wanted = null;
+      else this.arrived();
     };
+    this.svg.setAttribute("data-unsettled", "");
     step();
+  }
+
+  private arrived(): void {
+    this.wanted = null;
+    this.svg.removeAttribute("data-unsettled");
   }
 }
 

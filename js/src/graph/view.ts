@@ -27,6 +27,7 @@ import { ScrollBars, scroll, scrollByWheel } from "./scroll";
 import { cursorSwitch, showMachine } from "./shown";
 
 const MODES = "Live: redraw after every edit, and show the run. Static: redraw on request.";
+const PRIMARY = 1; // the left button, a finger, a pen: of a press with another one the release is a menu's
 const RESIZED_FOR = 150; // ms without another size before the kernel gets it
 const ACTIVE_FOR = 300; // ms that a state is active before it is brought into view
 
@@ -202,7 +203,7 @@ export function graphView(lab: Lab): HTMLElement {
     }, RESIZED_FOR);
   }).observe(svg);
   const FUNCTION_KEY = /^F\d/; // types nothing; F9 makes this panel larger
-  lab.root.addEventListener("keydown", ({ key }) => void (FUNCTION_KEY.test(key) || fitting.typed()), true);
+  lab.root.addEventListener("keydown", ({ key }) => void (FUNCTION_KEY.test(key) || fitting.acted()), true);
 
   /* ---------------------------------------------------------------- zoom, pan, drag */
 
@@ -228,6 +229,8 @@ export function graphView(lab: Lab): HTMLElement {
     place();
     return moves;
   });
+  for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel"] as const)
+    svg.addEventListener(name, ({ buttons }) => fitting.acted((buttons & PRIMARY) > 0), true);
   svg.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     const node = (event.target as Element).closest<SVGGElement>("[data-lrp-state]");
@@ -235,8 +238,9 @@ export function graphView(lab: Lab): HTMLElement {
     const { x, y, scale } = camera;
     trackDrag(svg, event, {
       begin() {
+        if (!node) return;
         fitting.hold();
-        if (node) dragging.begin(node);
+        dragging.begin(node);
       },
       move(now) {
         const point = local(pointOf(now));
@@ -253,7 +257,6 @@ export function graphView(lab: Lab): HTMLElement {
         if (!node) {
           if (!released) camera.set({ x, y, scale });
           place();
-          fitting.release();
         } else if (released) dragging.drop();
         else dragging.cancel();
       },
