@@ -196,7 +196,7 @@ class Loop:
     def tick(self) -> None:
         """Run one tick now; the next one is due a period later."""
         interpreter, bridge, timing, record = self.interpreter, self.bridge, self.timing, self.record
-        now, step, world = timing.now, timing.step, bridge.simulated
+        now, step, safety = timing.now, timing.step, bridge.safety
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
             if record.names.values:
@@ -205,16 +205,17 @@ class Loop:
                 record.prepare(self.status == "running")
             moment = None if step is None else bridge.moment()
             bridge.begin_tick(now, timing.period)
+            world = None if step is None else bridge.simulated
             record.moments.add((now, moment, bridge.readings if world is None else world.sensed()))
             interpreter.step(now)
             hit = None if self.breakpoints is None else self._hit()
             bridge.end_tick(now)
-            if (held := bridge.safety.hindered()) is not None:
+            if (held := safety.hindered()) is not None:
                 record.add(held, interpreter.tick - 1)
-            elif bridge.safety.halted and bridge.safety.armed:
+            elif safety.halted and safety.armed:
                 self._tell_halted()
         finally:
-            self.ticking = bridge.safety.again = None
+            self.ticking = safety.again = None
         on_time = step is None and now - timing.due <= LAG
         timing.due = (timing.due if on_time else now) + timing.period
         for call in self.after_tick:
@@ -226,8 +227,8 @@ class Loop:
             self._pause_at(hit)
         if interpreter.paused and self.status == "running":
             self._stop_at_issue()
-        if bridge.safety.suspended:
-            self.pause(bridge.safety.suspended)
+        if safety.suspended:
+            self.pause(safety.suspended)
 
     def _tell_halted(self) -> None:
         """Add a notice about motions started only by an `onentry` that a stop of the robot has ended."""
