@@ -225,6 +225,23 @@ def test_the_place_of_a_quote_is_not_searched_for_in_long_blocks(monkeypatch: py
     assert sum(parsed) < 1_000_000
 
 
+@pytest.mark.parametrize(
+    ("transition", "codes", "last"),
+    [
+        ("(on e x y, -> b)", ["LRP108", "LRP104"], "by spaces, not by commas. Remove the comma."),
+        ("(on e 3 -> b,)", ["LRP108", "LRP104"], "by spaces, not by commas. Remove the comma."),
+        ("(on e x y -> (b))", ["LRP108", "LRP110"], "without brackets here. Write `b`."),
+        ("(on e x y, -> (b),)", ["LRP108", "LRP104", "LRP110"], "without brackets here. Write `b`."),
+    ],
+)
+def test_a_mistake_after_one_without_an_explanation_is_explained(
+    transition: str, codes: list[str], last: str
+) -> None:
+    findings = check(f"(machine m (state a) (state b) {transition})")
+    assert [finding.code for finding in findings] == codes
+    assert last in findings[-1].message
+
+
 def _found(text: str) -> list[tuple[str, str, int, int]]:
     return [(each.code, each.message, each.line, each.column) for each in check(text)]
 

@@ -9,7 +9,7 @@ its corrections is parsed, which finds what is left, and what the corrections ha
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -37,17 +37,22 @@ class Rule(NamedTuple):
     `propose`: yields what may be wrong with a form whose part at an index does not fit, the likeliest first.
     `parts`: the types of such parts for which it is tried; all if there are none.
     `forms`: the keywords of such forms; all if there are none.
+    `is_later`: whether it is tried for later parts, too, where no rule explains the first that does not fit.
     """
 
     propose: Callable[[TextDraft, DraftForm, int], Corrections]
-    parts: frozenset[str] = frozenset()
-    forms: frozenset[str] = frozenset()
+    parts: frozenset[str]
+    forms: frozenset[str]
+    is_later: bool
 
 
 def _rule(
-    propose: Callable[[TextDraft, DraftForm, int], Corrections], parts: str = "", forms: str = ""
+    propose: Callable[[TextDraft, DraftForm, int], Corrections],
+    parts: str = "",
+    forms: str = "",
+    is_later: bool = False,
 ) -> Rule:
-    return Rule(propose, frozenset(parts.split()), frozenset(forms.split()))
+    return Rule(propose, frozenset(parts.split()), frozenset(forms.split()), is_later)
 
 
 _ACTIONS = "onentry running onexit onpause onresume"
@@ -68,7 +73,12 @@ RULES = (
     _rule(words.import_lines, "NAME", "program"),
     _rule(words.import_forms, "FORM", "program"),
     _rule(wrong_brackets.doubled, "FORM"),
-    _rule(wrong_brackets.names, "FORM BLOCK INVALID LBRACE", f"var event machine state spawn {_TRANSITIONS}"),
+    _rule(
+        wrong_brackets.names,
+        "FORM BLOCK INVALID LBRACE",
+        f"var event machine state spawn {_TRANSITIONS}",
+        True,
+    ),
     _rule(wrong_brackets.square_form, "BLOCK INVALID"),
     _rule(wrong_brackets.braced_form, "LBRACE"),
     _rule(python.quoted, "", _PYTHON),
@@ -86,7 +96,7 @@ RULES = (
     _rule(order.name_last, "", "var event"),
     _rule(order.several_words, "NAME", "var event state machine"),
     _rule(order.action, "BLOCK", "state"),
-    _rule(words.commas, "STRAY"),
+    _rule(words.commas, "STRAY", is_later=True),
     _rule(words.strays, "STRAY"),
 )
 """The cheapest first. Each can be left out: then its mistakes are reported by what the parser expects."""
@@ -133,6 +143,8 @@ def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
         if at is None:
             break
         accepted = _first_accepted(draft, form, at, ignored)
+        if accepted is None and form.keyword in FORMS:
+            accepted = _first_alone(draft, form, at)
         if accepted:
             guesses.append(accepted)
             form.items = list(accepted.items)
@@ -153,15 +165,30 @@ def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
 
 def _first_accepted(draft: TextDraft, form: DraftForm, at: int, ignored: set[Item]) -> Correction | None:
     """Return the first guess after which a form is right, or right up to a later part."""
-    kind, place = form.part(form.items, at)
-    for rule in RULES:
-        if (rule.parts and kind not in rule.parts) or (rule.forms and form.keyword not in rule.forms):
-            continue
-        for guess in rule.propose(draft, form, at):
-            later = first_wrong(guess.keyword or form.keyword, guess.items, ignored)
-            if guess.hides or guess.alone or later is None or form.part(guess.items, later)[1] > place:
-                return guess
+    _, place = form.part(form.items, at)
+    for guess in _proposed(draft, form, at):
+        later = first_wrong(guess.keyword or form.keyword, guess.items, ignored)
+        if guess.hides or guess.alone or later is None or form.part(guess.items, later)[1] > place:
+            return guess
     return None
+
+
+def _first_alone(draft: TextDraft, form: DraftForm, at: int) -> Correction | None:
+    """Return the first guess about a later part that is wrong whatever is wrong before it."""
+    later = (
+        guess
+        for index in range(at + 1, len(form.items))
+        for guess in _proposed(draft, form, index, are_later=True)
+    )
+    return next((guess for guess in later if guess.alone), None)
+
+
+def _proposed(draft: TextDraft, form: DraftForm, at: int, are_later: bool = False) -> Corrections:
+    kind, _ = form.part(form.items, at)
+    for rule in RULES:
+        is_for_it = kind in (rule.parts or (kind,)) and form.keyword in (rule.forms or (form.keyword,))
+        if is_for_it and (rule.is_later or not are_later):
+            yield from rule.propose(draft, form, at)
 
 
 def _errors(text: str, guesses: list[Correction]) -> list[Diagnosis]:
@@ -177,17 +204,20 @@ def _errors(text: str, guesses: list[Correction]) -> list[Diagnosis]:
     return list(found.values())
 
 
-def _moved(diagnosis: Diagnosis, origin: Callable[[int], int]) -> Diagnosis:
+def _moved(diagnosis: Diagnosis, origin: Callable[..., int]) -> Diagnosis:
     """Return an error of a corrected text at its place in the original; no fix may touch a correction."""
     edits = tuple([Edit(origin(start), origin(end), new) for start, end, new in diagnosis.edits])
     if [end - start for start, end, _ in edits] != [end - start for start, end, _ in diagnosis.edits]:
         edits = ()
-    start, end = origin(diagnosis.start), origin(diagnosis.end)
+    start, end = origin(diagnosis.start), origin(diagnosis.end, is_end=diagnosis.start < diagnosis.end)
     return diagnosis._replace(start=start, end=max(start, end), edits=edits)
 
 
-def _applied(text: str, edits: list[Edit]) -> tuple[str, Callable[[int], int]]:
-    """Apply edits that do not overlap; return the text, and the map of its offsets back."""
+def _applied(text: str, edits: list[Edit]) -> tuple[str, Callable[..., int]]:
+    """Apply edits that do not overlap; return the text, and the map of its offsets back.
+
+    Where text was removed at an offset, the end of a range is before that, and any other offset after it.
+    """
     pieces = []
     olds, news = [0], [0]
     position = length = 0
@@ -201,8 +231,8 @@ def _applied(text: str, edits: list[Edit]) -> tuple[str, Callable[[int], int]]:
         olds += [start, end]
     pieces.append(text[position:])
 
-    def back(offset: int) -> int:
-        at = bisect_right(news, offset) - 1
+    def back(offset: int, is_end: bool = False) -> int:
+        at = (bisect_left if is_end else bisect_right)(news, offset) - 1
         if at % 2:  # in the new text of an edit
             return min(olds[at] + offset - news[at], olds[at + 1])
         return olds[at] + offset - news[at]

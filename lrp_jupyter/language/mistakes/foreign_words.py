@@ -153,7 +153,8 @@ def commas(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         edits = [Edit(item.start, item.end, "" if draft.spaced(item.end) else " ") for item in found]
         message = f"Parts are separated by spaces, not by commas. Remove the comma{'s' * (len(found) > 1)}."
         items = [item for item in form.items if item not in found]
-        yield Correction("LRP104", message, found[0].start, found[0].end, tuple(edits), items)
+        start, end = found[0].start, found[0].end
+        yield Correction("LRP104", message, start, end, tuple(edits), items, alone=True)
 
 
 def strays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:

@@ -127,10 +127,10 @@ def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     before = "" if draft.text[start - 1 : start].isspace() else " "
     what = "Delays are written without brackets" if is_delay else "Names are written without brackets here"
     parts = [Piece("INTEGER" if is_delay else "NAME", start, end)] * len(inside)
-    edit = Edit(start, end, before + plain)
-    yield Correction(
-        "LRP110", f"{what}. Write `{plain}`.", start, end, (edit,), form.replaced(at, last, *parts)
-    )
+    message, edit = f"{what}. Write `{plain}`.", Edit(start, end, before + plain)
+    is_state = item.kind == "FORM" and keyword in FORMS and plain in draft.states
+    items = form.replaced(at, last, *parts)
+    yield Correction("LRP110", message, start, end, (edit,), items, alone=is_state)
 
 
 def square_form(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
