@@ -40,22 +40,12 @@ ARROW_WORDS = frozenset({"to", "into", "then", "goto", "zu", "nach"})
 ANY_WORDS = frozenset({"any", "all", "every", "anything", "everything", "anywhere"})
 ASSIGN_WORDS = frozenset({"is", "be", "equals", "becomes", "to"})
 UNITS = {
-    "ms": 1,
-    "msec": 1,
-    "msecs": 1,
-    "millis": 1,
-    "milliseconds": 1,
-    "millisecond": 1,
-    "s": 1000,
-    "sec": 1000,
-    "secs": 1000,
-    "second": 1000,
-    "seconds": 1000,
-    "min": 60_000,
-    "minute": 60_000,
-    "minutes": 60_000,
     "": 0,
+    **dict.fromkeys(["ms", "msec", "msecs", "millis", "milliseconds", "millisecond"], 1),
+    **dict.fromkeys(["s", "sec", "secs", "second", "seconds"], 1000),
+    **dict.fromkeys(["min", "minute", "minutes"], 60_000),
 }
+"""Milliseconds in each unit; 0 where there is none."""
 AMOUNT = re.compile(r"([0-9][0-9_]*(?:\.[0-9]*)?(?:[eE][0-9]+)?)([a-zA-Z]*)")
 
 

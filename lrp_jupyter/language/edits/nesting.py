@@ -229,11 +229,7 @@ def _is_own(move: _Move, path: Path) -> bool:
 def _refuse_captured(move: _Move, inner: Scope) -> None:
     """Raise if a name used in the state would refer to something else in the machine that it moves into."""
     beside = inner.outer.machines[inner.state] if inner.outer else {}
-    own: dict[str, Collection[str]] = {
-        "variable": inner.variables,
-        "event": inner.events,
-        "machine": beside,
-    }
+    own: dict[str, Collection[str]] = {"variable": inner.variables, "event": inner.events, "machine": beside}
     for kind, name, owner in _names(move):
         if name in own[kind] and not (owner and owner.path[: len(move.path)] == move.path):
             raise ValueError(

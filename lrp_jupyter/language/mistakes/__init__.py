@@ -57,6 +57,7 @@ def _rule(
 
 _ACTIONS = "onentry running onexit onpause onresume"
 _TRANSITIONS = " ".join(FORMS)
+_NAMING = f"var event machine state spawn {_TRANSITIONS}"
 _PYTHON = f"var event on exit ontime {_ACTIONS}"
 
 RULES = (
@@ -73,12 +74,7 @@ RULES = (
     _rule(words.import_lines, "NAME", "program"),
     _rule(words.import_forms, "FORM", "program"),
     _rule(wrong_brackets.doubled, "FORM"),
-    _rule(
-        wrong_brackets.names,
-        "FORM BLOCK INVALID LBRACE",
-        f"var event machine state spawn {_TRANSITIONS}",
-        True,
-    ),
+    _rule(wrong_brackets.names, "FORM BLOCK INVALID LBRACE", _NAMING, is_later=True),
     _rule(wrong_brackets.square_form, "BLOCK INVALID"),
     _rule(wrong_brackets.braced_form, "LBRACE"),
     _rule(python.quoted, "", _PYTHON),

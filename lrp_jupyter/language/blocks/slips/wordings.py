@@ -27,14 +27,8 @@ _WORDS = (
     (r"expected an indented block after '([\w*]+)'.* on (line \d+)", f"The `{{0}}` {_EMPTY}"),
     (r"expected an indented block after function(.*) on (line \d+)", f"The `def` {_EMPTY}"),
     (r"expected an indented block after class(.*) on (line \d+)", f"The `class` {_EMPTY}"),
-    (
-        r"inconsistent use of tabs",
-        "This line begins with tabs and spaces. Use spaces only.",
-    ),
-    (
-        r"'(.)' was never closed",
-        "This `{0}` is not closed. Write its `{closing}`.",
-    ),
+    (r"inconsistent use of tabs", "This line begins with tabs and spaces. Use spaces only."),
+    (r"'(.)' was never closed", "This `{0}` is not closed. Write its `{closing}`."),
     (r"unmatched '(.)'", "Unmatched `{0}`: nothing is open here. Remove it."),
     (
         r"closing parenthesis '(.)' does not match opening parenthesis '(.)'",
@@ -62,20 +56,12 @@ _WORDS = (
         r"positional argument follows keyword",
         "After an argument with a name, all others need one, too. Write `name=` before this one.",
     ),
-    (
-        r"keyword argument repeated: (\w+)",
-        "`{0}` is passed twice. Remove one of the two.",
-    ),
-    (
-        r"duplicate argument '(\w+)'",
-        "Two parameters have the name `{0}`. Rename one of them.",
-    ),
+    (r"keyword argument repeated: (\w+)", "`{0}` is passed twice. Remove one of the two."),
+    (r"duplicate argument '(\w+)'", "Two parameters have the name `{0}`. Rename one of them."),
     (
         r"no binding for nonlocal '(\w+)'",
-        (
-            "There is no variable `{0}` around this function. Remove the `nonlocal`, "
-            "or declare `(var {0} := [value])`."
-        ),
+        "There is no variable `{0}` around this function. Remove the `nonlocal`, "
+        "or declare `(var {0} := [value])`.",
     ),
     (
         r"name '(\w+)' is (?:assigned to|used prior to|used) (?:before )?(nonlocal|global)",
@@ -86,25 +72,16 @@ _WORDS = (
         r"expected 'except' or 'finally'",
         "This `try` has no `except`. Write `except Exception:` below it, and then what to do after an error.",
     ),
-    (
-        r"Missing parentheses in call to '(\w+)'",
-        "A call needs parentheses. Write `{0}(…)`.",
-    ),
+    (r"Missing parentheses in call to '(\w+)'", "A call needs parentheses. Write `{0}(…)`."),
     (r"expected '\('", "A `(` is missing here. Write `()` after the name."),
     (r"forgot a comma", "Something is missing here. Write a comma or an operator between the two values."),
     (
         r"too deeply nested|too many nested|too complex|stack overflow",
         "This is nested too deeply. Use several steps.",
     ),
-    (
-        r"import \* only",
-        "A block cannot use `import *`. Write the names: `from math import sin, cos`.",
-    ),
+    (r"import \* only", "A block cannot use `import *`. Write the names: `from math import sin, cos`."),
     (r"expected 'else' after 'if' expression", "This `if` needs an `else`, as in `1 if fast else 0`."),
-    (
-        r"unexpected EOF|incomplete input",
-        "Something is missing at the end of this line. Complete it.",
-    ),
+    (r"unexpected EOF|incomplete input", "Something is missing at the end of this line. Complete it."),
 )
 _TABLE = [(re.compile(pattern), words) for pattern, words in _WORDS]
 
