@@ -134,7 +134,7 @@ class Transition:
     @property
     def style(self) -> str:
         """The style of its arrow in a picture."""
-        return "wildcard" if self.wildcard else "exit" if self.outward else self.trigger.style
+        return "wildcard" if self.wildcard else self.kind
 
     @property
     def source_text(self) -> str:

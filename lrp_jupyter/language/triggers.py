@@ -26,8 +26,6 @@ class Trigger:
 
     keyword: ClassVar[TransitionKind]
     """Keyword of a transition with this trigger, unless it leads outward."""
-    style: ClassVar[str]
-    """The style of the arrow in a picture."""
     can_exit: ClassVar[bool] = False
     """Whether an ``exit`` can have this trigger."""
 
@@ -63,7 +61,6 @@ class Occurrence(Trigger):
 
     event: Name
     keyword: ClassVar[TransitionKind] = "on"
-    style: ClassVar[str] = "on"
     can_exit: ClassVar[bool] = True
 
     @property
@@ -83,7 +80,6 @@ class Condition(Trigger):
 
     condition: Block
     keyword: ClassVar[TransitionKind] = "on"
-    style: ClassVar[str] = "on"
     can_exit: ClassVar[bool] = True
 
     @property
@@ -108,7 +104,6 @@ class Delay(Trigger):
 
     amount: int | Name | Block
     keyword: ClassVar[TransitionKind] = "ontime"
-    style: ClassVar[str] = "ontime"
 
     @property
     def text(self) -> str:
@@ -141,7 +136,6 @@ class Epsilon(Trigger):
     """``(eps …)``: enabled at once."""
 
     keyword: ClassVar[TransitionKind] = "eps"
-    style: ClassVar[str] = "eps"
 
     @property
     def text(self) -> str:
