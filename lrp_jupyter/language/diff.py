@@ -141,12 +141,9 @@ def _machine(path: Path, old: Machine, new: Machine) -> Iterator[_Change]:
 
 
 def _state(path: Path, old: State, new: State) -> Iterator[_Change]:
-    if old.onentry != new.onentry:
-        yield "changed", Element("onentry", path)
-    if old.running != new.running:
-        yield "changed", Element("running", path)
-    if old.onexit != new.onexit:
-        yield "changed", Element("onexit", path)
+    for kind, items in old.actions.items():
+        if items != new.actions[kind]:
+            yield "changed", Element(kind, path)
     yield from _named("machine", path, old.machines, new.machines, _machine)
 
 

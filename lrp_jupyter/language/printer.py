@@ -11,16 +11,7 @@ from collections.abc import Iterable
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
 from lrp_jupyter.language.blocks.block_margins import STEP, aligned
-from lrp_jupyter.language.program import (
-    Action,
-    Block,
-    Event,
-    Machine,
-    Program,
-    State,
-    Transition,
-    Variable,
-)
+from lrp_jupyter.language.program import Action, Block, Event, Machine, Program, State, Transition, Variable
 from lrp_jupyter.language.python.scanner import block_end
 
 _WIDTH = 90
@@ -75,9 +66,7 @@ def _machine(machine: Machine, indent: str) -> str:
 def _state(state: State, indent: str) -> str:
     inner = indent + _STEP
     parts = [
-        *_actions("onentry", state.onentry, inner),
-        *_actions("running", state.running, inner),
-        *_actions("onexit", state.onexit, inner),
+        *(line for keyword, items in state.actions.items() for line in _actions(keyword, items, inner)),
         *(_machine(machine, inner) for machine in state.machines),
     ]
     return _closed(f"{indent}(state {state.name}", parts)

@@ -197,6 +197,11 @@ class State:
     machines: tuple[Machine, ...] = ()
     span: Span = field(default=NOWHERE, compare=False)
 
+    @property
+    def actions(self) -> dict[str, tuple[Action, ...]]:
+        """What it does, by the keyword of its form."""
+        return {"onentry": self.onentry, "running": self.running, "onexit": self.onexit}
+
 
 @dataclass(frozen=True)
 class Machine(Displayed):
@@ -222,9 +227,7 @@ class Machine(Displayed):
     def elements(self, path: Path) -> tuple[Element, ...]:
         """Return the elements of the transitions of this machine, whose path is given."""
         found = tuple([Element("transition", (*path, id_)) for id_ in self.ids])
-        if not all(
-            transition.name for transition in self.transitions
-        ):  # id and label of a named one are both its name
+        if not all(each.name for each in self.transitions):  # id and label of a named one are its name
             for element, label in zip(found, self.labels, strict=True):
                 if label != element.path[-1]:
                     element.label = label

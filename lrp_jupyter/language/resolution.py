@@ -354,12 +354,9 @@ class Resolution:
                     found[element] = (PlacedBlock(element, 0, block, purpose, scope, visible),)
             for name, state in scope.states.items():
                 inside = (*path, name)
-                if state.onentry:
-                    _actions(found, Element("onentry", inside), state.onentry, scope)
-                if state.running:
-                    _actions(found, Element("running", inside), state.running, scope)
-                if state.onexit:
-                    _actions(found, Element("onexit", inside), state.onexit, scope)
+                for kind, items in state.actions.items():
+                    if items:
+                        _actions(found, Element(kind, inside), items, scope)
         for hook, blocks in self._hooks.items():
             _actions(found, Element(hook, ()), blocks, self.top)
         return found
