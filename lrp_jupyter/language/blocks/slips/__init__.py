@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import lru_cache
+from itertools import chain
 
 from lrp_jupyter.errors import Edit, edited
 from lrp_jupyter.language.blocks.slips.block_words import conditions, forms, keywords, negated
@@ -27,7 +28,6 @@ from lrp_jupyter.language.python.block_suite import parse_block
 from lrp_jupyter.language.source import Diagnosis
 
 __all__ = ["brief", "explain", "fault_of"]
-
 
 LONGEST = 6_000
 """Characters of a block in which remedies are searched for."""
@@ -53,12 +53,11 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
         if error is None:
             break
         place = _offset(text, error.lineno, error.offset)
-        best: Guess | None = None
-        guess: Guess | None = None  # Python would accept it, but something else may be meant
+        best = guess = None  # the latter: Python would accept it, but something else may be meant
         if "too " in error.msg:  # deeply nested: nothing is misspelt
             left = 0
         code = WrongBlock(text, place, error.msg, column, is_condition)
-        for candidate in _candidates(code):
+        for candidate in chain.from_iterable(rule(code) for rule in _RULES):
             left -= len(text)
             if left < 0:
                 break
@@ -158,11 +157,6 @@ _PATTERNS = [
          "Python has no braces around statements. Write `:`, and the rest in new lines, further right."),
     )
 ]  # fmt: skip
-
-
-def _candidates(code: WrongBlock) -> Guesses:
-    for rule in _RULES:
-        yield from rule(code)
 
 
 _RULES: tuple[Callable[[WrongBlock], Guesses], ...] = (

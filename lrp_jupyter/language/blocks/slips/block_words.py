@@ -21,12 +21,9 @@ def keywords(code: WrongBlock) -> Guesses:
         word = token.text
         if word in ("then", "do") and (not code.begins(index) or code.get(index - 1).text == ":"):
             before = code.get(index - 1)
-            if ":" in (after.text, before.text):
-                message = f"Python has no `{word}`. Remove it."
-                yield Guess("LRP511", message, token.start, token.end, (Edit(before.end, token.end, ""),))
-            else:
-                message = f"Python has no `{word}`. Write `:`."
-                yield Guess("LRP511", message, token.start, token.end, (Edit(before.end, token.end, ":"),))
+            colon = "" if ":" in (after.text, before.text) else ":"
+            message = f"Python has no `{word}`. {'Write `:`' if colon else 'Remove it'}."
+            yield Guess("LRP511", message, token.start, token.end, (Edit(before.end, token.end, colon),))
         if word == "else" and after.text == "if" and after.line == token.line:
             edit = Edit(token.start, after.end, "elif")
             yield Guess("LRP511", "Python writes `else if` in one word. Write `elif`.", *edit[:2], (edit,))
@@ -83,14 +80,13 @@ def _meant(word: str) -> tuple[str, ...]:
     for keyword in kwlist:
         if keyword in VALUES or abs(len(keyword) - len(small)) > 2:
             continue
+        ratio = SequenceMatcher(None, small, keyword).ratio()
         if len(keyword) == 2:
-            is_similar = sorted(small) == sorted(keyword) or (len(small) == 3 and set(small) == set(keyword))
+            is_similar = len(small) == 3 and set(small) == set(keyword)
         else:
-            is_similar = sorted(small) == sorted(keyword) or (
-                SequenceMatcher(None, small, keyword).ratio() >= (0.7 if len(keyword) > 3 else 0.79)
-            )
-        if is_similar:
-            found.append((-SequenceMatcher(None, small, keyword).ratio(), keyword))
+            is_similar = ratio >= (0.7 if len(keyword) > 3 else 0.79)
+        if is_similar or sorted(small) == sorted(keyword):
+            found.append((-ratio, keyword))
     return tuple(keyword for _, keyword in sorted(found)[:3])
 
 
@@ -121,7 +117,7 @@ def forms(code: WrongBlock) -> Guesses:
         token, word, name = code.tokens[index], code.get(index + 1), code.get(index + 2)
         is_form = token.text == "(" and word.text in KEYWORDS and (name.kind == "name" or name.text == "[")
         if is_form:
-            start, end, shown = token.start, code.tokens[code.partner(index, lines=True)].end, word
+            start, end, shown = token.start, code.tokens[code.partner(index, across_lines=True)].end, word
         elif token.text in _FORMS and code.begins(index) and code.is_gap(index) and code.ends(index + 2):
             start, end, shown = token.start, word.end, token
         else:
@@ -147,9 +143,9 @@ def negated(code: WrongBlock) -> Guesses:
         if token.text != "not":
             continue
         if before.text == "is" and after.text in _OPPOSITE:
-            message = f"`is not` and `{after.text}` do not go together. Write `{_OPPOSITE[after.text]}`."
-            yield Guess("LRP517", message, before.start, after.end,
-                             (Edit(before.start, after.end, _OPPOSITE[after.text]),))  # fmt: skip
+            meant = _OPPOSITE[after.text]
+            message = f"`is not` and `{after.text}` do not go together. Write `{meant}`."
+            yield Guess("LRP517", message, before.start, after.end, (Edit(before.start, after.end, meant),))
         if after.text in _OPPOSITE:
             meant = _OPPOSITE[after.text]
             message = f"`not` does not negate the sign after it. Write `{meant}`."

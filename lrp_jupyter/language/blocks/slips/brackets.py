@@ -85,12 +85,11 @@ def _unclosed(code: WrongBlock, index: int, stop: int | None = None) -> Guesses:
             break
     if stop is not None:
         ends = [stop - 1]
-    last = code.tokens[ends[-1]]
-    if last.text in (":", ";", ",") and stop is None:
-        ends.insert(-1, ends[-1] - 1)
-        while code.tokens[ends[-2]].text in (":", ";", ","):
-            ends[-2] -= 1
-    if stop is None:
+    else:
+        if code.tokens[ends[-1]].text in (":", ";", ","):
+            ends.insert(-1, ends[-1] - 1)
+            while code.tokens[ends[-2]].text in (":", ";", ","):
+                ends[-2] -= 1
         for each in inside[1:-1]:
             if code.tokens[each].text in (":", ";") and code.tokens[each - 1].text not in (":", ";"):
                 ends.insert(0 if code.tokens[each].text == ":" else len(ends), each - 1)
@@ -130,20 +129,15 @@ def braces(code: WrongBlock) -> Guesses:
             depth += 1
             first = first or token
             edits.append(Edit(before.end, token.end, ":"))
-        elif (
-            token.text == "}"
-            and depth
-            and (code.begins(index) or code.ends(index + 1) or code.begins(index - 1))
-        ):
-            depth -= 1
-            end = after.start if after.line == token.line else token.end
-            start = token.start
-            if before.line == token.line:
-                start = before.end if after.line != token.line else start
-            edits.append(Edit(start, end, ""))
         elif token.text == "}" and depth:
             depth -= 1
-            edits.append(Edit(token.start, token.end, ""))
+            start, end = token.start, token.end
+            if code.begins(index) or code.ends(index + 1) or code.begins(index - 1):
+                if after.line == token.line:
+                    end = after.start
+                elif before.line == token.line:
+                    start = before.end
+            edits.append(Edit(start, end, ""))
     if first is not None:
         message = "Python has no braces around statements. Write `:` instead of `{`, and remove the `}`."
         yield Guess("LRP510", message, first.start, first.end, tuple(edits))

@@ -120,11 +120,8 @@ class WrongBlock:
             else:
                 return min(end, len(self.tokens))
 
-    def partner(self, index: int, lines: bool = False) -> int:
-        """Return the index of the bracket that closes one, or the last of its line.
-
-        `lines`: whether it may be in a later line.
-        """
+    def partner(self, index: int, across_lines: bool = False) -> int:
+        """Return the index of the bracket that closes one, or the last of its line."""
         depth, last = 0, -1
         line = self.tokens[index].line
         for end in range(index, len(self.tokens)):
@@ -132,7 +129,7 @@ class WrongBlock:
             depth += (text in OPENING) - (text in CLOSING)
             if last < 0 and self.get(end + 1).line != line:
                 last = end
-            if not depth or (last >= 0 and not lines):
+            if not depth or (last >= 0 and not across_lines):
                 return end
         return last
 
@@ -171,7 +168,7 @@ def _tokens(text: str) -> Iterator[PythonToken]:
             line, begins = line + 1, True
             continue
         if kind == "blank":
-            line += kind == "blank" and match[0][:1] == "\\"
+            line += match[0][:1] == "\\"
             continue
         if kind == "string":
             position, closed = string_end(text, position - 1, 0)
@@ -227,9 +224,3 @@ Guesses = Iterator[Guess]
 def change(token: PythonToken, text: str, number: str, message: str) -> Guess:
     """Return the guess that another text was meant instead of a token."""
     return Guess(number, message, token.start, token.end, (Edit(token.start, token.end, text),))
-
-
-def worded(text: str, start: int, end: int, word: str) -> Edit:
-    """Return the edit that writes a word instead of a sign, with blanks around it."""
-    before = "" if text[start - 1 : start].isspace() or start == 0 else " "
-    return Edit(start, end, f"{before}{word}" + ("" if text[end : end + 1].isspace() else " "))

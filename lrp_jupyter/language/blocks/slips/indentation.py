@@ -16,9 +16,7 @@ def indentation(code: WrongBlock) -> Guesses:
     margins: list[_Margin] = []
     for head, last in lines:
         start = code.starts[min(head.line, len(code.starts) - 1)]
-        white = code.text[start : head.start]
-        if head.line == 0:
-            white = " " * code.column
+        white = code.text[start : head.start] if head.line else " " * code.column
         margins.append((start, white, head, last))
     tabs = [row for row in margins if "\t" in row[1] and row[2].line]
     if tabs and ("tab" in code.problem or "indent" in code.problem):
@@ -49,11 +47,9 @@ def indentation(code: WrongBlock) -> Guesses:
                 message = f"This line belongs to the `{keyword}` above. Start it further right."
             else:
                 side = "right" if width < len(white) else "left"
-                move = _columns(width - len(white))
-                message = f"This line begins too far {side}. Move it {move}."
+                message = f"This line begins too far {side}. Move it {_columns(width - len(white))}."
             rank = (abs(row - first), abs(width - len(white)), -width)
-            place = (head.start, head.end)
-            moves.append((rank, Guess("LRP515", message, *place, (edit,))))
+            moves.append((rank, Guess("LRP515", message, head.start, head.end, (edit,))))
     ranks = [rank[:2] for rank, _ in moves]
     for rank, fault in sorted(moves, key=lambda move: move[0]):
         if ranks.count(rank[:2]) > 1:  # as far from one line above as from another

@@ -50,17 +50,11 @@ def strings(code: WrongBlock) -> Guesses:
         after = code.get(index + 1)
         if token.kind == "string" and after.kind == "name" and after.start == token.end:
             last = next((each for each in code.tokens[index:] if each.kind == "open"), None)
-            other = '"' if token.text[0] == "'" else "'"
-            if last and last.line == token.line and last.text[0] == token.text[0] != other:
-                whole = code.text[token.start + 1 : last.start]
+            quote = token.text[0]
+            other = '"' if quote == "'" else "'"
+            if last and last.line == token.line and last.text[0] == quote != other:
+                whole, end = code.text[token.start + 1 : last.start], last.start + 1
                 if other not in whole:
-                    message = (
-                        f"The `{token.text[0]}` inside ends this string. Write it with `{other}` around it."
-                    )
-                    pair = (
-                        Edit(token.start, token.start + 1, other),
-                        Edit(last.start, last.start + 1, other),
-                    )
-                    yield Guess(
-                        "LRP514", message, token.start, last.start + 1, pair, _ITEMS.isdisjoint(whole)
-                    )
+                    message = f"The `{quote}` inside ends this string. Write it with `{other}` around it."
+                    pair = (Edit(token.start, token.start + 1, other), Edit(last.start, end, other))
+                    yield Guess("LRP514", message, token.start, end, pair, _ITEMS.isdisjoint(whole))

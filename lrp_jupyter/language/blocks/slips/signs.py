@@ -8,15 +8,7 @@ import unicodedata
 from itertools import pairwise
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.blocks.slips.code import (
-    OPENING,
-    Guess,
-    Guesses,
-    PythonToken,
-    WrongBlock,
-    change,
-    worded,
-)
+from lrp_jupyter.language.blocks.slips.code import OPENING, Guess, Guesses, PythonToken, WrongBlock, change
 
 
 def signs(code: WrongBlock) -> Guesses:
@@ -29,13 +21,11 @@ def signs(code: WrongBlock) -> Guesses:
         for meant in _MEANT[sign]:
             edits = []
             for index in indices:
-                start, end = code.tokens[index].start, code.tokens[index].end
-                if meant.isalpha():
-                    edits.append(worded(code.text, start, end, meant))
-                elif meant == ".":
-                    edits.append(Edit(code.tokens[index - 1].end if index else start, end, meant))
+                token = code.tokens[index]
+                if meant == "." and index:
+                    edits.append(Edit(code.tokens[index - 1].end, token.end, meant))
                 else:
-                    edits.append(Edit(start, end, meant))
+                    edits.append(_written(code.text, token, meant))
             first = code.tokens[indices[0]]
             message = f"Python has no `{sign}`. Write `{meant.strip()}`."
             yield Guess("LRP510", message, first.start, first.end, tuple(edits))
@@ -43,12 +33,8 @@ def signs(code: WrongBlock) -> Guesses:
     yield from _increments(code)
     yield from _assignments(code)
     for index, (first, second) in enumerate(pairwise(code.tokens)):
-        if (
-            second.text == "="
-            and first.text in "=!<>+-*/"
-            and first.end < second.start
-            and first.kind == "sign"
-        ):
+        is_pair = first.kind == "sign" and first.text in "=!<>+-*/" and second.text == "="
+        if is_pair and first.end < second.start:
             sign = "=" if first.text == "=" and _is_assigned(code, index) else f"{first.text}="
             message = f"`{code.text[first.start : second.end]}` is two signs. Write `{sign}`."
             yield Guess("LRP510", message, first.start, second.end, (Edit(first.start, second.end, sign),))
@@ -82,21 +68,19 @@ def _negations(code: WrongBlock) -> Guesses:
         for index in signs:
             token = code.tokens[index]
             word = "= not" if token.text == "=!" else "(not" if wrapped else "not"
-            edits.append(worded(code.text, token.start, token.end, word))
+            edits.append(_worded(code.text, token, word))
             if edits[-1].text.startswith(" (") or code.get(index - 1).text in OPENING:
                 edits[-1] = edits[-1]._replace(text=edits[-1].text.lstrip())
-            if code.get(index + 1).start > token.end and edits[-1].text.endswith(" "):
+            if code.get(index + 1).start > token.end:
                 edits[-1] = edits[-1]._replace(text=edits[-1].text.rstrip())
             if wrapped and token.text == "!":
                 end = code.tokens[code.chain_end(index + 1) - 1].end
                 edits.append(Edit(end, end, ")"))
-        yield Guess(
-            "LRP510", f"Python has no `{first.text}`. Write `not`.", first.start, first.end, tuple(edits)
-        )
+        message = f"Python has no `{first.text}`. Write `not`."
+        yield Guess("LRP510", message, first.start, first.end, tuple(edits))
     for index in signs:
-        yield change(
-            code.tokens[index], "!=", "LRP510", f"Python has no `{code.tokens[index].text}`. Write `!=`."
-        )
+        token = code.tokens[index]
+        yield change(token, "!=", "LRP510", f"Python has no `{token.text}`. Write `!=`.")
 
 
 def _increments(code: WrongBlock) -> Guesses:
@@ -168,9 +152,14 @@ _SIGNS = {
 
 
 def _written(text: str, token: PythonToken, meant: str) -> Edit:
-    if meant.isalpha():
-        return worded(text, token.start, token.end, meant)
-    return Edit(token.start, token.end, meant)
+    return _worded(text, token, meant) if meant.isalpha() else Edit(token.start, token.end, meant)
+
+
+def _worded(text: str, token: PythonToken, word: str) -> Edit:
+    """Return the edit that writes a word instead of a sign, with blanks around it."""
+    start, end = token.start, token.end
+    before = "" if text[start - 1 : start].isspace() or start == 0 else " "
+    return Edit(start, end, f"{before}{word}" + ("" if text[end : end + 1].isspace() else " "))
 
 
 def _ascii(character: str) -> str | None:
@@ -203,9 +192,8 @@ def conditionals(code: WrongBlock) -> Guesses:
         token = code.tokens[index]
         if token.text != "?":
             continue
-        colon = next(
-            (each for each in range(index, code.statement_end(index)) if code.get(each).text == ":"), None
-        )
+        whole = range(index, code.statement_end(index))
+        colon = next((each for each in whole if code.get(each).text == ":"), None)
         start = index
         while not code.begins(start) and code.get(start - 1).text not in ("=", "return", "(", ",", "[", "+="):
             start -= 1

@@ -28,7 +28,7 @@ def colons(code: WrongBlock) -> Guesses:
         if head.text not in HEADERS:
             if last.text == ":":
                 message = "Only a header such as `if …:` ends with `:`. Remove it."
-                yield Guess("LRP512", message, last.start, last.end, (Edit(last.start, last.end, ""),))
+                yield change(last, "", "LRP512", message)
             continue
         message = f"This `{head.text}` needs a `:`. Write it after `{{}}`."
         if head.text == "def" and last.kind == "name" and len(line) == 2:
@@ -45,8 +45,7 @@ def colons(code: WrongBlock) -> Guesses:
             if is_value_end(code.tokens[index]) and is_start:
                 ends.append(index)
         if last.text in (";", ",", ".", "=", "->", "=>", "{"):
-            fault = f"`{last.text}` does not end a header. Write `:`."
-            yield Guess("LRP512", fault, last.start, last.end, (Edit(last.start, last.end, ":"),))
+            yield change(last, ":", "LRP512", f"`{last.text}` does not end a header. Write `:`.")
         ends.insert(0 if head.text not in BARE else 1, line[-1])
         colons = [index for index in line if code.tokens[index].text == ":" and not code.tokens[index].depth]
         for index in dict.fromkeys(ends):
@@ -58,8 +57,7 @@ def colons(code: WrongBlock) -> Guesses:
         for index in line[1:]:
             token = code.tokens[index]
             if token.text in (";", ",") and not (token.depth or colons):
-                fault = f"`{token.text}` does not end a header. Write `:`."
-                yield Guess("LRP512", fault, token.start, token.end, (Edit(token.start, token.end, ":"),))
+                yield change(token, ":", "LRP512", f"`{token.text}` does not end a header. Write `:`.")
 
 
 def equals(code: WrongBlock) -> Guesses:
@@ -164,7 +162,8 @@ def _calls(code: WrongBlock, index: int) -> Guesses:
         end = code.tokens[stop - 1].end
         call = code.piece(code.tokens[start].start, left.end) + "(" + code.piece(right.start, end) + ")"
         edits = (Edit(left.end, right.start, "("), Edit(end, end, ")"))
-        is_certain = left.text in _FUNCTIONS or start < index or not (_is_word(right) or code.is_condition)
+        is_plain = right.kind == "name" or code.is_condition
+        is_certain = left.text in _FUNCTIONS or start < index or not is_plain
         message = f"A call needs parentheses. Write `{call}`."
         yield Guess("LRP517", message, left.start, end, edits, is_certain)
 
@@ -173,10 +172,6 @@ _FUNCTIONS = frozenset(
     {"print", "range", "abs", "len", "min", "max", "round", "int", "float", "str", "bool", "sum"}
 )
 _AFTER = frozenset({":", ";", "and", "or", "if", "else", "<", ">", "<=", ">=", "==", "!="})
-
-
-def _is_word(token: PythonToken) -> bool:
-    return token.kind == "name"
 
 
 def _short(token: PythonToken) -> str:
@@ -195,10 +190,8 @@ def strays(code: WrongBlock) -> Guesses:
         token = code.tokens[index]
         before = code.get(index - 1)
         if token.kind == "name" and token.text == before.text:
-            edit = Edit(before.end, token.end, "")
-            yield Guess(
-                "LRP501", f"`{token.text}` is written twice. Remove one.", token.start, token.end, (edit,)
-            )
+            message = f"`{token.text}` is written twice. Remove one."
+            yield Guess("LRP501", message, token.start, token.end, (Edit(before.end, token.end, ""),))
         elif token.kind == "sign" and token.text == before.text and token.text not in OPENING:
             yield change(token, "", "LRP501", f"`{token.text}` is written twice. Remove one.")
     for index in code.near():
