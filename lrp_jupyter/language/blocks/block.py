@@ -269,9 +269,8 @@ def bind(code: CodeType, namespace: dict[str, Any], cells: Mapping[str, CellType
     `namespace`: the function's globals, not copied; nothing is written into it.
     `cells`: one for every free variable of the code.
     """
-    return FunctionType(
-        code, namespace, code.co_name, None, tuple([cells[name] for name in code.co_freevars])
-    )
+    closure = tuple([cells[name] for name in code.co_freevars])
+    return FunctionType(code, namespace, code.co_name, None, closure)
 
 
 @lru_cache(maxsize=20_000)
@@ -307,9 +306,7 @@ def _function(text: str, before: int, names: frozenset[str]) -> CodeType:
     """Compile a block whose first line has so many bytes before it; its lines count from 1."""
     tree, suite = parse_suite(text)  # not the cached one, because it is modified
     assigned = sorted(read(text).uses.scope.bound & names)
-    body: list[ast.stmt] = (
-        [_Plain(names).visit(statement) for statement in tree.body] if assigned else tree.body
-    )
+    body: list[ast.stmt] = [_Plain(names).visit(each) for each in tree.body] if assigned else tree.body
     if body and isinstance(body[-1], ast.Expr):
         last = body[-1]
         body[-1] = ast.copy_location(ast.Return(last.value), last)

@@ -160,9 +160,7 @@ class _Evaluator:
                 return _BINARY[type(kind)](self.of(left), self.of(right))
             case ast.IfExp(test, body, other):
                 return self.of(body if self.of(test) else other)
-            case ast.Subscript(inner, ast.Slice()):
-                raise UnknownValueError(f"`{_text(node)}` is not evaluated again.")
-            case ast.Subscript(inner, index):
+            case ast.Subscript(inner, index) if not isinstance(index, ast.Slice):
                 return self.of(inner)[self.of(index)]
             case ast.Tuple(elements):
                 return tuple(self.of(element) for element in elements)

@@ -71,9 +71,7 @@ class PythonScope:
                 return None
             if scope.outer is None:
                 return scope
-            hidden = (
-                scope.is_class and scope is not self
-            )  # methods do not see the names that their class binds
+            hidden = scope.is_class and scope is not self  # from its methods
             if name in scope.bound and name not in scope.outer_names and not hidden:
                 return scope
             scope = scope.outer
@@ -256,9 +254,8 @@ class _Visitor(Offsets):
         first, *others = node.generators
         self.visit(first.iter, scope)
         self.visit_all([first.target, *first.ifs, *others], inner)
-        self.visit_all(
-            [child for child in ast.iter_child_nodes(node) if not isinstance(child, ast.comprehension)], inner
-        )
+        parts = ast.iter_child_nodes(node)
+        self.visit_all([part for part in parts if not isinstance(part, ast.comprehension)], inner)
 
     def on_walrus(self, node: ast.NamedExpr, scope: PythonScope) -> None:
         self.visit(node.value, scope)

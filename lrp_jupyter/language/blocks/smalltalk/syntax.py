@@ -303,7 +303,10 @@ class _SmalltalkReader:
         if token.text == "[":
             return self._closure()
         if token.kind == "name":
-            return self._value(token)
+            word = _VALUES.get(token.text, token.text)
+            if word in _VALUES.values():
+                return Literal(word, "truth" if word in _TRUTHS else "")
+            return SmalltalkName(self._name(token, is_dotted=True))
         if token.text == "-" and self.token.kind == "number" and self.token.start == token.end:
             return Literal(f"-{_number(self.take().text)}", "number")
         if token.kind == "number":
@@ -313,12 +316,6 @@ class _SmalltalkReader:
         if token.kind == "symbol":
             return Literal(repr(token.text[1:]), "text")
         raise _NotSmalltalkError
-
-    def _value(self, token: _Token) -> Node:
-        word = _VALUES.get(token.text, token.text)
-        if word in _VALUES.values():
-            return Literal(word, "truth" if word in _TRUTHS else "")
-        return SmalltalkName(self._name(token, is_dotted=True))
 
     def _closure(self) -> Node:
         parameters = []

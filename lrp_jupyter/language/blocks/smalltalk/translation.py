@@ -112,12 +112,11 @@ class _Translation:
 
     def _simple(self, node: Node, depth: int, is_tested: bool) -> Iterator[tuple[int, str]]:
         if isinstance(node, Binding):
-            value: Node = node
             names = ""
-            while isinstance(value, Binding):
-                names += f"{value.name} = "
-                value = value.value
-            yield depth, names + self.write(value).text
+            while isinstance(node, Binding):
+                names += f"{node.name} = "
+                node = node.value
+            yield depth, names + self.write(node).text
         elif isinstance(node, Return):
             yield depth, f"return {self.write(node.value).text}"
         elif isinstance(node, Send) and node.selector in _CONTROL and not is_tested:
@@ -126,13 +125,10 @@ class _Translation:
             yield depth, f"{node.operands[0].text} = {self.write(assigned).text}"  # type: ignore[union-attr]
         elif isinstance(node, Send) and root(node) == "Transcript" and node.selector == "cr":
             yield depth, "print()"
+        elif isinstance(node, Send) and root(node.receiver) == "Transcript" and node.selector == "show:":
+            yield depth, f"print({self.write(node.arguments[0]).text})"
         else:
-            text = self._shown(node)
-            yield depth, text or self.write(node, is_tested=is_tested).text
-
-    def _shown(self, node: Node) -> str:
-        is_shown = isinstance(node, Send) and root(node.receiver) == "Transcript" and node.selector == "show:"
-        return f"print({self.write(node.arguments[0]).text})" if is_shown else ""  # type: ignore[union-attr]
+            yield depth, self.write(node, is_tested=is_tested).text
 
     def _control(self, node: Send, depth: int) -> Iterator[tuple[int, str]]:
         receiver, selector, arguments = node
@@ -180,12 +176,11 @@ class _Translation:
 
     def _unary(self, node: Send) -> _Written:
         receiver = self.write(node.receiver)
-        if root(node) == "robot":
-            call = "()" if node.selector in COMMANDS else ""
-            if node.selector not in _UNARY:
-                return _Written(f"{receiver.text}.{node.selector}{call}", _ATOM)
         if node.selector not in _UNARY:
-            raise UntranslatableError
+            if root(node) != "robot":
+                raise UntranslatableError
+            call = "()" if node.selector in COMMANDS else ""
+            return _Written(f"{receiver.text}.{node.selector}{call}", _ATOM)
         pattern, inner, level, kind = _UNARY[node.selector]
         if node.selector == "rounded":
             self.is_certain = False  # 2.5 becomes 2 in Python and 3 in Smalltalk
@@ -196,7 +191,8 @@ class _Translation:
         if root(receiver) == "robot" and selector not in KEYWORD:
             return self._command(node)
         if selector in ("and:", "or:"):
-            return self._joined("&" if selector == "and:" else "|", receiver, _value_of(arguments[0]))
+            operands = self.write(receiver), self.write(_value_of(arguments[0]))
+            return self._applied("&" if selector == "and:" else "|", *operands, True)
         if selector in ("ifTrue:ifFalse:", "ifFalse:ifTrue:"):
             yes, no = (self.write(_value_of(each)) for each in arguments)
             if selector == "ifFalse:ifTrue:":
@@ -280,9 +276,6 @@ class _Translation:
         left = self._usual(operands[: at + 1], signs[:at], False)
         right = self._usual(operands[at + 1 :], signs[at + 1 :], False)
         return self._applied(signs[at], left, right, is_tested)
-
-    def _joined(self, sign: str, left: Node, right: Node) -> _Written:
-        return self._applied(sign, self.write(left), self.write(right), True)
 
     def _applied(self, sign: str, left: _Written, right: _Written, is_tested: bool) -> _Written:
         python, level = _SIGNS[sign]
