@@ -70,17 +70,10 @@ class DrawnProgram:
         """Return a transition as it is written."""
         return WrittenTransition(self.sheet, self.sheet.at(arrow.noun.span.start))
 
-    def is_spawned(self, scope: Scope) -> bool:
-        """Return whether anything spawns a machine."""
-        return any(spawning.machine is scope for spawning in self.names.spawns)
-
-    def starts(self, scope: Scope, state: str) -> list[WrittenForm]:
-        """Return the spawns that start a machine in a state."""
-        return [
-            self.sheet.at(spawning.noun.span.start)
-            for spawning in self.names.spawns
-            if spawning.machine is scope and spawning.noun.state == state
-        ]
+    def spawns(self, scope: Scope, state: str = "") -> list[WrittenForm]:
+        """Return the spawns that start a machine, in a state or in any."""
+        spawns = [each.noun for each in self.names.spawns if each.machine is scope]
+        return [self.sheet.at(spawn.span.start) for spawn in spawns if state in ("", spawn.state)]
 
     def spawn(self, scope: Scope, state: str) -> Edit:
         """Return the edit that spawns a machine which nothing spawns yet."""
@@ -196,7 +189,7 @@ def _state(drawing: DrawnProgram, scope: Scope, name: str) -> list[Edit]:
     if name in scope.states:
         raise ValueError(f"`{name}` is taken by another state. Choose another name.")
     edits = [drawing.sheet.added(drawing.form_of(scope), f"(state {name})")]
-    if not scope.states and not drawing.is_spawned(scope):
+    if not scope.states and not drawing.spawns(scope):
         edits.append(drawing.spawn(scope, name))
     return edits
 
@@ -316,7 +309,7 @@ def delete_state(text: str, path: Path) -> list[Edit]:
             else:
                 gone.append(drawing.written(arrow).form)
     other = next((each for each in scope.states if each != name), None)
-    for spawn in drawing.starts(scope, name):
+    for spawn in drawing.spawns(scope, name):
         if other is None:
             gone.append(spawn)
         elif not state.span.start < spawn.start < state.span.end:
@@ -328,9 +321,7 @@ def delete_machine(text: str, path: Path) -> list[Edit]:
     """Return the edits that delete a machine, with its spawns."""
     drawing = DrawnProgram(text)
     scope = drawing.machine(path)
-    spawns = [each for each in drawing.names.spawns if each.machine is scope]
-    gone = [drawing.form_of(scope), *(drawing.sheet.at(each.noun.span.start) for each in spawns)]
-    return drawing.edits(drawing.sheet.removed(gone))
+    return drawing.edits(drawing.sheet.removed([drawing.form_of(scope), *drawing.spawns(scope)]))
 
 
 # -- changed transitions ---------------------------------------------------------------------------------
@@ -364,7 +355,7 @@ def retarget(
     homes = [arrow.scope] if end == "source" else list(arrow.homes)
     every = end == "source" and name == "*"
     if not every and not any(name in home.states for home in homes):
-        where = path_text(homes[0].path) if homes else path_text(arrow.scope.path)
+        where = path_text((homes[0] if homes else arrow.scope).path)
         known = [state for home in homes for state in home.states]
         raise UnknownElementError.missing(f"There is no state `{name}` in `{where}`.", name, known)
     if end == "destination":
@@ -390,22 +381,17 @@ def reverse(text: str, path: Path) -> list[Edit]:
     arrow = drawing.arrow(path)
     noun, written = arrow.noun, drawing.written(arrow)
     if noun.outward or noun.wildcard or len(noun.sources) != 1:
-        raise ValueError(
-            f"`{arrow.label}` cannot be reversed. Only a transition between two states of one machine can."
-        )
-    return drawing.edits(
-        [Edit(*written.source, str(noun.destination)), Edit(*written.destination, str(noun.sources[0]))]
-    )
+        reason = "Only a transition between two states of one machine can."
+        raise ValueError(f"`{arrow.label}` cannot be reversed. {reason}")
+    source, destination = str(noun.sources[0]), str(noun.destination)
+    return drawing.edits([Edit(*written.source, destination), Edit(*written.destination, source)])
 
 
 def start_in(text: str, path: Path) -> list[Edit]:
     """Return the edits that start a machine in a state; it is spawned if nothing spawns it."""
     drawing = DrawnProgram(text)
     scope, state = drawing.state(path)
-    name = str(state.name)
-    spawns = [
-        drawing.sheet.at(each.noun.span.start) for each in drawing.names.spawns if each.machine is scope
-    ]
+    name, spawns = str(state.name), drawing.spawns(scope)
     if not spawns:
         return drawing.edits([drawing.spawn(scope, name)])
     return drawing.edits([Edit(*spawn.span(2), name) for spawn in spawns])

@@ -19,12 +19,8 @@ from lrp_jupyter.language.python.scanner import LINE_END, strings
 from lrp_jupyter.language.reading.tokens import LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS
 
-_RANKS = {"var": 0, "event": 1, "onentry": 2, "running": 3, "onexit": 4, "onpause": 5, "onresume": 6} | {
-    "state": 7,
-    "machine": 8,
-    "spawn": 9,
-    **dict.fromkeys(FORMS, 10),
-}
+_ORDER = ("var", "event", "onentry", "running", "onexit", "onpause", "onresume", "state", "machine", "spawn")
+_RANKS = {keyword: rank for rank, keyword in enumerate(_ORDER)} | dict.fromkeys(FORMS, len(_ORDER))
 """The order of the forms in a form: a new one goes after the last one like it, or of a lower rank."""
 _APART = frozenset({"machine", "spawn", "onpause"})  # at the top level: a blank line after another kind
 _BLANKS = re.compile(r"[ \t]*")

@@ -44,10 +44,8 @@ class _Move:
 
     def refuse(self, arrow: Arrow, reason: str) -> None:
         """Raise, because this transition prevents the move."""
-        raise ValueError(
-            f"`{arrow.label}` {reason}. "
-            f"Delete it or connect it to another state first, then move `{self.name}`."
-        )
+        remedy = f"Delete it or connect it to another state first, then move `{self.name}`."
+        raise ValueError(f"`{arrow.label}` {reason}. {remedy}")
 
     def arrows(self) -> Iterator[tuple[Arrow, bool]]:
         """Yield the transitions that name the state, and whether as their source; those to itself move along.
@@ -64,9 +62,7 @@ class _Move:
                 self.bring(arrow)
             elif is_source or is_destination:
                 yield arrow, is_source
-            elif (
-                noun.outward and arrow.scope.path[: len(self.path)] == self.path and self.scope in arrow.homes
-            ):
+            elif noun.outward and _is_in(arrow.scope.path, self.path) and self.scope in arrow.homes:
                 self.refuse(arrow, f"leads from inside `{self.name}` to a state beside it")
 
     def finish(self, parent: WrittenForm, new_machine: str = "") -> list[Edit]:
@@ -82,9 +78,8 @@ class _Move:
             for part in parts:
                 gap = sheet.place(parent, part[0].keyword)[1]
                 self.edits.append(sheet.added(parent, self._text(*part, gap)))
-        return self.drawing.edits(
-            [*self.edits, *sheet.removed([*self.gone, *(form for form, _, _ in parts)])]
-        )
+        gone = [*self.gone, *(form for form, _, _ in parts)]
+        return self.drawing.edits([*self.edits, *sheet.removed(gone)])
 
     def _text(self, form: WrittenForm, keyword: str, destination: str, gap: str) -> str:
         """Return the text of a form, indented for its new place unless that changes its meaning."""
@@ -150,9 +145,9 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
             move.refuse(arrow, f"would lead from `{into}` into itself")
         else:
             move.rewrite(arrow, destination=into)
-    move.edits += [Edit(*spawn.span(2), into) for spawn in drawing.starts(scope, name)]
+    move.edits += [Edit(*spawn.span(2), into) for spawn in drawing.spawns(scope, name)]
     if inner:
-        if not inner.states and not drawing.is_spawned(inner):
+        if not inner.states and not drawing.spawns(inner):
             move.edits.append(drawing.spawn(inner, name))
         return move.finish(drawing.form_of(inner))
     taken = {scope.path[-1] for scope in drawing.names.scopes if scope.path}
@@ -187,35 +182,36 @@ def unnest(text: str, path: Path) -> list[Edit]:
             move.refuse(arrow, "would have to be an `exit`, which needs one source and a condition")
         else:
             move.rewrite(arrow, keyword="exit")
-    spawns = drawing.starts(scope, name)
+    spawns = drawing.spawns(scope, name)
     other = next((each for each in scope.states if each != name), None)
     if other is not None:
         move.edits += [Edit(*spawn.span(2), other) for spawn in spawns]
         return move.finish(drawing.form_of(outer))
-    machine = scope.noun
-    is_empty = machine and not (
-        machine.variables or machine.events or len(machine.transitions) > len(move.along)
-    )
-    move.gone = [*spawns, *([drawing.form_of(scope)] if is_empty else [])]
+    has_others = scope.variables or scope.events or len(scope.transitions) > len(move.along)
+    move.gone = spawns if has_others else [*spawns, drawing.form_of(scope)]
     return move.finish(drawing.form_of(outer))
 
 
 def _names(move: _Move) -> Iterator[tuple[str, str, Scope | None]]:
     """Yield what a state and its transitions refer to: kind, name, and the scope that defines it."""
-    names, depth = move.drawing.names, len(move.path)
+    names = move.drawing.names
     for element, codes in names.blocks.items():
-        if element.path[:depth] == move.path or _is_own(move, element.path):
+        if _is_in(element.path, move.path) or _is_own(move, element.path):
             for code in codes:
                 for place in block_names(code.block).places:
                     yield "variable", place.name, code.visible.get(place.name)
     for arrow in chain.from_iterable(names.arrows.values()):
-        is_inside = arrow.element.path[:depth] == move.path or _is_own(move, arrow.element.path)
+        is_inside = _is_in(arrow.element.path, move.path) or _is_own(move, arrow.element.path)
         if is_inside and arrow.noun.trigger.reference is not None:
             kind, name = arrow.noun.trigger.reference
             yield kind, str(name), arrow.owner
     for spawning in names.spawns:
-        if spawning.spawner[:depth] == move.path:
+        if _is_in(spawning.spawner, move.path):
             yield "machine", str(spawning.noun.machine), spawning.machine
+
+
+def _is_in(path: Path, around: Path) -> bool:
+    return path[: len(around)] == around
 
 
 def _is_own(move: _Move, path: Path) -> bool:
@@ -231,17 +227,15 @@ def _refuse_captured(move: _Move, inner: Scope) -> None:
     beside = inner.outer.machines[inner.state] if inner.outer else {}
     own: dict[str, Collection[str]] = {"variable": inner.variables, "event": inner.events, "machine": beside}
     for kind, name, owner in _names(move):
-        if name in own[kind] and not (owner and owner.path[: len(move.path)] == move.path):
-            raise ValueError(
-                f"`{name}` would mean another {kind} in `{path_text(inner.path)}`. Rename one of them first."
-            )
+        if name in own[kind] and not (owner and _is_in(owner.path, move.path)):
+            problem = f"`{name}` would mean another {kind} in `{path_text(inner.path)}`"
+            raise ValueError(f"{problem}. Rename one of them first.")
 
 
 def _refuse_lost(move: _Move, outer: Scope) -> None:
     """Raise if a name used in the state refers to something that is not defined outside."""
     around = (*outer.path, move.scope.state)
     for kind, name, owner in _names(move):
-        if owner and owner.path[: len(around)] == around and owner.path[: len(move.path)] != move.path:
-            raise ValueError(
-                f"`{move.name}` uses `{name}`, a {kind} inside `{move.scope.state}`. Move that out first."
-            )
+        if owner and _is_in(owner.path, around) and not _is_in(owner.path, move.path):
+            problem = f"`{move.name}` uses `{name}`, a {kind} inside `{move.scope.state}`"
+            raise ValueError(f"{problem}. Move that out first.")

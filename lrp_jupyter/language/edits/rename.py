@@ -174,9 +174,8 @@ def _check_meaning(
     """Raise if any name has another meaning in the new text than before."""
     counts = Counter(use.span for use in uses if use.symbol)
     if any(counts[span] > 1 for span in symbol.references):
-        raise ValueError(
-            f"{symbol.element} is not the only one that its `exit` can lead to. Rename it by hand."
-        )
+        problem = f"{symbol.element} is not the only one that its `exit` can lead to"
+        raise ValueError(f"{problem}. Rename it by hand.")
     if symbol.element.kind == "transition" and _shared(found, symbol, program):
         raise ValueError(f"{symbol.element} is not the only one of this name. Rename it by hand.")
     if any(other.element == (symbol.element.kind, (*symbol.element.path[:-1], name)) for other in found):
