@@ -6,6 +6,7 @@ Paper: §9 ("We plan to statically detect more kinds of errors").
 from __future__ import annotations
 
 from collections.abc import Collection
+from operator import attrgetter
 
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.codes import FINDINGS as CODES
@@ -55,8 +56,5 @@ def check(
     check_acting(report, resolution)
     check_unseen(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]
-    return listed(sorted(first, key=_place), len(report.findings))
-
-
-def _place(finding: Finding) -> tuple[int, int, int, int, str]:
-    return finding.line, finding.column, finding.end_line, finding.end_column, finding.code
+    place = attrgetter("line", "column", "end_line", "end_column", "code")
+    return listed(sorted(first, key=place), len(report.findings))

@@ -23,14 +23,9 @@ def new_event(report: Reporter, machine: Machine | None, name: str) -> Fix | Non
     return _created(report, machine, f"(event {name} [False])", f"event `{name}`")
 
 
-def new_variable(report: Reporter, name: str) -> Fix | None:
+def new_variable(report: Reporter, name: str, value: int = 0) -> Fix | None:
     """Return the fix that creates a variable at the top level, with a value to be replaced."""
-    return _created(report, None, f"(var {name} := [0])", f"variable `{name}`")
-
-
-def new_delay(report: Reporter, name: str) -> Fix | None:
-    """Return the fix that creates a variable at the top level that holds a second."""
-    return _created(report, None, f"(var {name} := [1000])", f"variable `{name}`")
+    return _created(report, None, f"(var {name} := [{value}])", f"variable `{name}`")
 
 
 def new_machine(report: Reporter, state: State | None, name: str, start: str) -> Fix | None:

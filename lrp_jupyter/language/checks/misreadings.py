@@ -56,10 +56,6 @@ def _assign(node: ast.Assign, places: Offsets) -> Iterator[Diagnosis]:
         yield from _comma(node.value, places)
 
 
-def _augmented(node: ast.AugAssign, places: Offsets) -> Iterator[Diagnosis]:
-    return _comma(node.value, places)
-
-
 def _comma(node: ast.expr, places: Offsets) -> Iterator[Diagnosis]:
     """Find `0,5` and `5,`, which are not numbers."""
     if not isinstance(node, ast.Tuple) or places.source[places.start_of(node)] == "(":
@@ -84,8 +80,8 @@ def _halved(node: ast.expr, places: Offsets) -> Iterator[Diagnosis]:
         if between == "," and _text(first, places).isdigit() and _text(second, places).isdigit():
             point = f"{_text(first, places)}.{_text(second, places)}"
             message = f"A decimal number has a point. Write `{point}`."
-            span = places.start_of(first), places.end_of(second)
-            yield Diagnosis(span[0], span[1], "LRP518", message, (Edit(start, start + 1, "."),))
+            edit = Edit(start, start + 1, ".")
+            yield Diagnosis(places.start_of(first), places.end_of(second), "LRP518", message, (edit,))
 
 
 def _annotated(node: ast.AnnAssign, places: Offsets) -> Iterator[Diagnosis]:
@@ -166,7 +162,7 @@ def _power(node: ast.BinOp, places: Offsets) -> Iterator[Diagnosis]:
 
 _FINDERS: dict[type[ast.AST], Callable[[Any, Offsets], Iterator[Diagnosis]]] = {
     ast.Assign: _assign,
-    ast.AugAssign: _augmented,
+    ast.AugAssign: lambda node, places: _comma(node.value, places),
     ast.AnnAssign: _annotated,
     ast.Expr: _statement,
     ast.Compare: _compare,

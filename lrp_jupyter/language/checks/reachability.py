@@ -39,12 +39,8 @@ def _unspawned(report: Reporter, names: Resolution, links: Links) -> list[Scope]
     spawned = {spawned.machine for spawned in links.spawned}
     for scope in names.scopes:
         # That the program spawns nothing is one finding; a spawn of an unknown machine may mean any.
-        if (
-            scope.name is None
-            or scope in spawned
-            or links.guess
-            or not (scope.state or report.program.spawns)
-        ):
+        is_other_finding = links.guess or not (scope.state or report.program.spawns)
+        if scope.name is None or scope in spawned or is_other_finding:
             continue
         begun = starts(scope.noun) if scope.noun else []
         start = begun[0] if begun else next(iter(scope.states), "state")

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from lrp_jupyter.language.checks.creations import new_delay, new_event, new_machine, new_state
+from lrp_jupyter.language.checks.creations import new_event, new_machine, new_state, new_variable
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.program import Edit, Event, Fix, Name, Span, Spawn, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
@@ -123,10 +123,10 @@ class _References:
     def _arrow(self, arrow: Arrow, around: list[Scope]) -> MeantArrow:
         before = len(self.report.findings)
         noun, scope, event = arrow.noun, arrow.scope, None
+        lead = self._exit if noun.outward else self._destination
         meant = self._swapped(arrow)
         if meant:
             event, state = meant
-            lead = self._exit if noun.outward else self._destination
             return MeantArrow(noun, [state], event, lead(scope, around, noun), False)
         sources = [self._state("LRP302", source, scope) for source in noun.sources]
         if noun.trigger.reference is not None:
@@ -135,7 +135,6 @@ class _References:
                 event = self._event(arrow, name)
             elif arrow.owner is None:
                 self._delay(scope, name)
-        lead = self._exit if noun.outward else self._destination
         targets = lead(scope, around, noun)
         return MeantArrow(noun, sources, event, targets, len(self.report.findings) == before)
 
@@ -203,17 +202,15 @@ class _References:
 
     def _delay(self, scope: Scope, name: Name) -> None:
         if name in self.report.names:
-            message = (
-                f"`{name}` is not a variable of the program. Write `[{name}]` to use the notebook's variable."
-            )
+            remedy = f"Write `[{name}]` to use the notebook's variable."
+            message = f"`{name}` is not a variable of the program. {remedy}"
             self.report.add("LRP308", name.span, message, replace(name.span, f"[{name}]"))
             return
-        remedy = (
-            self._elsewhere(lambda other: name in other.variables)
-            or f"Define `(var {name} := [1000])`, in milliseconds"
-        )
+        elsewhere = self._elsewhere(lambda other: name in other.variables)
+        remedy = elsewhere or f"Define `(var {name} := [1000])`, in milliseconds"
         problem = f"There is no variable `{name}` here"
-        self.report.unknown("LRP308", name, problem, scope.visible, remedy, new_delay(self.report, name))
+        creates = new_variable(self.report, name, 1000)
+        self.report.unknown("LRP308", name, problem, scope.visible, remedy, creates)
 
     def _destination(
         self, scope: Scope, around: list[Scope], transition: Transition
