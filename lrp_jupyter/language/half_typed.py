@@ -174,9 +174,9 @@ def _without_word(
 
 def _new_errors(findings: tuple[Finding, ...], instead: Program, check: Check) -> list[Finding]:
     """Return the errors that a program has in addition to those of another one."""
-    if not _has_errors(findings):
-        return []
     errors = [each for each in findings if each.severity == "error"]
+    if not errors:
+        return []
     known = Counter((each.code, each.message) for each in check(instead) if each.severity == "error")
     new = [each for each in errors if not _counted(known, (each.code, each.message))]
     left = Counter(code for code, _ in known.elements())
@@ -249,11 +249,9 @@ def _away_from(text: str, span: Span, findings: tuple[Finding, ...]) -> tuple[Fi
     place = Program(text=text).place
     begin, end = place(span.start), place(span.end)
     return tuple(
-        [
-            each
-            for each in findings
-            if (each.line, each.column) > end or (each.end_line, each.end_column) < begin
-        ]
+        each
+        for each in findings
+        if (each.line, each.column) > end or (each.end_line, each.end_column) < begin
     )
 
 
@@ -276,6 +274,5 @@ def _element_at(program: Program, span: Span) -> Element | None:
         ((each.element, each.noun.span) for arrows in names.arrows.values() for each in arrows),
         ((each.element, each.noun.span) for each in names.spawns),
     )
-    return next(
-        (element for element, (start, end) in places if start <= span.start and span.end <= end), None
-    )
+    around = (element for element, (start, end) in places if start <= span.start and span.end <= end)
+    return next(around, None)

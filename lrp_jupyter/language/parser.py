@@ -86,8 +86,6 @@ def _is_inside(error: Diagnosis) -> bool:
 
 
 _MANY = 100  # a text with more errors is something else than a program with mistakes
-
-
 _ROUNDS = 5  # what one round corrects may have hidden something else
 
 
@@ -213,11 +211,9 @@ class _Reader:
             message = "A `[` is missing here, before the Python that ends with `]`. Insert it."
             self.report(start, start + 1, "LRP103", message, Edit(start, start, "["))
         else:
-            what = (
-                "Unmatched `]`: there is no open block here"
-                if word == "]"
-                else f"`{short(word)}` is not part of the language"
-            )
+            what = f"`{short(word)}` is not part of the language"
+            if word == "]":
+                what = "Unmatched `]`: there is no open block here"
             last = self.findings[-1] if self.findings else None
             if last and last.code == "LRP104" and last.end == start and word != "]":
                 start = self.findings.pop().start  # one error for all of a row
@@ -227,10 +223,8 @@ class _Reader:
     def _integer(self, word: str, start: int, end: int) -> int:
         if word.isascii() and word.isdecimal() and len(word) < 16:
             return int(word)
-        message = (
-            f"`{word}` is not a whole number of milliseconds. Write digits only, or a block: `[{word}]`."
-        )
-        self.report(start, end, "LRP108", message)
+        remedy = f"Write digits only, or a block: `[{word}]`."
+        self.report(start, end, "LRP108", f"`{word}` is not a whole number of milliseconds. {remedy}")
         return 0
 
     def _name(self, word: str, start: int, end: int) -> str:
@@ -322,9 +316,8 @@ class _Reader:
         names = {variable.name for variable in variables if variable}
         for name, span in form.declared:
             if name in names:
-                message = (
-                    f"`{name}` is a variable of the program, not a global of Python. Remove this `global`."
-                )
+                what = "a variable of the program, not a global of Python"
+                message = f"`{name}` is {what}. Remove this `global`."
                 self.report(*span, "LRP501", message)
 
     # Mistakes
@@ -333,9 +326,8 @@ class _Reader:
         legal = sorted(LEGAL.get(around, KEYWORDS))
         _, start, end = form.tokens[0]
         if not form.keyword:
-            self.report(
-                start, start + 1, "LRP106", f"This `(` has no keyword. Write {_either(legal)} after it."
-            )
+            message = f"This `(` has no keyword. Write {_either(legal)} after it."
+            self.report(start, start + 1, "LRP106", message)
             return
         close = closest(form.keyword, legal, 0.6) or closest(form.keyword, KEYWORDS, 0.6)
         hint = f"Did you mean `{close}`?" if close else f"Write {_either(legal)}."
@@ -368,24 +360,16 @@ class _Reader:
             for is_form, run in groupby(kept[1:], key=lambda row: row[0].endswith("_FORM")):
                 if not is_form:
                     tokens = [token for _, _, token in run]
-                    self._outside(tokens[0][1], tokens[-1][2])
+                    message = "This is outside every form. Put it into a form, or after `;` as a comment."
+                    self.report(tokens[0][1], tokens[-1][2], "LRP105", message)
             kept[1:] = [row for row in kept[1:] if row[0].endswith("_FORM")]
         form.types, form.parts, form.tokens = (list(column) for column in zip(*kept, strict=True))
 
-    def _outside(self, start: int, end: int) -> None:
-        message = "This is outside every form. Put it into a form, or after `;` as a comment."
-        self.report(start, end, "LRP105", message)
-
     def _misplaced(self, keyword: str, form: _Form, index: int, end: int) -> None:
         around = form.keyword
-        homes = [home for home, legal in LEGAL.items() if keyword in legal]
-        where = "at the top level" if around == "program" else f"in {article(around)} `{around}`"
-        places = [
-            "at the top level" if home == "program" else f"in {article(home)} `{home}`" for home in homes
-        ]
-        right = " or ".join(places)
+        homes = [_where(home) for home, legal in LEGAL.items() if keyword in legal]
         start = self.text.index(keyword, form.tokens[index][1])
-        message = f"`{keyword}` is not allowed {where}. Put it {right}."
+        message = f"`{keyword}` is not allowed {_where(around)}. Put it {' or '.join(homes)}."
         edits = self._relocated(keyword, form, index, end) if len(self.findings) <= _MANY else ()
         self.strays.append(Stray(len(self.findings), form.parts[index], *form.tokens[index][1:]))
         self.report(start, start + len(keyword), "LRP107", message, *edits)
@@ -399,11 +383,9 @@ class _Reader:
             return Edit(start, start, "(onentry "), Edit(stop, stop, ")")
         if keyword == "spawn" and around in ("running", "onexit") and "BLOCK" not in form.types:
             head = form.tokens[0]
-            if around == "running" and index == 1:
-                return (Edit(head[2] - len(around), head[2], "onentry"),)
-            return ()
-        before = start - len(self.text[:start]) + len(self.text[:start].rstrip())
-        gone = Edit(before, stop, "")
+            is_first = around == "running" and index == 1
+            return (Edit(head[2] - len(around), head[2], "onentry"),) if is_first else ()
+        gone = Edit(len(self.text[:start].rstrip()), stop, "")
         if around == "state" and keyword in LEGAL["machine"]:
             if keyword in ("var", "event"):
                 opening = form.tokens[0][1]
@@ -446,8 +428,8 @@ _EXPLAINED = 20
 """Blocks of a text for which the remedies of their errors are searched."""
 _TESTED = frozenset({"event", "on", "exit"})
 """The forms whose block is a condition."""
-_BROKEN = frozenset({"COMMENT", "QUOTED", "STRAY", "UNCLOSED", "UNOPENED"})
 _MEANINGLESS = frozenset({"COMMENT", "QUOTED", "STRAY"})
+_BROKEN = _MEANINGLESS | {"UNCLOSED", "UNOPENED"}
 _FORM_TYPES = {keyword: f"{keyword.upper()}_FORM" for keyword in KEYWORDS}
 _VALIDATED = frozenset({"var", Epsilon.keyword})
 _FILLED = {
@@ -456,6 +438,10 @@ _FILLED = {
     **{keyword: form.block for keyword, form in FORMS.items() if form.block},
 }
 """What the block of a form must contain: the value of an empty block would be `None`."""
+
+
+def _where(keyword: str) -> str:
+    return "at the top level" if keyword == "program" else f"in {article(keyword)} `{keyword}`"
 
 
 def _either(words: Iterable[str]) -> str:

@@ -67,9 +67,7 @@ class _Open(NamedTuple):
 
 
 _Stack = tuple[_Open, ...]
-_Edits = (
-    tuple[str, int, int, "_Edits"] | None
-)  # kind, position, for an unclosed one before which; those so far
+_Edits = tuple[str, int, int, "_Edits"] | None  # kind, position, for an unclosed one before which; the others
 _Candidate = tuple[float, _Stack, _Edits]
 _Stacks = dict[tuple[int, ...], _Candidate]
 _ROOT = _Open("program", -1, -1, -1)
@@ -124,7 +122,8 @@ def _search(sequence: Sequence[Bracket], start: int, end: int) -> Repair:
                     found[new_key] = candidate
         if len(found) > 1:
             limit = min([candidate[0] for candidate in found.values()]) + _MARGIN
-            kept = sorted((item for item in found.items() if item[1][0] <= limit), key=_cost_of)
+            kept = [item for item in found.items() if item[1][0] <= limit]
+            kept.sort(key=lambda item: item[1][0])
             found = dict(kept[:_WIDTH])
         stacks = found
     ends = ((cost + _BRACKET * (len(stack) - 1), stack, edits) for cost, stack, edits in stacks.values())
@@ -140,10 +139,6 @@ def _search(sequence: Sequence[Bracket], start: int, end: int) -> Repair:
         else:
             unclosed.append((position, before))
     return Repair(tuple(sorted(extra)), tuple(sorted(lost)), tuple(sorted(unclosed)))
-
-
-def _cost_of(item: tuple[tuple[int, ...], _Candidate]) -> float:
-    return item[1][0]
 
 
 _Key = tuple[int, ...]
