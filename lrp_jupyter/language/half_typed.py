@@ -40,11 +40,7 @@ _ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
 
 
 class Cursor(NamedTuple):
-    """Where the cursor of an editor is.
-
-    `offset`: in characters.
-    `meant`: whether the word that it touches is finished, not still being typed.
-    """
+    """Where the cursor of an editor is, in characters; `meant`: the word that it touches is finished."""
 
     offset: int
     meant: bool = False
@@ -70,9 +66,7 @@ class Unmeant:
 class Judgement(NamedTuple):
     """What a text means while the cursor is in it.
 
-    `program`: the program that the text describes.
-    `findings`: those to show, without those about what is unfinished.
-    `hides`: whether any finding is not shown.
+    `findings`: those to show, without those about what is unfinished; `hides`: whether there are such.
     """
 
     program: Program | None
@@ -94,14 +88,7 @@ def judge(
     running: Program,
     check: Check,
 ) -> Judgement:
-    """Return what a text means while cursors are in it.
-
-    `program`: the program that it describes.
-    `findings`: the findings about it.
-    `cursors`: those of all editors; what is half typed at any of them waits.
-    `running`: the program that runs now.
-    `check`: returns the findings about a program.
-    """
+    """Return what a text means while cursors are in it: what is half typed at any of them waits."""
     left, waiting, hides = findings, [], False
     for cursor in sorted(cursors):
         there, span = _judge_at(text, program, findings, cursor, running, check)
@@ -204,10 +191,7 @@ def _reason(error: Finding) -> str:
 
 
 def without_change(program: Program, before: Program, *spans: Span) -> Program:
-    """Return a program without the changes in some ranges of its text since another program.
-
-    The changes elsewhere stay. Where they cannot be separated, the result is the other program.
-    """
+    """Return a program without the changes in some ranges since another one; that one if it is no program."""
     parts, at, place = [], 0, 0
     for length, new in text_difference(before.text, program.text):
         then = before.text[place : place + length]

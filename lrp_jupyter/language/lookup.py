@@ -75,10 +75,7 @@ def find(
     wanted: str | Path,
     remedies: Mapping[str, str] | None = None,
 ) -> Element:
-    """Return the element that is meant; the arguments are those of :func:`find_first`.
-
-    Raises UnknownElementError: there is none, or there are several.
-    """
+    """Return the element that is meant, as :func:`find_first` of one program."""
     return find_first([program], kinds, wanted, remedies)[0]
 
 

@@ -104,10 +104,7 @@ def _corrected(text: str, found: list[Diagnosis], rounds: int = _ROUNDS) -> list
 
 
 class _Form:
-    """A form being parsed: the types of its tokens, their values and their locations.
-
-    The first token is the keyword; a nested form is one token, too.
-    """
+    """A form being parsed; its first token is the keyword, and a nested form is one token."""
 
     __slots__ = ("declared", "empty", "keyword", "parts", "tokens", "types")
 

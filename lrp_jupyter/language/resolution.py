@@ -150,13 +150,7 @@ class Scope:
 
 
 class PlacedBlock(NamedTuple):
-    """A block with the element that it belongs to and its scope.
-
-    `element`: the element that contains it.
-    `ordinal`: its index among the element's items, from 0.
-    `purpose`: what its value is used for; that of an action is not used.
-    `visible`: the scope that defines each variable visible to it.
-    """
+    """A block of an element, at an index of its items, with the scope of each variable visible to it."""
 
     element: Element
     ordinal: int
@@ -167,10 +161,7 @@ class PlacedBlock(NamedTuple):
 
 
 class Spawning(NamedTuple):
-    """A spawn by a state of `scope`, or at the top level, and the machine that it refers to.
-
-    ``ordinal`` is its index among the items of the state's ``onentry``, or among the top-level spawns.
-    """
+    """A spawn by a state of `scope`, or at the top level, at an index of its items, and what it refers to."""
 
     element: Element
     ordinal: int

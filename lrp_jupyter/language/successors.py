@@ -22,8 +22,7 @@ _Kept = TypeVar("_Kept")
 class Successors:
     """Maps each element of an old program to that of a new program.
 
-    `moved`: the elements of the old program whose path or label changed.
-    `gone`: the outermost elements missing from the new program; everything inside them is gone too.
+    `moved`: those whose path or label changed. `gone`: the outermost ones missing from the new program.
     """
 
     moved: Mapping[Element, Element] = field(default_factory=dict)
@@ -68,12 +67,9 @@ def after_rename(old: Program, new: Program) -> Successors:
 
 
 def after_undo(program: Program, undone: Sequence[Successors]) -> Successors:
-    """Return the map of an undo of edits.
+    """Return the map from the elements of a program to what they were before edits, the last edit first.
 
-    `program`: the program after these edits.
-    `undone`: the map of each edit, the last edit first.
-    The map leads from the elements of `program` to what they were. An element that an edit added keeps its
-        path; the caller checks whether the earlier program has it.
+    An element that an edit added keeps its path; the caller checks whether the earlier program has it.
     """
     steps = [{new: old for old, new in successors.moved.items()} for successors in undone]
     moved = {}

@@ -42,7 +42,7 @@ _SIMPLE = frozenset(
 )
 """Nodes that the compiler never rejects if the parser accepts them."""
 SHORT = 400
-"""Maximum length in characters of a block whose tree is cached."""
+"""Maximum length in characters of a block whose tree, which is large, is cached."""
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 _DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
 
@@ -56,7 +56,7 @@ class Declared(NamedTuple):
 
 
 class BlockFacts(NamedTuple):
-    """Facts about a block that the parser needs; `valid`: whether it is Python."""
+    """Facts about a block that the parser needs."""
 
     empty: bool
     valid: bool
@@ -73,10 +73,7 @@ class ParsedBlock(NamedTuple):
 
 
 def read(text: str) -> ParsedBlock:
-    """Return the tree and the names of a block; only short blocks are cached, because trees are large.
-
-    Raises SyntaxError: as :func:`parse_block`.
-    """
+    """Return the tree and names of a block, or raise SyntaxError; only short ones are cached."""
     return _read_short(text) if len(text) <= SHORT else _read(text)
 
 
@@ -146,10 +143,9 @@ def _is_simple(tree: ast.Module, source: str) -> bool:
 
 
 class Place(NamedTuple):
-    """One place where a block uses a name.
+    """One place, by the characters of the program's text, where a block uses a name.
 
-    `start`, `end`: its characters in the program's text.
-    `writes`: whether it is assigned (or deleted) here.
+    `writes`: whether it is assigned or deleted here.
     `imported`: the module's whole name where it is bound by ``import x.y``, else empty.
     `hidden`: names that have another meaning at this place, because an inner function binds them.
     """
@@ -246,12 +242,11 @@ def _outside(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Itera
 def compile_block(block: Block, names: Collection[str], filename: str, name: str = "block") -> CodeType:
     """Compile a block for :func:`bind`.
 
-    `names`: the variables of the program in the block's scope; `robot` and `print` are always available.
-    `filename`: name of the program's file, for tracebacks.
-    `name`: name of the block in tracebacks.
-    Its free variables are among `names` and `PROVIDED`; its lines and columns are the program's.
-    Raises SyntaxError: for what the parser cannot know: a `nonlocal` whose variable was removed. `lineno` is
-        the program's.
+    Its free variables are among `names`, the variables in its scope, and `PROVIDED`; its lines and columns
+    are the program's. `filename` and `name` are those in tracebacks.
+
+    Raises SyntaxError: a `nonlocal` whose variable was removed, which the parser cannot know. `lineno` is the
+        program's.
     """
     seen = frozenset([word for word in _words(block.text) if word in names])
     try:
@@ -264,11 +259,7 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
 
 
 def bind(code: CodeType, namespace: dict[str, Any], cells: Mapping[str, CellType]) -> Callable[[], object]:
-    """Return a compiled block as a function.
-
-    `namespace`: the function's globals, not copied; nothing is written into it.
-    `cells`: one for every free variable of the code.
-    """
+    """Return a compiled block as a function whose globals are `namespace`, into which nothing is written."""
     closure = tuple([cells[name] for name in code.co_freevars])
     return FunctionType(code, namespace, code.co_name, None, closure)
 

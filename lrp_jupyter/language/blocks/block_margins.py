@@ -20,12 +20,8 @@ _LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
 def aligned(text: str, column: int, base: int) -> str:
     """Return the text of a block without white space around it, its lines below its first statement.
 
-    `text`: the text between the brackets.
-    `column`: of the first character after the opening bracket, from 0: the first statement's, unless that
-        stands on a separate line.
-    `base`: the column at which the line with the bracket begins: such a statement stands :data:`STEP`
-        further.
-    The text is returned unchanged if its meaning would change.
+    Its first statement stands in `column`, from 0, after the bracket, or on a separate line, :data:`STEP`
+    further than `base`, where the line of the bracket begins. A text whose meaning would change is unchanged.
     """
     better = text.strip(" \t").rstrip()
     lines = [_MARGIN.match(text, start)[0] for start in logical_lines(text)]  # type: ignore[index]
@@ -46,11 +42,7 @@ def _moved(text: str, by: int) -> str:
 
 
 def reindented(text: str, inside: Iterable[tuple[int, int]], margin: Callable[[str], str]) -> str:
-    """Return a text with the margins of all lines but the first changed, except those of lines in strings.
-
-    `inside`: the ranges of the strings.
-    `margin`: returns the new margin for an old one.
-    """
+    """Return a text with the margins of its lines changed, except the first and those `inside` a string."""
     spans = list(inside)
 
     def line(match: re.Match[str]) -> str:

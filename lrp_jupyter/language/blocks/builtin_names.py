@@ -16,8 +16,5 @@ def degrees(angle: float) -> float:
 
 
 def builtin(name: str) -> object:
-    """Return the value of a name that neither the program nor the notebook defines.
-
-    Raises AttributeError: Python does not define it either.
-    """
+    """Return the value of a name that only Python or LRP defines; raise AttributeError if neither does."""
     return degrees if name == "degrees" else getattr(builtins, name)

@@ -103,10 +103,8 @@ def names_in(expression: ast.expr) -> frozenset[str]:
 def evaluate(expression: ast.expr, lookup: Lookup, *, calls: bool = False) -> Evaluation:
     """Evaluate an expression.
 
-    `lookup`: returns the value of a name; raises `NameError` or :class:`UnknownValueError`.
     `calls`: whether functions with possible side effects are called; otherwise their value is not known.
-    Raises UnknownValueError: a part's value is not known.
-    Raises Exception: whatever the expression raises.
+    Raises UnknownValueError: a part's value is not known. Raises what `lookup` and the expression raise.
     """
     evaluator = _Evaluator(lookup, calls)
     value = evaluator.of(expression)
@@ -174,7 +172,6 @@ class _Evaluator:
         raise UnknownValueError(f"`{_text(node)}` is not evaluated again.")
 
     def deciding(self, node: ast.expr) -> ast.expr:
-        """Return the part that decides."""
         match node:
             case ast.BoolOp(kind, operands):
                 known = [each for each in operands if id(each) in self.known]
@@ -185,12 +182,9 @@ class _Evaluator:
         return node
 
 
-@lru_cache(maxsize=2_000)
+@lru_cache(maxsize=2_000)  # a condition is evaluated for many ticks
 def _text(node: ast.expr) -> str:
-    """Return an expression as text; `ast.unparse` adds parentheses to operands that need none.
-
-    A condition is evaluated for many ticks.
-    """
+    """Return an expression as text; `ast.unparse` adds parentheses to operands that need none."""
     match node:
         case ast.BoolOp(connective, operands):
             is_or = isinstance(connective, ast.Or)

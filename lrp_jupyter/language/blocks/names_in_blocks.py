@@ -78,11 +78,7 @@ class PythonScope:
 
 
 class Uses(NamedTuple):
-    """Every name of a block.
-
-    ``scope`` is the block's own, ``found`` every use in no particular order, ``global_places`` the names in
-    `global` statements with their offsets.
-    """
+    """Every name of a block, in no particular order, and those in `global` statements with their offsets."""
 
     scope: PythonScope
     found: list[Use]

@@ -51,9 +51,8 @@ class Word(NamedTuple):
 
 
 class Remark(NamedTuple):
-    """A suspicious place.
+    """A suspicious place, with the range that a fix would replace.
 
-    `edit`: the range that a fix would replace.
     `name`: the variable that a fix would assign or compare; for a bitwise operator, the operator.
     `last`: whether it is the last statement of the block, and so its value.
     `is_test`: whether what it assigns is a comparison or the like; `edit` is then what stands before that.
@@ -152,7 +151,6 @@ def facts_of(text: str) -> Facts:
 
 
 def _word(use: Use, places: ScannedBlock) -> Word:
-    """Return a name with its position."""
     start = use.start + places.shift
     return Word(use.name, Span(start, start + use.length), use.scope.outer is not None)
 

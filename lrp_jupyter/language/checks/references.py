@@ -24,10 +24,7 @@ _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 
 
 class MeantSpawn(NamedTuple):
-    """A spawn as it is probably meant, by a state of `scope` or at the top level.
-
-    ``start`` is its start state, if that is known.
-    """
+    """A spawn as it is probably meant, by a state of `scope` or at the top level; `start`: if it is known."""
 
     noun: Spawn
     scope: Scope
@@ -41,8 +38,7 @@ class MeantArrow(NamedTuple):
 
     `sources`: the states that it names, or that a wildcard leaves out. Here and among the targets may be
         states that do not exist yet: what only they lead to does not count as unreachable.
-    `targets`: the machines and states to which it leads: several for an `exit` of a machine that is spawned
-        from several.
+    `targets`: several for an `exit` of a machine that is spawned from several.
     `sound`: whether all its references resolve as written.
     """
 
@@ -55,11 +51,7 @@ class MeantArrow(NamedTuple):
 
 @dataclass(slots=True)
 class Links:
-    """What the references of a program probably mean.
-
-    `guess`: whether a spawn names a machine that cannot even be guessed: it may mean any.
-    `arrows`: in the order of the text.
-    """
+    """What the references of a program probably mean; `guess`: a spawn may mean any machine."""
 
     spawned: list[MeantSpawn] = field(default_factory=list)
     guess: bool = False

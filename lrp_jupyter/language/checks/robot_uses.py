@@ -47,10 +47,7 @@ def suspicious_uses(
 def check_robot(
     use: RobotUse, members: RobotMembers, purpose: Purpose, is_number: Callable[[str], bool]
 ) -> Remedied | None:
-    """Return what is wrong with a use of the robot in a block for a purpose.
-
-    `is_number`: whether a name is a variable that is a number at first.
-    """
+    """Return what is wrong with a use of the robot; `is_number`: whether a variable is a number at first."""
     if purpose == "action" and use.role == "value":  # nothing uses the value of an action
         use = use._replace(role="stated")
     is_condition = purpose == "condition"

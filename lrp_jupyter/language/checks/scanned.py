@@ -12,10 +12,7 @@ from lrp_jupyter.language.program import Span
 
 
 class ScannedBlock(Offsets):
-    """The tree of a block, its names, and the places of both.
-
-    `shift`: to be added to an offset in `source`, the Python that was parsed.
-    """
+    """The tree of a block and its names; `shift` leads from an offset in `source` to one in its text."""
 
     def __init__(self, text: str) -> None:
         self.tree, suite, source, self.names = read(text)

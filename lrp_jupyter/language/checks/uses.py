@@ -50,11 +50,8 @@ class Other(NamedTuple):
 
 
 class RobotUse(NamedTuple):
-    """A use of the robot.
+    """A use of the robot, with the names after it: ``("light", "data")``.
 
-    `span`: from `robot` to the last name.
-    `names`: the names after it: ``("light", "data")``.
-    `spans`: their places.
     `is_value`: whether the call is the value of the block.
     """
 

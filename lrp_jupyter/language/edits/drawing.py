@@ -36,10 +36,7 @@ _KEYWORD = re.compile(rf"({'|'.join(FORMS)})(?:\s+(?=\S)|(?=\[))")
 
 
 class DrawnProgram:
-    """A program with its text, as nested forms and resolved names.
-
-    Raises LRPSyntaxError: the text is not a valid program.
-    """
+    """A program as nested forms and resolved names; LRPSyntaxError if its text is not valid."""
 
     def __init__(self, text: str) -> None:
         self.program: Program = parse(text)
@@ -87,10 +84,7 @@ class DrawnProgram:
         return self.sheet.spawned_by(self.sheet.at(state.span.start), form)
 
     def edits(self, edits: Iterable[Edit]) -> list[Edit]:
-        """Return edits in the order of the text, with insertions at the same place joined.
-
-        Raises ValueError: the result is not a valid program.
-        """
+        """Return edits in order, insertions at one place joined; raise ValueError if no program results."""
         joined: list[Edit] = []
         for edit in sorted(edits, key=lambda edit: edit[:2]):
             if joined and edit.start == edit.end == joined[-1].start == joined[-1].end:
@@ -241,7 +235,6 @@ def _milliseconds(text: str) -> str:
 def new_form(text: str, path: Path, form: str) -> list[Edit]:
     """Return the edits that add a form to a state, to a machine, or to the program.
 
-    `path`: of the state or machine; empty for the program.
     `form`: ``event late [time > 3]``, with or without its brackets.
     Raises ValueError: it is not exactly one form, or is not allowed there.
     """
@@ -290,7 +283,6 @@ def delete_state(text: str, path: Path) -> list[Edit]:
 
     A transition with other sources, or with other exceptions from ``*``, loses only this one. A machine
     that starts in the state starts in the first remaining one; if there is none, its spawn is removed.
-
     Raises ValueError: there are two states of this name.
     """
     drawing = DrawnProgram(text)
@@ -328,10 +320,7 @@ def delete_machine(text: str, path: Path) -> list[Edit]:
 
 
 def change_transition(text: str, path: Path, form: str) -> list[Edit]:
-    """Return the edits that rewrite a transition; the new text may lack the brackets.
-
-    Raises ValueError: it is not a transition.
-    """
+    """Return the edits that rewrite a transition, or raise ValueError; the new text may lack the brackets."""
     drawing = DrawnProgram(text)
     old = drawing.written(drawing.arrow(path)).form
     new = _only_form(form, "machine")
@@ -345,8 +334,7 @@ def retarget(
 ) -> list[Edit]:
     """Return the edits that connect one end of a transition to another state.
 
-    `name`: the other state; as a source also ``*``.
-    `old`: the source to replace, if there are several.
+    `name`: the other state; as a source also ``*``. `old`: the source to replace, if there are several.
     Raises UnknownElementError: there is no such state.
     """
     drawing = DrawnProgram(text)
@@ -373,10 +361,7 @@ def retarget(
 
 
 def reverse(text: str, path: Path) -> list[Edit]:
-    """Return the edits that exchange the source and the destination of a transition.
-
-    Raises ValueError: it does not connect two states of the same machine.
-    """
+    """Return the edits that exchange the two states of a transition; raise ValueError if it has others."""
     drawing = DrawnProgram(text)
     arrow = drawing.arrow(path)
     noun, written = arrow.noun, drawing.written(arrow)

@@ -28,10 +28,9 @@ _COMMENT = re.compile(r"[ \t]*[;#][^\r\n]*")
 
 
 class WrittenForm:
-    """A form as it is written: ``text[start:end]``, and the tokens and forms after its keyword.
+    """A form as it is written: ``text[start:end]``; `head` is the end of its keyword and name.
 
-    ``head`` is the end of its keyword or, if its form begins with a name, of that. Its contents are read
-    when they are needed, because an edit needs little of a long program.
+    Its contents are read when they are needed, because an edit needs little of a long program.
     """
 
     def __init__(self, text: str, tokens: Sequence[Token], end: int | None = None) -> None:
@@ -79,11 +78,7 @@ class WrittenForm:
 
 
 class Sheet:
-    """The text of a valid program, as nested forms.
-
-    `root`: the top level.
-    `line_end`: the first line end of the text.
-    """
+    """The text of a valid program, as nested forms in `root`; `line_end`: the first line end of the text."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -118,10 +113,7 @@ class Sheet:
         return Edit(end, end, "".join(gap + form for form in forms))
 
     def place(self, parent: WrittenForm, keyword: str) -> tuple[int, str]:
-        """Return where a new form goes in another one, and the white space to write before it.
-
-        That is a space or, if its neighbours begin lines, a line end and their indentation.
-        """
+        """Return where a new form goes in another one, and the white space to write before it."""
         before = self._predecessor(parent, keyword)
         first = next(iter(parent.forms), None)
         sample = before or first
@@ -221,10 +213,7 @@ class Sheet:
     # -- moved forms ---------------------------------------------------------------------------------
 
     def shifted(self, form: WrittenForm, indent: str) -> str:
-        """Return the text of a form with its lines indented for a line of this indentation.
-
-        The lines of strings stay as they are.
-        """
+        """Return the text of a form indented for another line, the lines of strings unchanged."""
         text, old = self.text[form.start : form.end], self.indent(form.start)
         inside = (
             (start + 1 + begin, start + 1 + end)

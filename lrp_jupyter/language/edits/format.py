@@ -40,10 +40,7 @@ def formatted(text: str) -> str:
 
 
 def formatting(text: str) -> tuple[Edit, ...]:
-    """Return the edits that :func:`formatted` makes: each replaces white space by other white space.
-
-    Raises LRPSyntaxError: the text is not a program.
-    """
+    """Return the edits that :func:`formatted` makes, each of white space only; raise as it does."""
     after = formatted(text)
     edits = []
     old = new = 0

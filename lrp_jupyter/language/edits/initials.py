@@ -8,11 +8,7 @@ from lrp_jupyter.language.program import Path, Variable
 
 
 def with_initial(text: str, variable: str | Path, expression: str) -> str:
-    """Return a text with the initialiser of a variable replaced by an expression.
-
-    Raises LRPSyntaxError: the text is not a valid program.
-    Raises UnknownElementError: there is no such variable, or several have that name.
-    """
+    """Return a text with another initialiser of a variable; raise LRPSyntaxError or UnknownElementError."""
     program = parse(text)
     found = definition_of(program, find(program, "variable", variable))
     assert isinstance(found, Variable)

@@ -48,10 +48,7 @@ class _Move:
         raise ValueError(f"`{arrow.label}` {reason}. {remedy}")
 
     def arrows(self) -> Iterator[tuple[Arrow, bool]]:
-        """Yield the transitions that name the state, and whether as their source; those to itself move along.
-
-        Raises ValueError: one names the state among others, or leads from inside it to a state beside it.
-        """
+        """Yield the transitions that name the state, and whether as source; those to itself move along."""
         for arrow in chain.from_iterable(self.drawing.names.arrows.values()):
             noun = arrow.noun
             is_source = arrow.scope is self.scope and self.name in noun.sources
@@ -113,11 +110,8 @@ def _changes(drawing: DrawnProgram, form: WrittenForm, keyword: str, destination
 
 
 def nest(text: str, path: Path, into: str) -> list[Edit]:
-    """Return the edits that move a state into another one of its machine.
+    """Return the edits that move a state into another one: into its first machine, or into a new one.
 
-    It goes into the first machine of that state. If there is none, one that starts in it is created.
-
-    `into`: the other state.
     Raises ValueError: the language cannot express what its transitions would have to do, or a name would mean
         something else.
     """

@@ -27,10 +27,9 @@ _KINDS = ("state", "machine", "event", "variable", "transition")
 
 
 class Mention(NamedTuple):
-    """One position of the text where a name refers to something.
+    """One position of the text where a name refers to something; `symbol`: None if that is no element.
 
-    ``symbol`` is None where that is not an element of the program: a local name of a block, a builtin, or an
-    undefined name. ``imported`` is the module's name where the name is bound by ``import``, else empty.
+    `imported`: the module's name where the name is bound by ``import``, else empty.
     """
 
     name: str
@@ -49,11 +48,7 @@ class Symbol:
 
 
 def symbols(program: Program) -> tuple[list[Symbol], list[Mention]]:
-    """Return what the names of a program define and mention.
-
-    symbols : list of Symbol: the definitions, in the order of the text, without second definitions of a name.
-    mentions : list of Mention: every reference, resolved or not, in the order of the text.
-    """
+    """Return the definitions that count and every reference, resolved or not, in the order of the text."""
     names = resolve(program)
     found = {element: Symbol(element, name.span) for element, name in _definitions(names)}
     mentions = []
@@ -105,10 +100,7 @@ def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
 
 
 def references(program: Program, offset: int) -> Symbol | None:
-    """Return the element that the name at an offset of the program's text refers to.
-
-    None if there is no name, or one that does not refer to an element of the program.
-    """
+    """Return the element that the name at an offset of the program's text refers to, if any."""
     for symbol in symbols(program)[0]:
         for start, end in (symbol.definition, *symbol.references):
             if start <= offset <= end:

@@ -103,11 +103,7 @@ _MOST = 100
 
 
 class Corrected(NamedTuple):
-    """A corrected text, the errors of the original, and the way back.
-
-    `found`: at offsets of the original text, as are their edits.
-    `moved`: returns an error of the corrected text with its offsets in the original.
-    """
+    """A corrected text, the errors of the original, and what moves other errors to their places there."""
 
     text: str
     found: list[Diagnosis]

@@ -195,10 +195,7 @@ class TextDraft:
 
 
 def first_wrong(keyword: str, items: Sequence[Item], ignored: set[Item]) -> int | None:
-    """Return the index of the first part that a form cannot have there; None if all is right.
-
-    `ignored`: parts that are left out. Forms in the wrong form are left out, too.
-    """
+    """Return the index of the first part that a form cannot have, apart from forms in the wrong form."""
     types = (keyword.upper(), *[item.kind for item in items])
     if keyword in KEYWORDS and not isinstance(shape_of(types), Mistake):
         return None

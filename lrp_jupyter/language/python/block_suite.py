@@ -39,13 +39,9 @@ class Suite(NamedTuple):
 
 
 def parse_block(text: str) -> ast.Module:
-    """Parse the text between the brackets of a block.
+    """Parse the text of a block: any layout of the same code has the same ``ast.dump``.
 
-    Any layout of the same code has the same ``ast.dump``. Positions refer to the generated source, not to
-    the text.
-
-    Raises SyntaxError: with ``lineno``, ``offset``, ``end_lineno`` and ``end_offset`` in `text`, in
-        characters, all from 1.
+    Positions refer to the generated source; those of a SyntaxError to `text`, in characters, from 1.
     """
     return parse_suite(text)[0]
 

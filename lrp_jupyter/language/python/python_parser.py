@@ -16,11 +16,7 @@ _TIMES = 50
 
 
 def parse_python(source: str, filename: str = "<unknown>", mode: str = "exec") -> Any:
-    """Return the tree of a Python text: :func:`ast.parse`.
-
-    Raises SyntaxError.
-    Raises RecursionError, MemoryError: it is nested too deeply.
-    """
+    """Return what :func:`ast.parse` does; RecursionError or MemoryError: the text is nested too deeply."""
     return asked_again(ast.parse, source, filename, mode)
 
 

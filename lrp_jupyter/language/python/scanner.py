@@ -35,13 +35,10 @@ def line_end(text: str, start: int) -> int:
 
 
 def block_end(text: str, start: int) -> int:
-    """Return the offset of the bracket that closes a block.
+    """Return the offset of the ``]`` that closes the ``[`` at an offset; -1 if there is none.
 
     Only square brackets are counted, so an unclosed ``(`` inside a block does not hide its end.
     A string that is not closed ends with its line.
-
-    `start`: offset of the opening ``[``.
-    Offset of the matching ``]``; -1 if there is none.
     """
     depth = 0
     position = start
@@ -135,10 +132,9 @@ _STATEMENT_LINE = re.compile(r"(?:\r\n|\r|\n)([ \t\f]*+)(?=[^\s#])")
 
 
 def string_end(text: str, quote_at: int, floor: int) -> tuple[int, bool]:
-    """Return the end of the string whose opening quote is at an offset.
+    """Return the end of the string whose quote is at an offset, or of its line, and whether it is closed.
 
     `floor`: offset before which no prefix is looked for.
-    end : int: offset after the closing quotes, or the end of the line if there are none.
     """
     end = _string_end(text, quote_at, floor, 0)
     if end >= 0:

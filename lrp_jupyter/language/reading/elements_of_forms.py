@@ -36,12 +36,7 @@ _TRANSITIONS = frozenset(f"{keyword.upper()}_FORM" for keyword in FORMS)
 
 
 def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape | None, span: Span) -> Node:
-    """Return the element that a form describes.
-
-    `types`: the types of its tokens, first that of the keyword.
-    `parts`: the values of its tokens.
-    `shape`: of a transition.
-    """
+    """Return the element that a form describes, by the types and values of its tokens, the keyword first."""
     if shape is not None:
         trigger, source, sources, destination, name = shape
         return Transition(

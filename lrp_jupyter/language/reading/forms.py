@@ -69,10 +69,9 @@ _SINGLE = frozenset({"VAR", "EVENT"})  # forms with one block
 
 @lru_cache(maxsize=4096)
 def shape_of(types: tuple[str, ...]) -> Shape | Mistake | None:
-    """Parse one form, given by the types of its tokens.
+    """Parse one form, given by the types of its tokens, the first ``PROGRAM`` for the top level.
 
-    `types`: the first is the keyword's; ``PROGRAM`` for the top level.
-    None for a valid form that is not a transition.
+    Return None for a valid form that is not a transition.
     """
     shape = _shape(_condensed(types))
     return _shape(types) if isinstance(shape, Mistake) else shape

@@ -29,7 +29,7 @@ class Members(NamedTuple):
 
 
 class Stray(NamedTuple):
-    """A form in the wrong form: the index of its finding, its node, and its range."""
+    """A form in the wrong form, with the index of its finding."""
 
     finding: int
     node: Part

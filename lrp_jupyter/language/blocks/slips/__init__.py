@@ -41,7 +41,6 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
     """Return the errors of a block that is not valid Python, in the order in which Python meets them.
 
     `line`, `column`: where the text begins in the program: its line, from 1, and its column, from 0.
-    `is_condition`: whether the block's value is tested, so that `=` is probably meant as `==`.
     """
     if len(text) > LONGEST:
         return brief(text, line)

@@ -205,8 +205,7 @@ def _is_value_start(token: PythonToken) -> bool:
 class Guess(NamedTuple):
     """What may be wrong, and the edits that would repair it.
 
-    `is_certain`: nothing else can be meant.
-    `is_form`: it is a form of the program, whatever is meant by it.
+    `is_certain`: nothing else can be meant. `is_form`: it is a form of the program, whatever is meant by it.
     """
 
     code: str

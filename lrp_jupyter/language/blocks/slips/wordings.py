@@ -87,11 +87,9 @@ _TABLE = [(re.compile(pattern), words) for pattern, words in _WORDS]
 
 
 def in_words(message: str, found: str, line: int) -> str:
-    """Return a sentence about an error in a block.
+    """Return a sentence about an error in a block that begins in a line of the program.
 
-    `message`: Python's.
     `found`: what is at the place of the error; empty at the end of a line.
-    `line`: the line in which the block begins, from 1.
     """
     message = _LINE.sub(lambda number: f"line {int(number[1]) + line - 1}", message)
     for pattern, words in _TABLE:

@@ -23,11 +23,7 @@ _SHOWN = 90
 
 
 def smalltalk(text: str, column: int = 0, is_condition: bool = False) -> Diagnosis | None:
-    """Return the one error of a block that is written in Smalltalk, or None if it is not.
-
-    `column`: where the text begins in its line, from 0.
-    `is_condition`: whether the block's value is tested, so that `=` compares.
-    """
+    """Return the one error of a block in Smalltalk that begins in a column, from 0; None for any other."""
     found = read(text)
     if found is None:
         return None

@@ -74,10 +74,8 @@ _WORDS = {"linear_x": "linear", "angular_z": "angular"}
 
 
 def written(found: Smalltalk, text: str, column: int, is_condition: bool) -> tuple[str, bool]:
-    """Return the same in Python, and whether nothing else can be meant.
+    """Return the same in Python, its lines below `column`, and whether nothing else can be meant.
 
-    `column`: where it begins in its line: its other lines begin below that.
-    `is_condition`: whether the value of the last statement is tested.
     Raises UntranslatableError.
     """
     writer = _Translation(is_condition)
