@@ -49,10 +49,7 @@ def is_dense(names: Sequence[str], links: Sequence[Link]) -> bool:
 
 
 def arrange(
-    sizes: Mapping[str, Size],
-    links: Sequence[Link],
-    starts: Sequence[str] = (),
-    panel: Size | None = None,
+    sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str] = (), panel: Size | None = None
 ) -> dict[str, Point]:
     """Arrange a machine for the first time.
 
@@ -453,10 +450,7 @@ def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def _fold(
-    places: Mapping[str, Point],
-    sizes: Mapping[str, Size],
-    rows: Sequence[Sequence[str]],
-    panel: Size | None,
+    places: Mapping[str, Point], sizes: Mapping[str, Size], rows: Sequence[Sequence[str]], panel: Size | None
 ) -> dict[str, Point]:
     """Fold a tall arrangement into columns, up and down in turn, so that neighbours stay near."""
     left, right = _extent(places, sizes)

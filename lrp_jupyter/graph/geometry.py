@@ -39,10 +39,7 @@ class Rect(NamedTuple):
     def inside(self, point: Point, margin: float) -> Point:
         """Return the point of the rectangle, at least `margin` from its border, nearest to a point."""
         x, y = max(0.0, self.width / 2 - margin), max(0.0, self.height / 2 - margin)
-        return (
-            max(self.x - x, min(self.x + x, point[0])),
-            max(self.y - y, min(self.y + y, point[1])),
-        )
+        return max(self.x - x, min(self.x + x, point[0])), max(self.y - y, min(self.y + y, point[1]))
 
     def crossed_by(self, start: Point, end: Point, margin: float = 0.0) -> bool:
         """Return whether a straight line touches it."""

@@ -134,11 +134,7 @@ class _Drawing:
         )
 
     def _broken(
-        self,
-        transition: Transition,
-        source: str,
-        events: frozenset[str] | None,
-        outer: frozenset[str] | None,
+        self, transition: Transition, source: str, events: frozenset[str] | None, outer: frozenset[str] | None
     ) -> str | None:
         inside = self.states if not transition.outward else outer
         if transition.outward and outer is not None and not outer:
@@ -164,11 +160,7 @@ class _Drawing:
         return sizes
 
     def draw(
-        self,
-        previous: Layout | None,
-        moved: Mapping[str, Sequence[float]],
-        now: float,
-        panel: Size | None,
+        self, previous: Layout | None, moved: Mapping[str, Sequence[float]], now: float, panel: Size | None
     ) -> Layout:
         inner = [edge for edge in self.edges if not edge.outward]
         links = [(edge.source, edge.target) for edge in inner]
@@ -247,11 +239,7 @@ class _Drawing:
         return routes
 
     def _exits(
-        self,
-        edges: Sequence[_Edge],
-        boxes: Mapping[str, Rect],
-        frame: Sequence[float],
-        solid: Sequence[Rect],
+        self, edges: Sequence[_Edge], boxes: Mapping[str, Rect], frame: Sequence[float], solid: Sequence[Rect]
     ) -> tuple[list[Port], list[Route], list[Rect]]:
         """Route each ``exit`` to a port on the frame, by the shortest free path."""
         if not edges:

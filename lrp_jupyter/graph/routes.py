@@ -171,11 +171,7 @@ def chords(boxes: Mapping[str, Rect], cells: Cells, pairs: Mapping[Pair, int]) -
 
 
 def detour(
-    source: Rect,
-    target: Rect,
-    offsets: Sequence[float],
-    cells: Cells,
-    chord: Chord | None = None,
+    source: Rect, target: Rect, offsets: Sequence[float], cells: Cells, chord: Chord | None = None
 ) -> float:
     """Compute how far all arrows between two states are bent together to pass the states between.
 

@@ -13,13 +13,7 @@ import io
 import pickle
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from types import (
-    BuiltinFunctionType,
-    CellType,
-    CodeType,
-    FunctionType,
-    ModuleType,
-)
+from types import BuiltinFunctionType, CellType, CodeType, FunctionType, ModuleType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.errors import name_of, sentence_of

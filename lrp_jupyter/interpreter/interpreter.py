@@ -150,13 +150,7 @@ class Interpreter:
         self.namespace: dict[str, Any] = {} if namespace is None else namespace
         """Names that blocks can read."""
         self.namespace.setdefault("__builtins__", builtins)  # C code such as numpy's imports with it
-        self._new_run = partial(
-            Run,
-            robot=robot,
-            namespace=self.namespace,
-            output=output,
-            journal=journal,
-        )
+        self._new_run = partial(Run, robot=robot, namespace=self.namespace, output=output, journal=journal)
         self._run = self._new_run(program)
         self._history = History(self._run)
         show_in_tracebacks(program)
@@ -614,9 +608,7 @@ class Interpreter:
         self._done()
 
     def snapshot(
-        self,
-        known: Callable[[object], object] = nothing,
-        beside: Mapping[str, object] = MappingProxyType({}),
+        self, known: Callable[[object], object] = nothing, beside: Mapping[str, object] = MappingProxyType({})
     ) -> Snapshot:
         """Take a snapshot of the run, from which :meth:`fork` begins.
 

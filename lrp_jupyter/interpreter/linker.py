@@ -17,14 +17,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.language.blocks.block import compile_block
-from lrp_jupyter.language.program import (
-    Element,
-    Path,
-    Program,
-    State,
-    Transition,
-    Variable,
-)
+from lrp_jupyter.language.program import Element, Path, Program, State, Transition, Variable
 from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
 

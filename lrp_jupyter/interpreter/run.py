@@ -21,15 +21,7 @@ from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Fau
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, IssueLog
 from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, note, undo_attribute, undo_write, undoes
-from lrp_jupyter.interpreter.linker import (
-    Broken,
-    MachinePlan,
-    Site,
-    SpawnPlan,
-    StatePlan,
-    VariablePlan,
-    link,
-)
+from lrp_jupyter.interpreter.linker import Broken, MachinePlan, Site, SpawnPlan, StatePlan, VariablePlan, link
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.tree import (
     Action,
@@ -66,10 +58,7 @@ class Run:
         self.now = 0.0
         self.ticks = 0
         self.issues = IssueLog()
-        self.base = {
-            "robot": Slot(CellType(robot)),
-            "print": Slot(CellType(output or builtins.print)),
-        }
+        self.base = {"robot": Slot(CellType(robot)), "print": Slot(CellType(output or builtins.print))}
         self.journal = None if journal == 0 else Journal(journal)
         self.log: Log | None = self.journal.log if self.journal is not None else None
         self.full = 0
@@ -284,11 +273,7 @@ class Run:
         return None
 
     def create(
-        self,
-        machine: MachinePlan,
-        parent: Activation | None,
-        spawn: tuple[str, str] | None,
-        state: StatePlan,
+        self, machine: MachinePlan, parent: Activation | None, spawn: tuple[str, str] | None, state: StatePlan
     ) -> Activation:
         """Create a machine and initialise its variables; `state` is entered next."""
         outer = self.live[machine.outer]
@@ -541,10 +526,7 @@ class Run:
         self.epoch += 1
         self.kept = min(self.kept, self.ticks)
         self.full = 0
-        self.live = {
-            (): self.globals,
-            **{act.machine.path: act for act in self._walk()},
-        }
+        self.live = {(): self.globals, **{act.machine.path: act for act in self._walk()}}
         for environment in self.live.values():
             environment.sync()
             for slot in environment.own.values():

@@ -10,17 +10,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from lrp_jupyter.sim.world import (
-    PathStroke,
-    Point,
-    Pose,
-    Solid,
-    World,
-    WorldError,
-    Zone,
-    middle_of,
-    put_at,
-)
+from lrp_jupyter.sim.world import PathStroke, Point, Pose, Solid, World, WorldError, Zone, middle_of, put_at
 
 MOST_POINTS = 20_000  # of drawn lines; later ones are not drawn
 _MOST_STEPS = 500  # that can be undone
