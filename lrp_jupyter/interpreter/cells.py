@@ -8,6 +8,7 @@ compared after every tick instead.
 from __future__ import annotations
 
 import dis
+from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
 from types import CellType, CodeType
@@ -16,6 +17,7 @@ from typing import NamedTuple
 from lrp_jupyter.interpreter.trace_events import UNSET
 
 
+@dataclass(slots=True, eq=False)
 class Slot:
     """An existing variable: its cell, and its value when it was last compared.
 
@@ -25,13 +27,11 @@ class Slot:
         seconds, and the number of assignments in the run until then, because time may stand still.
     """
 
-    __slots__ = ("assigned", "cell", "computed", "last", "leaked")
-
-    def __init__(self, cell: CellType) -> None:
-        self.cell = cell
-        self.last: object = UNSET
-        self.leaked = False
-        self.computed = self.assigned = (-inf, 0)
+    cell: CellType
+    last: object = UNSET
+    leaked: bool = False
+    computed: tuple[float, int] = (-inf, 0)
+    assigned: tuple[float, int] = (-inf, 0)
 
     def forget(self, now: float) -> None:
         """Forget assignments and computations later than `now`, because they were undone."""

@@ -107,7 +107,7 @@ def _enter(run: Run, act: Activation, state: StatePlan, target: StatePlan, block
 
 def _enter_partly(run: Run, act: Activation, row: Row, *, blocks: bool, spawns: bool) -> None:
     """Enter a state with only its blocks, only its spawns (recursively), or neither."""
-    run.enter(act, row.bare())
+    run.enter(act, Row(row.state, row.path, row.count))
     act.row = row
     actions = row.onentry.chain() if row.onentry is not None else ()
     for action, plan in zip(actions, row.state.onentry, strict=True):

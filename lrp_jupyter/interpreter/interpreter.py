@@ -68,8 +68,6 @@ def nothing(_: object) -> None:
 
 
 _KEPT = 20  # number of recent edits whose maps are kept
-
-
 _CARRIED = ("on_active_edit", "on_issue", "paused", "patch_reason", "restarts", "restart_reason", "revision")
 """The attributes of an interpreter that a snapshot contains besides its run."""
 
@@ -750,10 +748,7 @@ class Interpreter:
     def _between(self, blocks: tuple[BlockPlan, ...]) -> None:
         run = self._run
         for block in blocks if run.roots else ():
-            try:
-                bind_block(run, block, run.globals.visible)()
-            except BaseException as error:
-                run.fault(block.site, error)
+            run.attempt(bind_block(run, block, run.globals.visible), block.site)
 
     def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
         """Log that a command was applied, unless the previous one was the same."""

@@ -258,9 +258,7 @@ class _Linker:
         code: CodeType | Broken
         try:
             code = compile_block(block, place.visible, self.filename, name)
-        except (
-            SyntaxError
-        ) as error:  # such as a `nonlocal` whose variable was removed: not an error of the text
+        except SyntaxError as error:  # such as a `nonlocal` whose variable was removed: the text is correct
             code = Broken("unknown variable", f"The block cannot be linked: {error.msg}.")
         self.blocks.append(BlockPlan(Site(element, ordinal, block.span.start), code))
         return self.blocks[-1]

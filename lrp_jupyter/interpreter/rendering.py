@@ -103,7 +103,15 @@ class _Writer:
             text = f"<{name_of(type(value))}: no text, {name_of(type(error))}>"
         self.put(_cut(text, _STRING))
 
-    def items(self, opening: str, items: Iterable[Any], count: int, closing: str, depth: int) -> None:
+    def items(
+        self,
+        opening: str,
+        items: Iterable[Any],
+        count: int,
+        closing: str,
+        depth: int,
+        write: Callable[[_Writer, Any, int], None] = write,
+    ) -> None:
         """Write the first items, in brackets."""
         self.put(opening)
         if depth <= 0 and count:
@@ -111,25 +119,20 @@ class _Writer:
         else:
             for number, item in enumerate(islice(items, _ITEMS)):
                 self.put(", " if number else "")
-                self.write(item, depth - 1)
+                write(self, item, depth - 1)
             if count > _ITEMS:
                 self.put(", ...")
         self.put(closing)
 
     def mapping(self, opening: str, mapping: dict[Any, Any], closing: str, depth: int) -> None:
         """Write the first items of a dict, in brackets."""
-        self.put(opening)
-        if depth <= 0 and dict.__len__(mapping):
-            self.put("...")
-        else:
-            for number, (key, value) in enumerate(islice(dict.items(mapping), _ITEMS)):
-                self.put(", " if number else "")
-                self.write(key, depth - 1)
-                self.put(": ")
-                self.write(value, depth - 1)
-            if dict.__len__(mapping) > _ITEMS:
-                self.put(", ...")
-        self.put(closing)
+        self.items(opening, dict.items(mapping), dict.__len__(mapping), closing, depth, _Writer.pair)
+
+    def pair(self, pair: tuple[Any, Any], depth: int) -> None:
+        """Write a key and its value."""
+        self.write(pair[0], depth)
+        self.put(": ")
+        self.write(pair[1], depth)
 
 
 def _cut(text: str, most: int) -> str:

@@ -101,10 +101,7 @@ class Run:
         self.started = False
         self.globals = Environment((), dict(self.base))
         self.live: dict[Path, Environment] = {(): self.globals}
-
-    def environment(self, machine: Path) -> Environment:
-        """Return the living environment of a machine, by its path of definition; empty for the globals."""
-        return self.live[machine]
+        """The environments of the globals and of the running machines, by path of definition."""
 
     # ---- the tick ---------------------------------------------------------------------------
 
@@ -408,17 +405,11 @@ class Run:
 
     def count(self, element: Element) -> Count:
         """Return the count of a state or transition, by its element of definition."""
-        count = self.counts.get(element)
-        if count is None:
-            count = self.counts[element] = Count()
-        return count
+        return self.counts.setdefault(element, Count())
 
     def firing(self, transition: Element, state: Element) -> Count:
         """Return the count of firings of a transition to a state that are not yet in `counts`."""
-        count = self.firings.get((transition, state))
-        if count is None:
-            count = self.firings[transition, state] = Count()
-        return count
+        return self.firings.setdefault((transition, state), Count())
 
     def add_firings(self) -> None:
         """Add the new firings to the counts of their transitions and states."""

@@ -145,9 +145,7 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dic
             run.roots += (act,)
         else:
             parent.children += (act,)
-    for element, (times, tick) in snapshot.counts.items():
-        run.counts[element] = count = Count()
-        count.times, count.tick = times, tick
+    run.counts.update((element, Count(*count)) for element, count in snapshot.counts.items())
     run.issues, run.unmeant = snapshot.issues.copy(), snapshot.unmeant
     owned = (snapshot.own, *(machine.own for machine in snapshot.machines))
     leaking = any(leaked for own in owned for _, _, leaked in own)
@@ -175,6 +173,4 @@ def _fill(
     """Give an environment its variables."""
     environment.own, environment.visible = {}, dict(outer)
     for name, number, leaked in own:
-        slot = Slot(cells[number])
-        slot.leaked = leaked
-        environment.visible[name] = environment.own[name] = slot
+        environment.visible[name] = environment.own[name] = Slot(cells[number], leaked=leaked)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from numbers import Real
 from types import CellType, CodeType
@@ -42,14 +43,12 @@ from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence,
 Call = Callable[[], object]
 
 
+@dataclass(slots=True, eq=False)
 class Count:
     """How often a state was entered or a transition fired (`times`), and the tick of the last time."""
 
-    __slots__ = ("tick", "times")
-
-    def __init__(self) -> None:
-        self.times = 0
-        self.tick = 0
+    times: int = 0
+    tick: int = 0
 
 
 class Environment:
@@ -188,6 +187,7 @@ class Edge:
         return f"The machine `{machine}` has no state `{destination}`."
 
 
+@dataclass(slots=True, eq=False)
 class Action:
     """A bound block or a spawn, the site of its faults, and the next action.
 
@@ -195,14 +195,11 @@ class Action:
     loop costs as much as running a block.
     """
 
-    __slots__ = ("call", "cell", "next", "site")
-
-    def __init__(self, call: Call, site: Site, cell: CellType | None, following: Action | None) -> None:
-        self.call = call
-        self.site = site
-        self.cell = cell
-        """A cell that `call` writes without logging it."""
-        self.next = following
+    call: Call
+    site: Site
+    cell: CellType | None
+    """A cell that `call` writes without logging it."""
+    next: Action | None
 
     def chain(self) -> Iterator[Action]:
         """Yield itself, then the actions after it."""
@@ -212,33 +209,21 @@ class Action:
             action = action.next
 
 
+@dataclass(slots=True, eq=False)
 class Row:
     """The behaviour of one state of an activation: its first transition, its first action of each kind."""
 
-    __slots__ = ("count", "edge", "onentry", "onexit", "path", "place", "running", "state")
+    state: StatePlan
+    path: Path
+    count: Count
+    edge: Edge | None = None
+    onentry: Action | None = None
+    running: Action | None = None
+    onexit: Action | None = None
+    place: Path = field(init=False)
 
-    def __init__(
-        self,
-        state: StatePlan,
-        path: Path,
-        count: Count,
-        edge: Edge | None = None,
-        onentry: Action | None = None,
-        running: Action | None = None,
-        onexit: Action | None = None,
-    ) -> None:
-        self.state = state
-        self.place = state.path
-        self.path = path
-        self.count = count
-        self.edge = edge
-        self.onentry = onentry
-        self.running = running
-        self.onexit = onexit
-
-    def bare(self) -> Row:
-        """Return a row of the same state that does nothing."""
-        return Row(self.state, self.path, self.count)
+    def __post_init__(self) -> None:
+        self.place = self.state.path
 
 
 _NO_MACHINE = MachinePlan("", (), ())
@@ -262,16 +247,14 @@ def not_boolean(value: object) -> str:
 
 
 class Host(Protocol):
-    """The interface of a run that bound blocks and conditions use."""
+    """What bound blocks and conditions use of a run."""
 
     namespace: dict[str, Any]
     now: float
     issues: IssueLog
     log: Log | None
     event_values: dict[Path, bool | None] | None
-
-    def environment(self, machine: Path) -> Environment:
-        """Return the living environment of a machine, by its path of definition."""
+    live: dict[Path, Environment]
 
     def count(self, element: Element) -> Count:
         """Return the count of a state or transition."""
@@ -423,7 +406,7 @@ def _test(run: Host, act: Activation, edge: EdgePlan) -> Call:
 def _occurs(run: Host, act: Activation, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, EventPlan)
     event = edge.test
-    call = bind_block(run, event.block, run.environment(event.owner).visible)
+    call = bind_block(run, event.block, run.live[event.owner].visible)
     values = run.event_values
     return call if values is None else noted(values, event.block.site.element.path, call)
 
