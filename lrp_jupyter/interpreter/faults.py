@@ -103,16 +103,12 @@ def _first_line(error: BaseException) -> str:
 
 def _name_error(program: Program, error: NameError) -> str:
     """Return a hint about a name without a value in a block; empty if it is in code of another file."""
-    trace = error.__traceback__
-    while trace is not None and trace.tb_next is not None:
-        trace = trace.tb_next
-    code = trace.tb_frame.f_code if trace is not None else None
-    unbound = (
-        re.search(r"local variable '(.+?)'", str(error)) if isinstance(error, UnboundLocalError) else None
-    )
+    codes = [frame.f_code for frame, _ in tracebacks.walk_tb(error.__traceback__)]
+    unbound = isinstance(error, UnboundLocalError) and re.search(r"local variable '(.+?)'", str(error))
     name = unbound[1] if unbound else error.name
-    if code is None or not name or code.co_filename not in (program.filename, "<string>"):
+    if not codes or not name or codes[-1].co_filename not in (program.filename, "<string>"):
         return ""
+    code = codes[-1]
     if name in code.co_freevars:
         return f"`{name}` has no value. Assign one first."
     if code.co_filename == "<string>":

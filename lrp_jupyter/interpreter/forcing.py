@@ -13,7 +13,7 @@ from typing import Literal
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Row
+from lrp_jupyter.interpreter.tree import Activation, Row, chained
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.resolution import resolve
@@ -38,9 +38,8 @@ def find_destination(run: Run, wanted: str | Path) -> StatePlan:
     """
     element = find(run.program, "transition", wanted)
     act = run.live.get(element.path[:-1])
-    edge = act.row.edge if isinstance(act, Activation) else None
-    while edge is not None and edge.plan.site.element != element:
-        edge = edge.next
+    edges = chained(act.row.edge) if isinstance(act, Activation) else ()
+    edge = next((each for each in edges if each.plan.site.element == element), None)
     if edge is None:
         arrow = resolve(run.program).arrow(element)
         source = arrow and arrow.noun.source_text
@@ -109,8 +108,7 @@ def _enter_partly(run: Run, act: Activation, row: Row, *, blocks: bool, spawns: 
     """Enter a state with only its blocks, only its spawns (recursively), or neither."""
     run.enter(act, Row(row.state, row.path, row.count))
     act.row = row
-    actions = row.onentry.chain() if row.onentry is not None else ()
-    for action, plan in zip(actions, row.state.onentry, strict=True):
+    for action, plan in zip(chained(row.onentry), row.state.onentry, strict=True):
         if isinstance(plan, SpawnPlan):
             if spawns:
                 run.spawn(act, plan, partial(_enter_partly, run, blocks=blocks, spawns=True))

@@ -50,7 +50,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Count, bind_block
+from lrp_jupyter.interpreter.tree import Activation, Count, bind_block, chained
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
 from lrp_jupyter.language.blocks.expressions import Evaluation
@@ -206,8 +206,7 @@ class Interpreter:
     @property
     def journal(self) -> int:
         """The number of ticks that :meth:`rewind` can go back now."""
-        run = self._run
-        return run.journal.reach(run.ticks) if run.journal is not None else 0
+        return len(self.history.ticks)
 
     @property
     def history(self) -> History:
@@ -246,8 +245,7 @@ class Interpreter:
     def entered(self, path: Path | str) -> float | None:
         """Return when the active state with this path (as spawned) was entered, in seconds, or None."""
         wanted = as_path(path)
-        acts = (act for root in self._run.roots for act in root.walk())
-        return next((act.entered for act in acts if act.full_path == wanted), None)
+        return next((act.entered for act in self._run.walk() if act.full_path == wanted), None)
 
     @property
     def visits(self) -> dict[Path, Count]:
@@ -279,12 +277,10 @@ class Interpreter:
 
         A test is watched only if it is a single expression.
         """
-        for act in [act for root in self._run.roots for act in root.walk()]:
-            edge = act.row.edge
-            while edge is not None:
+        for act in self._run.walk():
+            for edge in chained(act.row.edge):
                 if edge.plan.site.element == element:
                     watch(self._run, edge, seen)
-                edge = edge.next
 
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Call `callback` with every :class:`TraceEvent`; return a function that ends this.

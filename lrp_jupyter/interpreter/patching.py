@@ -61,7 +61,7 @@ class Decision:
 def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
     """Decide the effect of an edit to `plan`, according to the table in the language reference."""
     startable = any(spawn.resolves for spawn in plan.spawns)
-    acts = [act for root in run.roots for act in root.walk()]
+    acts = [*run.walk()]
     for act in acts:
         machine = plan.machines.get(act.machine.path)
         if machine is None or act.place[-1] not in machine.states:
@@ -116,7 +116,7 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
         _carry(run, run.globals, old.variables, plan.variables, run.base, successors, reinitialised)
     added: list[tuple[Activation, SpawnPlan]] = []
     live: dict[Path, Environment] = {(): run.globals}
-    for act in [act for root in run.roots for act in root.walk()]:  # outer ones come first
+    for act in [*run.walk()]:  # outer ones come first
         before, state, here = act.machine, act.state, act.place
         there = successors.path("state", here) or here
         act.machine = machine = plan.machines[there[:-1]]

@@ -32,6 +32,7 @@ from lrp_jupyter.interpreter.tree import (
     Row,
     bind_block,
     bind_row,
+    chained,
     is_boolean,
     not_boolean,
 )
@@ -177,7 +178,7 @@ class Run:
             fired = ("fired", (*edge.path, element.path[-1]), edge.fact)
             events = ("left", old.path, None), fired, ("entered", new.path, None)
             edge.actions = Action(partial(self._emit_all, events), edge.site, None, edge.actions)
-        for action in reversed([*old.onexit.chain()] if old.onexit is not None else []):
+        for action in reversed([*chained(old.onexit)]):
             edge.actions = Action(action.call, action.site, action.cell, edge.actions)
         edge.row = new
         return new
@@ -380,11 +381,11 @@ class Run:
     def rebind(self) -> None:
         """Discard all rows, because the objects they were bound to have changed."""
         self.stale = False
-        for act in self._walk():
+        for act in self.walk():
             act.unbind()
             act.row = act.rows[act.place[-1]] = bind_row(self, act, act.state)
 
-    def _walk(self) -> Iterator[Activation]:
+    def walk(self) -> Iterator[Activation]:
         """Yield all activations, outer machines before inner ones, in the order of spawning."""
         for root in self.roots:
             yield from root.walk()
@@ -396,7 +397,7 @@ class Run:
         if self.unordered:
             self.unordered = False
             following = None
-            for act in reversed([*self._walk()]):
+            for act in reversed([*self.walk()]):
                 act.next = following
                 following = act
             self.first = following
@@ -485,7 +486,7 @@ class Run:
 
     def saved_state(self) -> SavedState:
         """Return the whole state, as it is now."""
-        acts = [*self._walk()]
+        acts = [*self.walk()]
         return SavedState(
             [
                 (self, ("source", "roots", "pending", "started", "globals", "counts")),
@@ -510,14 +511,14 @@ class Run:
             self.program = parse(*self._undone) if isinstance(self._undone, tuple) else self._undone
             self.plan = link(self.program)
         self._undone = None
-        for act in self._walk():
+        for act in self.walk():
             act.machine = self.plan.machines[act.place[:-1]]
         self._set_counts(counts | self.counts)
         self.ticks -= ticks
         self.epoch += 1
         self.kept = min(self.kept, self.ticks)
         self.full = 0
-        self.live = {(): self.globals, **{act.machine.path: act for act in self._walk()}}
+        self.live = {(): self.globals, **{act.machine.path: act for act in self.walk()}}
         for environment in self.live.values():
             environment.sync()
             for slot in environment.own.values():

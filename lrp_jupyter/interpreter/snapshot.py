@@ -92,7 +92,7 @@ def take(
         return tuple((name, first + number, slot.leaked) for number, (name, slot) in enumerate(items))
 
     own = numbered(run.globals)
-    acts = [act for root in run.roots for act in root.walk()]
+    acts = [*run.walk()]
     numbers = {id(act): number for number, act in enumerate(acts)}
     machines = tuple(
         _Machine(

@@ -12,7 +12,7 @@ from typing import Literal
 
 from lrp_jupyter.interpreter.facts import Entered, Fact, Faulted, Fired
 from lrp_jupyter.interpreter.history import PastMachine, PastState
-from lrp_jupyter.language.program import Element, Path, Transition
+from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Delay
 
@@ -69,11 +69,11 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
     if arrow is None:
         return Cause("not-in-program")
     noun, arrows = arrow.noun, [each.element for each in names.arrows[arrow.scope]]
-    order = list(state.walk())
-    machine = next((each for each in order if each.state[:-1] == element.path[:-1]), None)
+    order, home = list(state.walk()), element.path[:-1]
+    machine = next((each for each in order if each.state[:-1] == home), None)
     if machine is None or not noun.leaves(machine.state[-1]):
         for fact in facts:
-            if isinstance(fact, (Fired, Entered)) and _is_source(noun, element, fact.state):
+            if isinstance(fact, (Fired, Entered)) and fact.state[:-1] == home and noun.leaves(fact.state[-1]):
                 return Cause("just-entered", machine, fact)
         return Cause("machine-not-running" if machine is None else "source-inactive", machine)
     before = [each.path for each in order[: order.index(machine)]]
@@ -92,11 +92,6 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
         if isinstance(fault, Faulted) and (fault.transition, fault.machine) == (element, machine.path):
             return Cause(_OF_FAULTS.get(fault.kind, "raised"), machine, fault)
     return Cause("delay-not-over" if isinstance(noun.trigger, Delay) else "condition-false", machine)
-
-
-def _is_source(noun: Transition, element: Element, state: Path) -> bool:
-    """Return whether a transition leaves a state of any machine."""
-    return state[:-1] == element.path[:-1] and noun.leaves(state[-1])
 
 
 def _is_inside(path: Path, outer: Path) -> bool:

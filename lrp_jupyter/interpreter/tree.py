@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from numbers import Real
 from types import CellType, CodeType
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content, writes_of
@@ -41,6 +41,7 @@ from lrp_jupyter.language.program import Element, Name, Path, State
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
 
 Call = Callable[[], object]
+Link = TypeVar("Link", "Edge", "Action")
 
 
 @dataclass(slots=True, eq=False)
@@ -201,13 +202,6 @@ class Action:
     """A cell that `call` writes without logging it."""
     next: Action | None
 
-    def chain(self) -> Iterator[Action]:
-        """Yield itself, then the actions after it."""
-        action: Action | None = self
-        while action is not None:
-            yield action
-            action = action.next
-
 
 @dataclass(slots=True, eq=False)
 class Row:
@@ -224,6 +218,13 @@ class Row:
 
     def __post_init__(self) -> None:
         self.place = self.state.path
+
+
+def chained(link: Link | None) -> Iterator[Link]:
+    """Yield an edge or an action, and those after it."""
+    while link is not None:
+        yield link
+        link = link.next
 
 
 _NO_MACHINE = MachinePlan("", (), ())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from types import CodeType
 from typing import NamedTuple
 
 from lrp_jupyter.errors import LRPError, UnknownElementError
@@ -40,10 +39,7 @@ class VariableMapping(Mapping[Path, object]):
         return value
 
     def __iter__(self) -> Iterator[Path]:
-        for environment in self._run.live.values():
-            for name, slot in environment.own.items():
-                if content(slot.cell) is not UNSET:
-                    yield (*environment.path, name)
+        return (path for path, _ in self.pairs())
 
     def pairs(self) -> list[tuple[Path, object]]:
         """Return all paths and values at once, in one walk over the machines."""
@@ -63,10 +59,10 @@ class VariableMapping(Mapping[Path, object]):
         return (*environment.path, name)
 
     def __len__(self) -> int:
-        return sum(1 for _ in self)
+        return len(self.pairs())
 
     def __repr__(self) -> str:
-        return repr({path_text(path): value for path, value in self.items()})
+        return repr({path_text(path): value for path, value in self.pairs()})
 
 
 def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
@@ -134,8 +130,9 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
     Raises UnknownElementError: if there is no such variable now.
     Raises Exception: the expression raised it.
     """
-    environment, _ = find_variable(run, path)
-    return bind_code(run, _compiled(expression, environment), environment.visible)()
+    visible = find_variable(run, path)[0].visible
+    block = Block(check_expression(expression))
+    return bind_code(run, compile_block(block, frozenset(visible), EXPRESSION, "expression"), visible)()
 
 
 class BlockTest:
@@ -188,9 +185,3 @@ def check_expression(expression: str) -> str:
         what = f"`{text}` is not an expression" if text else "The expression is empty"
         raise SyntaxError(f"{what}. Write a value, such as `2 * 3`.") from None
     return text
-
-
-def _compiled(expression: str, environment: Environment) -> CodeType:
-    """Compile an expression for a scope."""
-    text = check_expression(expression)
-    return compile_block(Block(text), frozenset(environment.visible), EXPRESSION, "expression")
