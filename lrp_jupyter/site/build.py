@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from lrp_jupyter import programs
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.site.notebooks import build_notebooks, check_installed, kernel_wheels
-from lrp_jupyter.site.packages import collect
-from lrp_jupyter.site.page import write_page
-from lrp_jupyter.site.runtime import RUNTIME, Pyodide
-from lrp_jupyter.site.wheel import pack
+from lrp_jupyter.site.packages import collect, pack
+from lrp_jupyter.site.runtime import LOCK, RUNTIME, Pyodide
+
+_MARK = ".lrp-site"
+_STATIC = Path(__file__).parents[1] / "static"
+_PACKAGES = ("lark", "pymunk")
+"""What the lab itself needs; what notebooks need besides is not loaded here."""
 
 
 def build_site(
@@ -45,17 +52,12 @@ def build_site(
         python.mkdir(parents=True)
         say("Collecting the packages …")
         wheel = pack(Path(work))
-        collect(
-            runtime,
-            [wheel, *kernel_wheels()],
-            ["micropip", "ipython", "jedi", "comm", "networkx"],
-            python,
-            offline,
-        )
+        names = ["micropip", "ipython", "jedi", "comm", "networkx"]
+        collect(runtime, [wheel, *kernel_wheels()], names, python, offline)
         if offline:
             say("Copying Python …")
             runtime.copy(RUNTIME, python)
-        write_page(site, wheel.name, offline)
+        _write_page(site, wheel.name, offline)
         say("Building the notebooks …")
         build_notebooks(notebooks, site / "jupyter", offline)
         (site / _MARK).write_text("")
@@ -63,4 +65,28 @@ def build_site(
         site.replace(folder)
 
 
-_MARK = ".lrp-site"
+def _write_page(site: Path, wheel: str, offline: bool) -> None:
+    """Write the page into the folder of a site, whose packages are there already."""
+    described = {
+        "python": "python/" if offline else Pyodide.url,
+        "lock": f"python/{LOCK}",
+        "packages": _PACKAGES,
+        "wheel": f"python/{wheel}",
+        "programs": [
+            {"name": name, "about": programs.heading(programs.load(name)).description}
+            for name in programs.names()
+        ],
+        "challenges": [{"name": each.name, "task": each.task} for each in challenges()],
+    }
+    (site / "site.json").write_text(json.dumps(described), encoding="utf-8")
+    for file in (_STATIC / "lab.js", _STATIC / "lab.css", *(_STATIC / "site").iterdir()):
+        shutil.copyfile(file, site / file.name)
+    index = site / "index.html"
+    index.write_text(index.read_text(encoding="utf-8").replace("VERSION", _version(site)), encoding="utf-8")
+
+
+def _version(site: Path) -> str:
+    """Return what changes whenever a file of the page, or a package, changes."""
+    files = [file for file in sorted(site.iterdir()) if file.is_file()]
+    content = b"".join(file.read_bytes() for file in [*files, site / "python" / LOCK])
+    return hashlib.sha256(content).hexdigest()[:12]

@@ -1,4 +1,4 @@
-"""The packages of a site: wheels for a Python in a browser, and the list in which Pyodide finds them.
+"""The packages of a site: wheels for a Python in a browser, this package's among them, and Pyodide's list.
 
 What Pyodide itself publishes keeps the version that it has there: pure Python comes from the package index,
 compiled packages from Pyodide's distribution. Of everything else, the package index has the newest version.
@@ -10,8 +10,10 @@ import hashlib
 import json
 import subprocess
 import zipfile
+from base64 import urlsafe_b64encode
 from collections.abc import Iterable, Mapping
 from email.parser import Parser
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,8 @@ from lrp_jupyter.errors import LRPError
 from lrp_jupyter.process import python_of
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
+_LEFT_OUT = ("cli/", "notebooks/", "site/", "static/site/")
+"""What a browser has no use for: the command line, the notebooks, and what a site is built from."""
 _PURE = "-none-any.whl"
 _TAGS = ("--platform", "pyemscripten_2026_0_wasm32", "--python-version", "3.14", "--implementation", "cp")
 
@@ -132,3 +136,33 @@ def _download(requirements: list[str], folder: Path) -> list[Path]:
         why = (errors or done.stderr.splitlines() or ["pip failed."])[-1]
         raise LRPError(f"{', '.join(requirements)}: the packages cannot be downloaded. {why}")
     return sorted(set(folder.glob("*.whl")) - before)
+
+
+def pack(folder: Path) -> Path:
+    """Pack this package, as it is installed here, into a wheel; the same package gives the same bytes."""
+    installed = distribution("lrp-jupyter")
+    package = Path(__file__).parents[1]
+    files = {
+        f"lrp_jupyter/{name}": file.read_bytes()
+        for file in sorted(package.rglob("*"))
+        if file.is_file()
+        and not (name := file.relative_to(package).as_posix()).startswith(_LEFT_OUT)
+        and "__pycache__" not in file.parts
+    }
+    info = f"lrp_jupyter-{installed.version}.dist-info"
+    for name in ("METADATA", "entry_points.txt"):
+        files[f"{info}/{name}"] = (installed.read_text(name) or "").encode()
+    files[f"{info}/WHEEL"] = (
+        b"Wheel-Version: 1.0\nGenerator: lrp site\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+    )
+    record = "".join(f"{name},{_digest(content)},{len(content)}\n" for name, content in files.items())
+    files[f"{info}/RECORD"] = f"{record}{info}/RECORD,,\n".encode()
+    wheel = folder / f"lrp_jupyter-{installed.version}-py3-none-any.whl"
+    with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+    return wheel
+
+
+def _digest(content: bytes) -> str:
+    return "sha256=" + urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
