@@ -83,38 +83,7 @@ _HOMES = {
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
-__all__ = [
-    "Bridge",
-    "BridgeError",
-    "Controls",
-    "Editor",
-    "Frame",
-    "Interpreter",
-    "Issue",
-    "Issues",
-    "LRPError",
-    "LRPSyntaxError",
-    "Lab",
-    "Machine",
-    "NoDataYet",
-    "Program",
-    "Session",
-    "SessionClosedError",
-    "SimBridge",
-    "SimView",
-    "StateGraph",
-    "UnknownElementError",
-    "Variables",
-    "VirtualClock",
-    "World",
-    "check",
-    "diff",
-    "grade",
-    "parse",
-    "state_graph",
-    "sweep",
-    "to_source",
-]
+__all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:

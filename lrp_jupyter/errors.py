@@ -11,32 +11,6 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Literal, NamedTuple, NoReturn, Self
 
-__all__ = [
-    "MOST_FINDINGS",
-    "BridgeError",
-    "Edit",
-    "FileError",
-    "Finding",
-    "Fix",
-    "LRPError",
-    "LRPSyntaxError",
-    "NoDataYet",
-    "NotAValue",
-    "SessionClosedError",
-    "SessionTimeoutError",
-    "Severity",
-    "StaleData",
-    "UnknownElementError",
-    "did_you_mean",
-    "edited",
-    "ended",
-    "lacks_simulator",
-    "listed",
-    "name_of",
-    "printable",
-    "sentence_of",
-]
-
 Severity = Literal["error", "warning", "hint"]
 
 

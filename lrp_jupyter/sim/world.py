@@ -17,31 +17,6 @@ from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Any, TypeVar
 
-__all__ = [
-    "DIRECTIONS",
-    "ArcStroke",
-    "BoxSolid",
-    "BoxZone",
-    "CircleStroke",
-    "CircleZone",
-    "DiscSolid",
-    "FloorSpec",
-    "Noise",
-    "PathStroke",
-    "Patrol",
-    "Point",
-    "Pose",
-    "RobotSpec",
-    "Solid",
-    "Stroke",
-    "World",
-    "WorldError",
-    "Zone",
-    "can_move",
-    "middle_of",
-    "put_at",
-]
-
 VERSION = 1
 
 DIRECTIONS = ("front", "front_left", "left", "back_left", "back", "back_right", "right", "front_right")
