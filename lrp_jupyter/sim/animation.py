@@ -100,8 +100,24 @@ class _Senses:
     place: _Series = field(default_factory=_Series)
     turn: _Series = field(default_factory=_Series)
     pressed: _Series = field(default_factory=_Series)
-    lights: list[_Series] = field(default_factory=list)
-    ways: list[_Series] = field(default_factory=list)
+    lights: list[_Series] = field(init=False)
+    ways: list[_Series] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.lights = [_Series() for _ in self.robot.spec.light]
+        self.ways = [_Series() for _ in self.robot.spec.distance]
+
+    def add(self, time: float, last_step: int) -> None:
+        """Add what the robot senses now; the bumper is pressed if it ever was since the last step."""
+        robot = self.robot
+        x, y, angle = robot.pose
+        self.place.add(time, x, y)
+        self.turn.add(time, math.degrees(angle))
+        self.pressed.add(time, int(robot.memory.pressed_at > last_step))
+        for series, level in zip(self.lights, robot.readings.lights, strict=False):
+            series.add(time, level)
+        for series, way in zip(self.ways, robot.readings.distances, strict=False):
+            series.add(time, way)
 
 
 class _Film:
@@ -119,11 +135,14 @@ class _Film:
         time = simulation.time
         if not self.times:
             self.begin = time
-            self.robots = [_senses(robot) for robot in simulation.robots]
+            self.robots = [_Senses(robot) for robot in simulation.robots]
         last_step = round(self.times[-1] * STEPS_PER_SECOND) if self.times else simulation.steps - 1
         self.end, self.simulation = time, simulation
         self.times.append(time)
-        self._add_floor(simulation, time)
+        marks = simulation.floor.marks
+        if not self.floors or self.floors[-1][0] is not marks:
+            self.floors.append((marks, time, time))
+        self.floors[-1] = (marks, self.floors[-1][1], time)
         world = simulation.world
         present: set[Hashable] = set()
 
@@ -154,13 +173,7 @@ class _Film:
             if key not in present and thing.seen[-1][1]:
                 thing.seen.append((time, False))
         for senses in self.robots:
-            _sense(senses, time, last_step)
-
-    def _add_floor(self, simulation: Simulation, time: float) -> None:
-        marks = simulation.floor.marks
-        if not self.floors or self.floors[-1][0] is not marks:
-            self.floors.append((marks, time, time))
-        self.floors[-1] = (marks, self.floors[-1][1], time)
+            senses.add(time, last_step)
 
     # -- drawing --------------------------------------------------------------------------------
 
@@ -313,39 +326,17 @@ class _Film:
         times = [_share((time - self.begin) / total, digits) for time in series.times]
         if times[0] != "0":
             times, texts = ["0", *times], [texts[0], *texts]
-        if not is_discrete:
-            times, texts = [*times, "1"], [*texts, texts[-1]]
         if is_discrete:
             kept = [i for i in range(len(texts)) if i == 0 or texts[i] != texts[i - 1]]
             times, texts = [times[i] for i in kept], [texts[i] for i in kept]
-        element = (
-            f'animateTransform attributeName="{attribute}" type="{kind}"'
-            if kind
-            else (f'animate attributeName="{attribute}"')
-        )
+        else:
+            times, texts = [*times, "1"], [*texts, texts[-1]]
+        element, type_ = ("animateTransform", f' type="{kind}"') if kind else ("animate", "")
         mode = ' calcMode="discrete"' if is_discrete else ""
         return (
-            f'<{element}{mode} dur="{num(total)}s" repeatCount="indefinite" keyTimes="{";".join(times)}" '
-            f'values="{";".join(texts)}"/>'
+            f'<{element} attributeName="{attribute}"{type_}{mode} dur="{num(total)}s" '
+            f'repeatCount="indefinite" keyTimes="{";".join(times)}" values="{";".join(texts)}"/>'
         )
-
-
-def _senses(robot: SimRobot) -> _Senses:
-    spec = robot.spec
-    return _Senses(robot, lights=[_Series() for _ in spec.light], ways=[_Series() for _ in spec.distance])
-
-
-def _sense(senses: _Senses, time: float, last_step: int) -> None:
-    """Add what a robot senses now; its bumper is pressed if it was at any moment since the last step."""
-    robot = senses.robot
-    x, y, angle = robot.pose
-    senses.place.add(time, x, y)
-    senses.turn.add(time, math.degrees(angle))
-    senses.pressed.add(time, int(robot.memory.pressed_at > last_step))
-    for series, level in zip(senses.lights, robot.readings.lights, strict=False):
-        series.add(time, level)
-    for series, way in zip(senses.ways, robot.readings.distances, strict=False):
-        series.add(time, way)
 
 
 def _steps(series: _Series, least: float) -> _Series:

@@ -93,10 +93,9 @@ Mark = tuple[int, Paint, Segment]  # step, how, what
 
 
 class LiveFloor:
-    """The floor of a running world: its description, and the marks that pens have left on it.
+    """The floor of a running world: its description, and the marks that pens have left on it, oldest first.
 
-    `floor`: the strokes of the description.
-    `marks`: the marks of pens, oldest first; the list is kept and appended to.
+    The list of marks that it begins with is kept and appended to.
     """
 
     def __init__(self, floor: FloorSpec, marks: list[Mark] | None = None) -> None:
@@ -179,15 +178,11 @@ def _segment(start: Point, end: Point) -> Segment:
     return Segment(start[0], start[1], dx, dy, dx * dx + dy * dy)
 
 
-def _segments(path: tuple[Point, ...]) -> list[Segment]:
-    ends = path[1:] or path  # a single point is a dot
-    return [_segment(start, end) for start, end in zip(path, ends, strict=False)]
-
-
 def _pieces(stroke: Stroke) -> list[_Piece]:
     match stroke:
         case PathStroke(path=path):
-            return list(_segments(path))
+            ends = path[1:] or path  # a single point is a dot
+            return [_segment(start, end) for start, end in zip(path, ends, strict=False)]
         case ArcStroke(arc=(x, y, radius, first, last)):
             return [_Arc(x, y, radius, min(first, last), abs(last - first))]
         case CircleStroke(circle=(x, y, radius)):

@@ -130,11 +130,7 @@ class Memory:
 
 
 class SimRobot:
-    """One robot of a running world.
-
-    `spec`: its description.
-    `index`: its number in the world.
-    """
+    """One robot of a running world."""
 
     def __init__(self, spec: RobotSpec, index: int) -> None:
         self.spec = spec

@@ -29,12 +29,10 @@ _AROUND = ((0.0, 2.0), (_QUARTER, 2.0), (-_QUARTER, 2.0))  # rays ahead, to the 
 
 
 def _empty() -> World:
-    """Draw an empty room."""
     return World(name="empty", size=(3, 2), robots=(RobotSpec((1.5, 1, 0)),))
 
 
 def _line() -> World:
-    """Draw three arcs between two straights."""
     radius, straight, left, level = 0.6, 0.4, 0.4, 0.5
     rise = radius * (1 - math.cos(_EIGHTH))
     run = radius * math.sin(_EIGHTH)
@@ -62,7 +60,6 @@ def _line() -> World:
 
 
 def _oval() -> World:
-    """Draw two straights and two half circles."""
     radius, left, right, middle = 0.5, 1.0, 2.0, 0.9
     strokes = (
         PathStroke(((left, middle - radius), (right, middle - radius))),
@@ -112,22 +109,16 @@ def _maze() -> World:
 
 
 def _arena() -> World:
-    """Draw a border."""
     width, height, margin = 2.4, 1.8, 0.3
-    corners = (
-        (margin, margin),
-        (width - margin, margin),
-        (width - margin, height - margin),
-        (margin, height - margin),
-    )
-    floor = FloorSpec(strokes=(PathStroke((*corners, corners[0]), width=0.05),))
+    left, bottom, right, top = margin, margin, width - margin, height - margin
+    border = ((left, bottom), (right, bottom), (right, top), (left, top), (left, bottom))
+    floor = FloorSpec(strokes=(PathStroke(border, width=0.05),))
     inside = BoxZone((width / 2, height / 2, width - 2 * margin, height - 2 * margin))
     robot = RobotSpec((width / 2, height / 2, 0.4))
     return World(name="arena", size=(width, height), floor=floor, robots=(robot,), zones={"inside": inside})
 
 
 def _boxes() -> World:
-    """Put boxes and a can into a room; a line marks where a robot is that has pushed a box into the goal."""
     solids = (
         BoxSolid((1.2, 1, 0.2, 0.2), push=0.3, name="box"),
         BoxSolid((0.9, 1.6, 0.15, 0.15), angle=0.5, push=0.3, name="light box"),
@@ -135,13 +126,13 @@ def _boxes() -> World:
         BoxSolid((2.6, 1.7, 0.3, 0.3), name="fixed box"),
     )
     zones = {"goal": CircleZone((2.4, 1, 0.25))}
-    floor = FloorSpec(strokes=(PathStroke(((2.28, 0.8), (2.28, 1.2))),))
-    robots = (RobotSpec((0.5, 1, 0)),)
-    return World(name="boxes", size=(3, 2), floor=floor, solids=solids, robots=robots, zones=zones)
+    line = PathStroke(((2.28, 0.8), (2.28, 1.2)))  # where a robot is that has pushed a box into the goal
+    floor = FloorSpec(strokes=(line,))
+    robot = RobotSpec((0.5, 1, 0))
+    return World(name="boxes", size=(3, 2), floor=floor, solids=solids, robots=(robot,), zones=zones)
 
 
 def _walls() -> World:
-    """Put walls into a room."""
     solids = (
         BoxSolid((1.6, 1, 1.2, 0.08), name="wall"),
         BoxSolid((2.16, 1.3, 0.08, 0.6), name="end of the wall"),
@@ -153,20 +144,17 @@ def _walls() -> World:
 
 
 def _crossing() -> World:
-    """Let two carts cross the way to the goal."""
     level = 0.75
     solids = (
         BoxSolid((1.2, 0.2, 0.2, 0.2), name="cart", patrol=Patrol(((0, 1.1),), speed=0.2)),
         BoxSolid((2.0, 1.3, 0.2, 0.2), name="fast cart", patrol=Patrol(((0, -1.1),), speed=0.3)),
     )
+    robot = RobotSpec((0.3, level, 0))
     zones = {"goal": CircleZone((2.7, level, 0.2))}
-    return World(
-        name="crossing", size=(3, 1.5), solids=solids, robots=(RobotSpec((0.3, level, 0)),), zones=zones
-    )
+    return World(name="crossing", size=(3, 1.5), solids=solids, robots=(robot,), zones=zones)
 
 
 def _convoy() -> World:
-    """Put two robots into a lane, one behind the other."""
     leader = RobotSpec((1.2, 0.4, 0), name="leader")
     follower = RobotSpec((0.5, 0.4, 0), name="follower")
     return World(name="convoy", size=(4, 0.8), robots=(leader, follower))
@@ -183,7 +171,6 @@ BUNDLED: Mapping[str, Callable[[], World]] = {
     "crossing": _crossing,
     "convoy": _convoy,
 }
-
 
 DESCRIPTIONS: Mapping[str, str] = {
     "empty": "An empty room.",
