@@ -51,17 +51,15 @@ def is_dense(names: Sequence[str], links: Sequence[Link]) -> bool:
 def arrange(
     sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str] = (), panel: Size | None = None
 ) -> dict[str, Point]:
-    """Arrange a machine for the first time.
+    """Arrange a machine for the first time: return the middle of every node, in px.
 
     Layers by longest path, the start state first and ``*`` at the left; an ellipse in the order of
     the text where edges are dense.
 
     `sizes`: width and height of every node in px, in the order of the text.
     `links`: one for each edge; both ends are in `sizes`.
-    `starts`: start states.
     `panel`: width and height of the panel that shows it, in px: the layers lie below or beside each other,
         are narrow ones, or turn back in columns, whichever is shown larger.
-    The middle of every node, in px.
     """
     states = [name for name in sizes if name != ANY]
     if not states:
@@ -194,10 +192,7 @@ def _scale(places: Mapping[str, Point], sizes: Mapping[str, Size], panel: Size) 
     scale = min(1.0, panel[0] / width, panel[1] / height)
     if scale >= LEGIBLE:
         return scale
-    shares = [
-        min(1.0, room / (LEGIBLE * length)) for room, length in zip(panel, (width, height), strict=True)
-    ]
-    return LEGIBLE * shares[0] * shares[1]
+    return LEGIBLE * min(1.0, panel[0] / (LEGIBLE * width)) * min(1.0, panel[1] / (LEGIBLE * height))
 
 
 # -- layers ------------------------------------------------------------------------------------------
@@ -264,12 +259,10 @@ def _forward_links(
 def order(
     names: Sequence[str], links: Iterable[tuple[str, str]], level: Mapping[str, int]
 ) -> dict[str, float]:
-    """Order nodes inside their layers.
+    """Return the place of each node across its layer, in units of one place; the middle of a layer is 0.
 
     `names`: in the order of the text, which decides where nothing else does.
     `links`: directions and links inside a layer do not matter.
-    `level`: the layer of each name, from 0.
-    The place of each name across its layer, in units of one place; the middle of a layer is 0.
     """
     rows, above, below = _rows(names, links, level)
     best, fewest = rows, _crossings(rows, below)

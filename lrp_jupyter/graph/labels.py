@@ -18,8 +18,6 @@ from lrp_jupyter.graph.routes import SAMPLES, Route
 
 GAP = 5.0
 """Room between a line and its label, in px."""
-
-
 POINTS = 40_000
 """Points of arrows that labels avoid, about: one every 11 px, but farther apart in large pictures."""
 
@@ -152,11 +150,7 @@ ELLIPSIS = "…"
 
 
 def text_width(text: str, size: float) -> float:
-    """Estimate the width of a line of text.
-
-    `size`: font size in px.
-    Width in px.
-    """
+    """Estimate the width of a line of text in a font of this size, both in px."""
     return sum(map(_character_width, text)) * size / 1000
 
 

@@ -39,6 +39,7 @@ from lrp_jupyter.graph.routes import (
 )
 from lrp_jupyter.graph.state_graph import (
     ANY,
+    NO_EXIT,
     distinct_states,
     events_in_scope,
     outer_states,
@@ -136,9 +137,9 @@ class _Drawing:
     def _broken(
         self, transition: Transition, source: str, events: frozenset[str] | None, outer: frozenset[str] | None
     ) -> str | None:
-        inside = self.states if not transition.outward else outer
+        inside = outer if transition.outward else self.states
         if transition.outward and outer is not None and not outer:
-            return "No state spawns this machine, so there is nothing to exit to."
+            return NO_EXIT
         return why_dangling(
             transition,
             source_exists=source == ANY or source in self.states,
@@ -177,19 +178,13 @@ class _Drawing:
         room = max((edge.size[0] + 28.0 for edge in outer), default=0.0)  # for the arrows to the ports
         frame = _around([*solid, *labels], routes, room, self._title_width())
         ports, exits, exit_labels = self._exits(outer, boxes, frame, [*solid, *labels])
-        drawn = {
-            edge: (route, label)
-            for edge, route, label in zip(
-                [*inner, *outer], [*routes, *exits], [*labels, *exit_labels], strict=True
-            )
-        }
-        port_boxes = [
-            Rect(p["label"]["x"], p["label"]["y"], p["label"]["width"], p["label"]["height"]) for p in ports
-        ]
+        arrows = zip([*routes, *exits], [*labels, *exit_labels], strict=True)
+        drawn = dict(zip([*inner, *outer], arrows, strict=True))
+        shown = [port["label"] for port in ports]
+        port_boxes = [Rect(each["x"], each["y"], each["width"], each["height"]) for each in shown]
         left, top, width, height = frame
-        view = _extent(
-            [Rect(left + width / 2, top + height / 2, width, height), *exit_labels, *port_boxes], [], 2.0
-        )
+        around = Rect(left + width / 2, top + height / 2, width, height)
+        view = _extent([around, *exit_labels, *port_boxes], [], 2.0)
         return Layout(
             machine=path_text(self.path),
             name=str(self.machine.name),

@@ -50,16 +50,13 @@ class Route:
 
 
 def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:
-    """Return the distances of the middles of the arrows between two states from the straight line.
+    """Return how far the middles of the arrows that lead each way between two states leave the straight line.
 
-    `forward`, `backward`: how many arrows lead each way.
     px, positive to the right hand of the arrow's own direction.
     """
     if forward and backward:
-        return (
-            [OPPOSITE / 2 + PARALLEL * i for i in range(forward)],
-            [OPPOSITE / 2 + PARALLEL * i for i in range(backward)],
-        )
+        there, back = ([OPPOSITE / 2 + PARALLEL * i for i in range(n)] for n in (forward, backward))
+        return there, back
     middle = (forward + backward - 1) / 2
     spread = [PARALLEL * (i - middle) for i in range(forward + backward)]
     return (spread, []) if forward else ([], spread)
@@ -119,10 +116,8 @@ def _head(base: Point, tip: Point) -> str:
     x, y = (tip[0] - base[0]) / length, (tip[1] - base[1]) / length
     back = (tip[0] - TIP * x, tip[1] - TIP * y)
     half = TIP * 0.42
-    return (
-        _path("M", tip, (back[0] - half * y, back[1] + half * x), (back[0] + half * y, back[1] - half * x))
-        + "Z"
-    )
+    left, right = (back[0] + half * y, back[1] - half * x), (back[0] - half * y, back[1] + half * x)
+    return _path("M", tip, right, left) + "Z"
 
 
 def obstacles(boxes: Iterable[Rect]) -> Cells:

@@ -174,15 +174,7 @@ def events_in_scope(program: Program, path: Path) -> frozenset[str]:
 def why_dangling(
     transition: Transition, *, source_exists: bool, target_exists: bool, events: frozenset[str] | None
 ) -> str | None:
-    """Return why a transition can never fire, or None.
-
-    Parameters
-    ----------
-    transition : Transition
-    source_exists, target_exists : bool
-    events : frozenset of str or None
-        Names of the events in scope; None where they are not known.
-    """
+    """Return why a transition can never fire, or None; `events` in scope are None where they are unknown."""
     if not target_exists:
         return f"There is no state `{transition.destination}`."
     if not source_exists:

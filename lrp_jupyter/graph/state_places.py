@@ -24,14 +24,12 @@ USUAL: Size = (80.0, 36.0)
 """Size reserved for a removed state, in px."""
 GRID = 20.0
 """Distance between the positions that are tried for a new state, in px."""
-
 ROOM = 30.0
 """Room between a state that grows and its neighbours, in px."""
 ROUNDS = 40
 """How often states are moved apart, at most."""
 STRETCH = 2.0
 """How much nearer the longer direction of a panel is, at most."""
-
 EFFORT = 200_000
 """How many nodes and edges are compared, at most, to find free positions for new nodes."""
 
@@ -236,8 +234,7 @@ def free_place(
     """
     wide = min(STRETCH, max(1 / STRETCH, panel[0] / panel[1])) if panel else 1.0
     along, down = max(1.0, 1 / wide), max(1.0, wide)
-    if not towards:
-        towards = [(0.0, 0.0)]
+    towards = towards or [(0.0, 0.0)]
     x0 = sum(x for x, _ in towards) / len(towards)
     y0 = sum(y for _, y in towards) / len(towards)
     best: tuple[float, Point] | None = None
@@ -254,11 +251,7 @@ def free_place(
             if effort <= 0:
                 break
             x, y = round(x0 + i * GRID, 1), round(y0 + j * GRID, 1)
-            cost = (
-                math.hypot((x - x0) * along, (y - y0) * down)
-                + (6.0 if y < y0 else 0.0)
-                + (3.0 if x < x0 else 0.0)
-            )
+            cost = math.hypot((x - x0) * along, (y - y0) * down) + 6.0 * (y < y0) + 3.0 * (x < x0)
             if best is not None and cost >= best[0]:
                 continue
             box = Rect(x, y, *size)

@@ -108,10 +108,8 @@ def svg(
             )
         drawings = list(drawn.values())[::-1]
     if isinstance(subject, Program):  # active paths are as spawned, drawn paths as defined
-        active = [
-            path.split("/")
-            for path in DefinedPaths(subject).active_states(tuple(tuple(path) for path in active))
-        ]
+        defined = DefinedPaths(subject).active_states(tuple(map(tuple, active)))
+        active = [path.split("/") for path in defined]
     marks = {fired} if isinstance(fired, str) else set(fired or ())
     return draw(drawings, active, marks, theme=theme, legend=legend)
 

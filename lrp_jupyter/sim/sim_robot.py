@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from random import Random
 
 import pymunk
@@ -295,11 +296,11 @@ class SimSolid:
                 space.add(joint)
 
 
+@dataclass(slots=True)
 class StepCount:
     """Counts the steps of a world."""
 
-    def __init__(self) -> None:
-        self.steps = 0
+    steps: int = 0
 
 
 def fresh_space(clock: StepCount) -> pymunk.Space:
@@ -325,14 +326,9 @@ def edge(space: pymunk.Space, size: Point) -> None:
     width, height = size
     body = Body(body_type=pymunk.Body.STATIC)
     thick = 0.1
-    corners = [
-        (-thick, -thick),
-        (width + thick, -thick),
-        (width + thick, height + thick),
-        (-thick, height + thick),
-    ]
+    left, bottom, right, top = -thick, -thick, width + thick, height + thick
     space.add(body)
-    for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
+    for start, end in pairwise([(left, bottom), (right, bottom), (right, top), (left, top), (left, bottom)]):
         wall = pymunk.Segment(body, start, end, thick)
         wall.friction = 0.3
         wall.filter = pymunk.ShapeFilter(categories=SOLID)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from math import floor as _floor
 
 from lrp_jupyter.sim.sim_robot import SimSolid
 from lrp_jupyter.sim.simulation import Simulation
@@ -32,11 +31,11 @@ def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[
     for thing in simulation.solids:
         x, y, _ = thing.pose
         reach = _reach(thing.spec) + max(cell) / 2
-        for row in range(max(0, _floor((depth - y - reach) / cell_y)), rows):
+        for row in range(max(0, math.floor((depth - y - reach) / cell_y)), rows):
             up = (rows - row - 0.5) * cell_y
             if up < y - reach:
                 break
-            for column in range(max(0, _floor((x - reach) / cell_x)), columns):
+            for column in range(max(0, math.floor((x - reach) / cell_x)), columns):
                 across = (column + 0.5) * cell_x
                 if across > x + reach:
                     break
@@ -46,7 +45,7 @@ def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[
                     )
     for robot in simulation.robots:
         x, y, heading = robot.pose
-        row, column = rows - 1 - _floor(y / cell_y), _floor(x / cell_x)
+        row, column = rows - 1 - math.floor(y / cell_y), math.floor(x / cell_x)
         if 0 <= row < rows and 0 <= column < columns:
             arrow = _ARROWS[round(heading / (math.pi / 4)) % 8]
             picture[row][column] = "*" if robot.readings.bumper else arrow
