@@ -14,11 +14,7 @@ A_PROGRAM = "a Program, which `parse(text)` makes of a text"
 
 
 def check_type(name: str, value: object, kind: type | tuple[type, ...], what: str) -> None:
-    """Raise a TypeError if an argument has another type; a truth value is not accepted as a number.
-
-    `name`: the argument's name.
-    `what`: what the argument is, in words: ``a text``.
-    """
+    """Raise a TypeError unless an argument is `what`, such as ``a text``; a truth value is not a number."""
     if not isinstance(value, kind) or isinstance(value, (bool, type)):
         raise TypeError(f"`{name}` must be {what}, not {_kind(value)}.")
 
@@ -49,7 +45,6 @@ def check_number(
 ) -> None:
     """Raise an error if an argument is not a number, or too small.
 
-    `name`: the argument's name.
     `what`: what the argument is, in words: ``a number of seconds``.
     `above`, `least`: the number must be greater than `above`, and not less than `least`.
     """

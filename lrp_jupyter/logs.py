@@ -134,10 +134,5 @@ def _damage(path: str | os.PathLike[str]) -> str:
 
 
 def at_line(name: str, number: int, what: str) -> FileError:
-    """Return an error that begins with a line of a file.
-
-    `name`: of the file, as it is shown.
-    `number`: of the line, from 1.
-    `what`: a sentence.
-    """
+    """Return an error about a line of a file: its name as shown, the number from 1, and a sentence."""
     return FileError(f"`{name}`, line {number}: {what}")

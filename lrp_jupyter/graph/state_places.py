@@ -44,8 +44,8 @@ def keep_positions(
     previous: Layout | None,
     moved: Mapping[str, Sequence[float]],
     now: float,
-    panel: Size | None = None,
-    insides: Mapping[str, Point] | None = None,
+    panel: Size | None,
+    insides: Mapping[str, Point],
 ) -> dict[str, Position]:
     """Compute a position for every node: its old one, the one it was moved to, or a free one.
 
@@ -61,7 +61,6 @@ def keep_positions(
         retyped = _retyped(previous, states) or _retyped_end(previous, states, links)
         positions = _kept(previous, sizes, retyped, now)
     first = not any(name in positions for name in sizes)
-    insides = insides or {}
     for name, (x, y) in insides.items():
         if name in positions and "inside" in (before := positions[name]):
             before["x"] = round(before["x"] + x - before["inside"][0], 1)
@@ -219,7 +218,7 @@ def free_place(
     taken: Cells,
     lines: Sequence[Line],
     effort: int,
-    panel: Size | None = None,
+    panel: Size | None,
 ) -> tuple[Point | None, int]:
     """Return the free position nearest to some points, and the effort that is left.
 

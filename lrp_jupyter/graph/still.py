@@ -9,7 +9,7 @@ Paper: §3.1, figure 2: blue events, green epsilons, orange timeouts, purple wil
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from html import escape
 from typing import Literal
 
@@ -154,7 +154,8 @@ def draw(
         across += panel_width + SPACE
         width = max(width, across)
         bottom = max(bottom, row + panel_height + SPACE)
-    if legend and (styles := _styles(drawings)):
+    styles = {shape["style"] for drawing in drawings for shape in drawing["transitions"]}
+    if legend and styles:
         key, key_width = _legend(styles, bottom)
         panels.append(key)
         width = max(width, key_width)
@@ -286,22 +287,18 @@ def _label(kind: str, label: Label) -> str:
     return _text(kind, label["x"], label["y"] + LABEL_FONT * 0.35, label["text"])
 
 
-def _styles(drawings: Iterable[Layout]) -> list[str]:
-    used = {shape["style"] for drawing in drawings for shape in drawing["transitions"]}
-    return [style for style in _WORDS if style in used]
-
-
-def _legend(styles: Iterable[str], top: float) -> tuple[str, float]:
+def _legend(styles: Collection[str], top: float) -> tuple[str, float]:
     """Return one line of samples, and its width."""
     x, y = SPACE + 2.0, top + 8.0
     parts = []
-    for style in styles:
-        parts.append(
-            f'<g class="lrp-transition lrp-{style}">'
-            f'<path class="lrp-shaft" d="M{number(x)} {number(y)}h30"/></g>'
-            + _text("lrp-key", x + 36.0, y + 4.0, _WORDS[style], "start")
-        )
-        x += 36.0 + text_width(_WORDS[style], LABEL_FONT) + 20.0
+    for style, word in _WORDS.items():
+        if style in styles:
+            parts.append(
+                f'<g class="lrp-transition lrp-{style}">'
+                f'<path class="lrp-shaft" d="M{number(x)} {number(y)}h30"/></g>'
+                + _text("lrp-key", x + 36.0, y + 4.0, word, "start")
+            )
+            x += 36.0 + text_width(word, LABEL_FONT) + 20.0
     return f'<g class="lrp-legend" aria-hidden="true">{"".join(parts)}</g>', x
 
 

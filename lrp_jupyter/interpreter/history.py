@@ -72,12 +72,7 @@ class PastMachine:
 
 @dataclass(frozen=True, slots=True)
 class PastState:
-    """The state of a run at one moment.
-
-    `program`: the program that ran.
-    `machines`: the root machines.
-    `cells`: the global variables.
-    """
+    """The state of a run at one moment: its program, the root machines and the global variables."""
 
     program: Program
     machines: tuple[PastMachine, ...]

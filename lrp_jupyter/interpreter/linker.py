@@ -171,7 +171,6 @@ class _Linker:
 
     def link(self) -> Plan:
         plan, names = self.plan, self.names
-        top = names.top
         plan.duplicates = tuple(  # their blocks never run, so no run resolves their issue
             [Site(repeat.element, -1, repeat.again.span.start) for repeat in names.repeats]
         )
@@ -183,7 +182,7 @@ class _Linker:
                 plan.places[Element("machine", scope.path)] = scope.noun.span.start
         for spawning in names.spawns:
             self.spawns.setdefault(spawning.spawner, {})[spawning.ordinal] = self._spawn(spawning)
-        plan.variables, plan.events = self._variables(top), self._events(top)
+        plan.variables, plan.events = self._variables(names.top), self._events(names.top)
         for scope, machine in self.machines.items():
             machine.variables, machine.events = self._variables(scope), self._events(scope)
         for scope, machine in self.machines.items():
@@ -226,10 +225,8 @@ class _Linker:
         spawns = self.spawns.get(element.path)
         if spawns is None:
             return blocks
-        items: dict[int, BlockPlan | SpawnPlan] = {
-            **spawns,
-            **{block.site.ordinal: block for block in blocks},
-        }
+        items: dict[int, BlockPlan | SpawnPlan] = {**spawns}
+        items.update((block.site.ordinal, block) for block in blocks)
         return tuple([items[ordinal] for ordinal in sorted(items)])
 
     def _variables(self, scope: Scope) -> tuple[VariablePlan, ...]:

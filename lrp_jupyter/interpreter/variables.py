@@ -8,7 +8,6 @@ from typing import NamedTuple
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.interpreter.cells import Slot, content
-from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Call, Environment, bind_code, is_boolean, not_boolean
@@ -82,10 +81,8 @@ def assign(run: Run, path: Path | str, value: object) -> None:
     """
     environment, name = find_variable(run, path)
     slot = environment.own[name]
-    cell = slot.cell
-    if run.log is not None:
-        run.log += (content(cell), cell, undo_write)
-    cell.cell_contents = value
+    run.log_cell(slot.cell)
+    slot.cell.cell_contents = value
     run.assigned += 1
     slot.assigned = run.now, run.assigned
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 import subprocess
 import zipfile
 from base64 import urlsafe_b64encode
@@ -44,7 +45,7 @@ def collect(
     environment = _environment(known["info"])
     found: dict[str, dict[str, Any]] = {}
     needed: dict[str, str] = {canonical(name): "" for name in names}
-    arrived = [_copy(wheel, folder) for wheel in wheels]
+    arrived = [Path(shutil.copyfile(wheel, folder / wheel.name)) for wheel in wheels]
     while True:
         for wheel in arrived:
             package, requirements = _described(wheel, environment)
@@ -70,11 +71,6 @@ def collect(
         arrived += _download(on_index, folder)
     text = json.dumps({"info": known["info"], "packages": dict(sorted(found.items()))}, indent=1)
     (folder / LOCK).write_text(text, encoding="utf-8")
-
-
-def _copy(wheel: Path, folder: Path) -> Path:
-    (folder / wheel.name).write_bytes(wheel.read_bytes())
-    return folder / wheel.name
 
 
 def _environment(info: Mapping[str, str]) -> dict[str, str]:
