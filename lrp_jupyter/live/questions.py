@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import NoneType
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 from lrp_jupyter.arguments import check_callable, check_number, check_type
 from lrp_jupyter.bridges.recorded import RecordedBridge
@@ -33,7 +33,8 @@ from lrp_jupyter.live.runner import Runner, Until
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.frame import Frame
 from lrp_jupyter.live.running.loop import Loop
-from lrp_jupyter.live.why.answers import Answers
+from lrp_jupyter.live.why.answers import Question, element_reason
+from lrp_jupyter.live.why.recorded_run import RecordedRun
 
 REPEATING = 2.0
 """Wall seconds that a block may take in a fork that others wait for."""
@@ -79,17 +80,14 @@ def plots(session: Runner, names: Iterable[str]) -> list[Plot]:
     return session._value("plots", lambda loop: plotting_named(loop, wanted))()
 
 
-def answer(
-    session: Runner, question: Literal["why", "why_not", "explain"], name: str | Path, at: Moment
-) -> Reason:
+def answer(session: Runner, question: Question, name: str | Path, at: Moment) -> Reason:
     """Return why an element of the program, or the robot, did or did not do something."""
     if at is not None:
         _check_moment("at", at)
 
     def answer(loop: Loop) -> Reason:
-        answers = Answers(loop, partial(test_again, session))
-        reason: Reason = getattr(answers, question)(name, _tick_of(loop, at))
-        return reason
+        run = RecordedRun(loop, partial(test_again, session))
+        return element_reason(run, question, name, _tick_of(loop, at))
 
     return session._value(question, answer)
 

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import find_first
-from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.language.program import Element, Path, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import Reason
-from lrp_jupyter.live.running.loop import Loop
-from lrp_jupyter.live.why.recorded_run import Again, RecordedRun
+from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.robot_commands import command_reason, commands_of
 from lrp_jupyter.live.why.states import state_reason
 from lrp_jupyter.live.why.transitions import transition_reason
 from lrp_jupyter.live.why.wording import time_text
 
+Question = Literal["why", "why_not", "explain"]
+
 _ROBOT = "robot."
+_KINDS: dict[Question, tuple[str, ...]] = {
+    "why": ("state", "command"),
+    "why_not": ("transition",),
+    "explain": ("transition", "state", "command"),
+}
+"""What a question can be about; the first kind that has an element of the name is meant."""
 _INSTEAD = {
     "transition": "Ask `why_not` about it.",
     "state": "Ask `why` about it.",
@@ -27,72 +35,33 @@ _INSTEAD = {
 """What to do if a name belongs to another kind of element."""
 
 
-class Answers:
-    """Answers a question about a session. Used on the thread that ticks, between two ticks.
+def element_reason(run: RecordedRun, question: Question, wanted: str | Path, at: int | None) -> Reason:
+    """Return the answer to a question about an element, or a command of the robot, in a tick; None: the last.
 
-    `again`: see :data:`Again`.
+    Raises UnknownElementError: there is no such element, or there are several.
+    Raises ValueError: the tick is not recorded.
     """
-
-    def __init__(self, loop: Loop, again: Again) -> None:
-        self._run = RecordedRun(loop, again)
-
-    def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
-        """Return why a transition did not fire in a tick, or that it did.
-
-        Raises UnknownElementError: there is no such transition, or there are several.
-        Raises ValueError: the tick is not recorded.
-        """
-        text = path_text(as_path(transition))
-        if text in self._commands:
-            raise UnknownElementError(f"`{text}` is a command, not a transition. Ask `why` about it.")
-        return self._answer(("transition",), transition, at)
-
-    def why(self, what: str | Path, at: int | None = None) -> Reason:
-        """Return why a state was last entered, or why the robot received its last command (`robot.move`).
-
-        Raises UnknownElementError: there is no such state or command, or there are several.
-        Raises ValueError: the tick is not recorded.
-        """
-        return self._answer(("state", "command"), what, at)
-
-    def explain(self, name: str | Path, at: int | None = None) -> Reason:
-        """Return why a transition did not fire or, if there is no such transition, the result of :meth:`why`.
-
-        Raises UnknownElementError: there is no such transition, state or command, or there are several.
-        Raises ValueError: the tick is not recorded.
-        """
-        return self._answer(("transition", "state", "command"), name, at)
-
-    def _answer(self, kinds: tuple[str, ...], wanted: str | Path, at: int | None) -> Reason:
-        """Return the answer about an element of one of these kinds; a command counts as a state."""
-        tick = self._run.tick(at)
-        text = path_text(as_path(wanted))
-        if "state" in kinds and text.startswith(_ROBOT):
-            name = text.removeprefix(_ROBOT)
-            return command_reason(self._run, name, tick, now=at is None)
-        programs = self._run.program(tick), self._run.loop.interpreter.program
-        commands = self._commands if "state" in kinds else ()
-        element, program = find_first(programs, kinds, wanted, _INSTEAD, commands)
-        then = self._then(element, program, tick)
-        if element.kind == "state":
-            return state_reason(self._run, then.path, element.path[-1], tick)
-        if resolve(self._run.program(tick)).arrow(then) is not None:
-            element, program = then, self._run.program(tick)
-        reason = transition_reason(self._run, element, program, tick)
-        if at is not None or not self._run.loop.interpreter.paused:
-            return reason
-        time = self._run.loop.timing.now
-        paused = f"The session has been paused since {time_text(time)}, so nothing is tested."
-        sentence = f"{paused} In the last tick: {reason}"
-        facts = {**reason.facts, "otherwise": reason.code}
-        return replace(reason, code="paused", time=time, sentence=sentence, facts=facts)
-
-    def _then(self, element: Element, program: Program, tick: int) -> Element:
-        """Return an element of a program with the path that it had in a tick."""
-        if program is self._run.program(tick):
-            return element
-        return Element(element.kind, self._run.names(tick).of(element.kind, element.path, math.inf))
-
-    @property
-    def _commands(self) -> list[str]:
-        return [_ROBOT + name for name in commands_of(self._run.loop.bridge)]
+    kinds, text, interpreter = _KINDS[question], path_text(as_path(wanted)), run.loop.interpreter
+    commands = [_ROBOT + name for name in commands_of(run.loop.bridge)]
+    if question == "why_not" and text in commands:
+        raise UnknownElementError(f"`{text}` is a command, not a transition. Ask `why` about it.")
+    tick = run.tick(at)
+    if "state" in kinds and text.startswith(_ROBOT):
+        return command_reason(run, text.removeprefix(_ROBOT), tick, now=at is None)
+    programs = run.program(tick), interpreter.program
+    element, program = find_first(programs, kinds, wanted, _INSTEAD, commands if "state" in kinds else ())
+    then = element
+    if program is not run.program(tick):
+        then = Element(element.kind, run.names(tick).of(element.kind, element.path, math.inf))
+    if element.kind == "state":
+        return state_reason(run, then.path, element.path[-1], tick)
+    if resolve(run.program(tick)).arrow(then) is not None:
+        element, program = then, run.program(tick)
+    reason = transition_reason(run, element, program, tick)
+    if at is not None or not interpreter.paused:
+        return reason
+    time = run.loop.timing.now
+    paused = f"The session has been paused since {time_text(time)}, so nothing is tested."
+    sentence = f"{paused} In the last tick: {reason}"
+    facts = {**reason.facts, "otherwise": reason.code}
+    return replace(reason, code="paused", time=time, sentence=sentence, facts=facts)

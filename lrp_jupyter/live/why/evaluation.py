@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from time import perf_counter
 from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.trace_events import UNSET
@@ -23,17 +23,6 @@ from lrp_jupyter.live.why.recorded_run import RecordedRun
 
 _SEARCH = 0.03  # wall seconds to search for the last time a condition was true
 _UNCHANGING = (FunctionType, BuiltinFunctionType, ModuleType, type)
-
-
-class LastTrue(NamedTuple):
-    """When a condition was last true before a tick.
-
-    `tick`: the last tick in which it was true, if one is known.
-    `first`: the first tick that was examined; the tick itself if none was.
-    """
-
-    tick: int | None
-    first: int
 
 
 def evaluate_again(case: Case) -> Evaluation | Exception | None:
@@ -73,11 +62,11 @@ def delay_of(case: Case) -> float | None:
     return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
-def last_true(case: Case) -> LastTrue:
-    """Return when a condition was last true before, whether it was tested then or not."""
+def last_true(case: Case) -> tuple[int | None, int]:
+    """Return the last tick before in which a condition was true, tested or not, and the first examined."""
     expression = expression_of(case.tested[0].text) if case.tested is not None else None
     if case.tested is None or expression is None:
-        return LastTrue(None, case.tick)
+        return None, case.tick
     machine = case.tested[1].path
     cells = _cells(case.state, machine)
     moves = case.run.loop.interpreter.moves
@@ -99,10 +88,10 @@ def last_true(case: Case) -> LastTrue:
             value = False
         first = tick
         if is_boolean(value) and value:
-            return LastTrue(tick, first)
+            return tick, tick
     else:
         first = case.run.history.ticks.start
-    return LastTrue(None, first)
+    return None, first
 
 
 def _lookup(
