@@ -11,11 +11,7 @@ from lrp_jupyter.live.reason import CommandCode, Reason, StateCode
 
 @dataclass(slots=True)
 class AnswerDraft:
-    """An answer that is being written.
-
-    `facts`: the facts of the reason, except for the lines.
-    `lines`: the lines that the answer mentions, the most relevant one first; 0 stands for none.
-    """
+    """An answer that is being written; its most relevant line comes first, and 0 stands for none."""
 
     facts: dict[str, Any] = field(default_factory=dict)
     sentences: list[str] = field(default_factory=list)

@@ -14,13 +14,7 @@ from lrp_jupyter.live.why.wording import time_text
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A transition in a tick.
-
-    `element`: the transition, by path of definition.
-    `label`: how it is displayed.
-    `line`: its line; 0 if it has none.
-    `cause`: why it fired, or did not.
-    """
+    """A transition, by path of definition, in a tick; its line is 0 if it has none."""
 
     run: RecordedRun
     element: Element

@@ -9,10 +9,9 @@ from lrp_jupyter.language.successors import Successors
 
 
 class Names:
-    """The names that elements had at one tick.
+    """The names that elements had at one tick; infinity stands for the present.
 
     `moves`: for each edit that changed the paths of elements, the tick before it and the map.
-    `tick`: the tick; infinity for the present.
     """
 
     def __init__(self, moves: Iterable[tuple[int, Successors]], tick: float) -> None:

@@ -10,12 +10,7 @@ from lrp_jupyter.language.blocks.expressions import UnknownValueError
 
 
 class RecordedRobot(NotAValue):
-    """A robot with only the readings of one tick.
-
-    `readings`: the readings by path; a failed one is its error.
-    `nodes`: the members of the robot.
-    `prefix`: which part of the robot this is: ``"light."``.
-    """
+    """A robot with only the readings of one tick, or the part of it that has a prefix, such as ``light.``."""
 
     def __init__(self, readings: Mapping[str, object], nodes: Mapping[str, object], prefix: str = "") -> None:
         self._readings, self._nodes, self._prefix = readings, nodes, prefix

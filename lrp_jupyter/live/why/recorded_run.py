@@ -20,8 +20,6 @@ class RecordedRun:
 
     The *when* of an event is the number of its tick; between two ticks, the number of the first one plus a
     half.
-
-    `again`: see :data:`Again`.
     """
 
     def __init__(self, loop: Loop, again: Again) -> None:
@@ -35,10 +33,7 @@ class RecordedRun:
         self._states: dict[int, PastState] = {}
 
     def tick(self, at: int | None) -> int:
-        """Return the tick that a question is about; for None, the last one.
-
-        Raises ValueError: the tick is not remembered.
-        """
+        """Return the tick that a question is about; for None, the last. Raises ValueError: not remembered."""
         ticks = self.history.ticks
         tick = ticks.stop - 1 if at is None else at
         if tick not in ticks:

@@ -22,10 +22,8 @@ from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_tex
 
 
 def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
-    """Return why the robot received its last command of a name.
+    """Return why the robot received its last command of a name, or of any that also sets the velocity.
 
-    `name`: the name of the command; if it sets the velocity, all commands that do so count.
-    `tick`: the last tick to consider.
     `now`: whether to consider events since that tick, too.
     Raises UnknownElementError: the robot has no such command.
     """

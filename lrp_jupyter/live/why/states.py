@@ -18,11 +18,7 @@ from lrp_jupyter.live.why.wording import time_text
 
 
 def state_reason(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
-    """Return why a state was last entered before the end of a tick.
-
-    `state`: the state, by its path of definition in the tick.
-    `name`: its name in the question.
-    """
+    """Return why a state, as defined in a tick and asked for by a name, was last entered before its end."""
     names = run.names(tick)
     for when, fact in run.backward(tick):
         if isinstance(fact, (Fired, Entered)) and names.of("state", fact.state, when) == state:

@@ -21,8 +21,8 @@ from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import (
     block_text,
     decided_text,
+    listed,
     number_text,
-    one_of,
     plain_values,
     time_text,
     unknown_text,
@@ -188,9 +188,9 @@ def _source_inactive(draft: AnswerDraft, case: Case) -> None:
     how, line = entry_text(case.run, machine, case.tick)
     other = "a state other than " if noun.wildcard else ""
     names = (*noun.sources, noun.destination) if noun.wildcard else noun.sources
-    listed = one_of([f"`{name}`" for name in names])
+    sources = listed([f"`{name}`" for name in names], "or")
     draft.say(
-        f"{case.did_not_fire}: it leaves {other}{listed}, but `{machine.path[-1]}` was in "
+        f"{case.did_not_fire}: it leaves {other}{sources}, but `{machine.path[-1]}` was in "
         f"`{machine.state[-1]}`, entered at {time_text(machine.entered)}{how}.",
         line,
     )

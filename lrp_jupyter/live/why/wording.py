@@ -52,7 +52,7 @@ def values_text(evaluation: Evaluation) -> str:
         for text, value in items(evaluation)
         if text in parts and text != evaluation.decides
     ]
-    return f" ({_and(shown)})" if shown else ""
+    return f" ({listed(shown, 'and')})" if shown else ""
 
 
 def _decides(evaluation: Evaluation) -> ast.expr:
@@ -68,16 +68,8 @@ def _rounded(value: object, tree: ast.expr) -> str:
     return f"{value:.6g}" if type(value) is float and not exact else short(value)
 
 
-def _and(texts: list[str]) -> str:
-    return _listed(texts, "and")
-
-
-def one_of(texts: list[str]) -> str:
-    """Return alternatives as text: ``a, b or c``."""
-    return _listed(texts, "or")
-
-
-def _listed(texts: list[str], word: str) -> str:
+def listed(texts: list[str], word: str) -> str:
+    """Return texts as a list in a sentence: ``a, b or c``."""
     return f" {word} ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
 
 
