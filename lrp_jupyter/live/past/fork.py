@@ -34,15 +34,10 @@ from lrp_jupyter.live.running.randomness import random_module
 
 
 class ForkStart(NamedTuple):
-    """The parts from which a copy of a session is made.
+    """The parts from which a copy of a session is made; robot and namespace are those of the checkpoint.
 
-    `checkpoint`: where it begins.
-    `entries`: the entries repeated up to the moment of the copy.
-    `later`: the entries after that moment.
-    `bridge`: the copy of the robot at the checkpoint.
-    `recorded`: the recorded state at the moment of the copy; None if nothing is repeated, the state is not
-        recorded, or the robot is real.
-    `namespace`: the namespace at the checkpoint, except for objects changed in place since.
+    `entries`: the entries repeated up to the moment of the copy; `later` are those after it.
+    `recorded`: the recorded state at that moment; None if there is none to which the copy must have come.
     """
 
     checkpoint: SessionCheckpoint
@@ -94,12 +89,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
 
 
 def check_repeated(recorded: PastState, copy: Interpreter) -> None:
-    """Check that repeated ticks have led to the recorded state.
-
-    `recorded`: the recorded state.
-    `copy`: the interpreter in which they were repeated.
-    Raises ValueError: they have led to another state.
-    """
+    """Raise ValueError if the ticks that were repeated in a copy have not led to the recorded state."""
     repeated = copy.history.state(copy.tick)  # an `onpause` caused by an issue of this tick came after it
     variables = repeated.variables
     other = [path for path, value in recorded.variables.items() if differ(value, variables.get(path))]
@@ -128,10 +118,7 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
 
 
 def private_namespace(namespace: Mapping[str, Any], state: tuple[Any, ...]) -> dict[str, Any]:
-    """Return a copy of a namespace in which `random` and its functions use a separate generator.
-
-    `state`: the initial state of the generator.
-    """
+    """Return a copy of a namespace in which `random` and its functions use a generator with this state."""
     generator = random.Random()
     generator.setstate(state)
     current = random_module(namespace)

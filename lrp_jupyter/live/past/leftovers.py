@@ -17,11 +17,7 @@ _RANDOM = "random"
 
 
 def leftover(rewound: SessionCheckpoint, clean: SessionCheckpoint) -> str:
-    """Return a description of a leftover effect; empty if none is detected.
-
-    `rewound`: the session right after the rewind.
-    `clean`: a run that has reached the same tick from an earlier one.
-    """
+    """Return what a rewind left behind, beside a run that came to the tick from an earlier one; or ""."""
     before, after = rewound.snapshot, clean.snapshot
     left, fresh = before.contents(), after.contents()
     if left.keys() != fresh.keys() or [each.place for each in before.machines] != [

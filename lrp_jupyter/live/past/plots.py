@@ -62,11 +62,7 @@ def plottable(loop: Loop) -> list[str]:
 
 
 def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
-    """Return a function that computes the samples of names, on any thread and at any time.
-
-    `loop`: the loop, between two ticks.
-    `wanted`: for each name, the tick after which samples are wanted.
-    """
+    """Return, between two ticks, a function that computes the samples of names after a tick on any thread."""
     if not wanted:
         return list
     program, first = loop.interpreter.program, min(wanted.values())
@@ -123,11 +119,9 @@ class _Column:
 
 
 def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]:
-    """Return a function that computes all samples of names written by a person; see :func:`plotting`.
+    """Return a function as :func:`plotting` does, for all samples of names written by a person.
 
-    The function raises :class:`UnknownElementError` for a name that has never been a variable or a reading.
-
-    Raises UnknownElementError: several variables have that name.
+    Raises UnknownElementError: several variables have that name. The function raises it if none ever had it.
     """
     whole = [_whole(loop, name) for name in names]
     program = loop.interpreter.program

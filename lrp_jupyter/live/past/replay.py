@@ -25,12 +25,7 @@ from lrp_jupyter.live.running.loop import Loop
 
 
 class Ticked(NamedTuple):
-    """A tick of a recorded run.
-
-    `tick`: the first is 1.
-    `time`: seconds of the run.
-    `readings`: the values that the program read, if the robot cannot be reproduced.
-    """
+    """A tick of a recorded run, with the values that were read if the robot cannot be reproduced."""
 
     tick: int
     time: float
@@ -116,10 +111,7 @@ def _apply(loop: Loop, what: object) -> None:
 
 
 def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
-    """Check that the ticks undone here have left no effect behind.
-
-    Raises ValueError: they have, so the recorded run continued from another state.
-    """
+    """Raise ValueError if undone ticks left an effect behind: the run continued from another state."""
     world = loop.bridge.simulated
     other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
     if left := other or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
@@ -130,9 +122,9 @@ def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
 
 
 def tested_again(loop: Loop, script: deque[Entry], element: Element) -> Evaluation | Exception | None:
-    """Repeat the entries up to the end of the next tick; return how a transition was tested in it.
+    """Repeat the entries up to the end of the next tick; return how a transition was tested in it, if it was.
 
-    Return None if it was not tested, or its test is not a single expression.
+    Return None also if its test is not a single expression.
     """
     while script and not isinstance(script[0], Ticked):
         repeat(loop, script.popleft())

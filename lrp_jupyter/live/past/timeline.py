@@ -108,10 +108,8 @@ def _sentence(each: Happening) -> str:
 def timeline_of(
     loop: Loop, cursor: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
 ) -> Callable[[], Timeline]:
-    """Return a function that gives the timeline since a moment, on any thread: it computes the plots.
+    """Return, between two ticks, a function that gives the timeline on any thread: it computes the plots.
 
-    `loop`: the loop, between two ticks.
-    `cursor`: the part that is known; by default nothing.
     `plots`: the names to plot, each with the tick up to which its samples are known.
     """
     interpreter, history = loop.interpreter, loop.interpreter.history

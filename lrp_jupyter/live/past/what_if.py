@@ -93,11 +93,7 @@ class WhatIf:
 
 
 class Observation:
-    """Watches a run, tick by tick.
-
-    `loop`: the loop at the moment at which the course begins.
-    `tick`: the tick after which the course begins.
-    """
+    """Watches a run, tick by tick, from the end of a tick, which is its present moment."""
 
     def __init__(self, loop: Loop, tick: int) -> None:
         self._loop = loop
