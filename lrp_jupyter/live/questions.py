@@ -106,12 +106,28 @@ def test_again(session: Runner, tick: int, element: Element) -> Evaluation | Exc
 
 def fork(session: Asked, at: Moment, program: str | Program | None, inputs: bool) -> Asked:
     """Return an independent copy of a session, now or after an earlier tick."""
+    other = _other_program(session, at, program)
+    (start,) = session._value("fork", lambda loop: _starts(loop, at, 1))
+    return _going_on(session, start, other, inputs)
+
+
+def _other_program(session: Runner, at: Moment, program: str | Program | None) -> Program | None:
+    """Return the other program of a fork, whose arguments are checked."""
     if at is not None:
         _check_moment("at", at)
     check_type("program", program, (str, Program, NoneType), "a text or a Program")
-    if isinstance(program, str):
-        program = parse(program, session.program.filename)
-    copy = _forked(session, session._value("fork", lambda loop: fork_start(loop, _tick_of(loop, at))))
+    return parse(program, session.program.filename) if isinstance(program, str) else program
+
+
+def _starts(loop: Loop, at: Moment, count: int) -> list[ForkStart]:
+    """Return the starts of several forks from the same moment."""
+    tick = _tick_of(loop, at)
+    return [fork_start(loop, tick) for _ in range(count)]
+
+
+def _going_on(session: Asked, start: ForkStart, program: Program | None, inputs: bool) -> Asked:
+    """Return a fork that goes on from its start, with another program if there is one."""
+    copy = _forked(session, start)
     with copy._closed_on_error(), copy._driver.exclusive("fork"):
         if program is not None:
             copy._loop.apply(do.ReplaceProgram(program))
@@ -133,20 +149,21 @@ def what_if(session: Runner, at: Moment, program: str | Program | None, seconds:
     session._driver.refuse_inside("what_if")
     if program is None and at is not None:
         program = session.program
-    with fork(session, at, program, True) as copy:
+    other = _other_program(session, at, program)
+    start, *rest = session._value("what_if", lambda loop: _starts(loop, at, 1 if other is None else 2))
+    with _going_on(session, start, other, True) as copy:
         tick, begin = copy.frame.tick, copy.frame.time
-        changed, end, open_loop = _observed(copy, tick, seconds)
-    if at is None and program is None:
-        recorded = changed
-    else:
-        with fork(session, at, None, True) as copy:
-            recorded, _, _ = _observed(copy, tick, seconds)
+        changed, end, open_loop = _observed(copy, seconds)
+    recorded = changed
+    for start in rest:  # of the same moment: the session may have gone on
+        with _going_on(session, start, None, True) as copy:
+            recorded, _, _ = _observed(copy, seconds)
     return WhatIf(tick, begin, end, recorded, changed, divergence(recorded, changed), open_loop)
 
 
-def _observed(copy: Runner, tick: int, seconds: float) -> tuple[Course, float, bool]:
+def _observed(copy: Runner, seconds: float) -> tuple[Course, float, bool]:
     """Run a fork, and return its course, its end in seconds, and whether readings were fed."""
-    observation = Observation(copy._loop, tick)
+    observation = Observation(copy._loop)
     copy.run(seconds, limit=REPEATING, after_tick=observation.watch)
     open_loop = isinstance(copy.bridge, RecordedBridge)
     return observation.course(), copy._loop.timing.now, open_loop

@@ -85,6 +85,17 @@ def test_the_session_does_not_notice(session):
     assert session.program.text == FOLLOWER
 
 
+def test_both_courses_begin_at_the_same_moment_of_a_session_that_goes_on():
+    program = "(machine m (state a) (state b) (ontime 300 a -> b) (ontime 300 b -> a)) (spawn m a)"
+    with Session(program, clock=VirtualClock()) as session:
+        session.start()
+        session.wait_for("b")
+        what_if = session.what_if(program=f"{program} ", seconds=1)
+        assert what_if.divergence is None
+        assert what_if.recorded.happenings[0] == what_if.changed.happenings[0]
+        assert session.interpreter.tick > what_if.tick
+
+
 def test_a_touch_is_told_with_its_moment_and_its_solid():
     with Session(INTO_THE_WALL, "sim", world="line") as session:
         touch = session.what_if(seconds=60).changed.touch

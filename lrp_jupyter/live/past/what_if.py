@@ -93,11 +93,11 @@ class WhatIf:
 
 
 class Observation:
-    """Watches a run, tick by tick, from the end of a tick, which is its present moment."""
+    """Watches a run, tick by tick, from its present moment."""
 
-    def __init__(self, loop: Loop, tick: int) -> None:
+    def __init__(self, loop: Loop) -> None:
         self._loop = loop
-        self._tick = tick
+        self._tick = tick = loop.interpreter.tick
         self._way: list[Waypoint] = []
         self._others: dict[str, list[Waypoint]] = {}
         self._touch: Touch | None = None
