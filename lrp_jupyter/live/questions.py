@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from types import NoneType
 from typing import Any, TypeVar
@@ -21,7 +21,7 @@ from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.past.fork import ForkStart, check_repeated, fork_start, private_namespace
+from lrp_jupyter.live.past.fork import ForkStart, check_repeated, fork_start, private_namespace, started_again
 from lrp_jupyter.live.past.past_frames import animation_of, frame_at, tick_of
 from lrp_jupyter.live.past.plots import Plot, plotting_named
 from lrp_jupyter.live.past.replay import Entry, Ticked, repeat, tested_again, without_edits
@@ -106,23 +106,23 @@ def test_again(session: Runner, tick: int, element: Element) -> Evaluation | Exc
 
 def fork(session: Asked, at: Moment, program: str | Program | None, inputs: bool) -> Asked:
     """Return an independent copy of a session, now or after an earlier tick."""
-    other = _other_program(session, at, program)
-    (start,) = session._value("fork", lambda loop: _starts(loop, at, 1))
-    return _going_on(session, start, other, inputs)
+    other = _parsed(session, program)
+    return _going_on(session, next(_starts(session, at)), other, inputs)
 
 
-def _other_program(session: Runner, at: Moment, program: str | Program | None) -> Program | None:
-    """Return the other program of a fork, whose arguments are checked."""
-    if at is not None:
-        _check_moment("at", at)
+def _parsed(session: Runner, program: str | Program | None) -> Program | None:
     check_type("program", program, (str, Program, NoneType), "a text or a Program")
     return parse(program, session.program.filename) if isinstance(program, str) else program
 
 
-def _starts(loop: Loop, at: Moment, count: int) -> list[ForkStart]:
-    """Return the starts of several forks from the same moment."""
-    tick = _tick_of(loop, at)
-    return [fork_start(loop, tick) for _ in range(count)]
+def _starts(session: Runner, at: Moment) -> Iterator[ForkStart]:
+    """Yield starts of forks, all from the same moment though the session goes on between them."""
+    if at is not None:
+        _check_moment("at", at)
+    start = session._value("fork", lambda loop: fork_start(loop, _tick_of(loop, at)))
+    while True:
+        yield start
+        start = session._value("fork", partial(started_again, start=start))
 
 
 def _going_on(session: Asked, start: ForkStart, program: Program | None, inputs: bool) -> Asked:
@@ -149,14 +149,14 @@ def what_if(session: Runner, at: Moment, program: str | Program | None, seconds:
     session._driver.refuse_inside("what_if")
     if program is None and at is not None:
         program = session.program
-    other = _other_program(session, at, program)
-    start, *rest = session._value("what_if", lambda loop: _starts(loop, at, 1 if other is None else 2))
-    with _going_on(session, start, other, True) as copy:
+    other, starts = _parsed(session, program), _starts(session, at)
+    with _going_on(session, next(starts), other, True) as copy:
         tick, begin = copy.frame.tick, copy.frame.time
         changed, end, open_loop = _observed(copy, seconds)
-    recorded = changed
-    for start in rest:  # of the same moment: the session may have gone on
-        with _going_on(session, start, None, True) as copy:
+    if other is None:
+        recorded = changed
+    else:
+        with _going_on(session, next(starts), None, True) as copy:
             recorded, _, _ = _observed(copy, seconds)
     return WhatIf(tick, begin, end, recorded, changed, divergence(recorded, changed), open_loop)
 
@@ -186,8 +186,8 @@ def try_values(
         check_callable("outcome", outcome)
     session._driver.refuse_inside("try_values")
     trials = []
-    for value in _listed("values", values, "[0.2, 0.3]"):
-        with fork(session, at, None, False) as copy:
+    for value, start in zip(_listed("values", values, "[0.2, 0.3]"), _starts(session, at), strict=False):
+        with _going_on(session, start, None, False) as copy:
             copy.variables[variable] = value
             trials.append(_tried(copy, value, seconds, until, outcome))
     awaited = "" if until is None else "the condition" if callable(until) else path_text(as_path(until))

@@ -33,6 +33,12 @@ def test_each_value_is_run_from_the_same_moment(live):
     assert (live.frame.tick, live.frame.variables) == (before.tick, before.variables)
 
 
+def test_each_value_is_run_from_the_same_moment_though_the_session_goes_on(live):
+    live.start()
+    one, other = live.try_values("speed", [0.1, 0.1], seconds=1, outcome=lambda fork: fork.frame.time)
+    assert (one.outcome, one.path) == (other.outcome, other.path)
+
+
 def test_a_run_begins_in_the_past_if_it_is_asked(live):
     (trial,) = live.try_values("speed", [0.4], seconds=1, at=2)
     assert (trial.seconds, len(trial.path)) == (1.0, 9)

@@ -88,6 +88,11 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded, namespace)
 
 
+def started_again(loop: Loop, start: ForkStart) -> ForkStart:
+    """Return the parts of another copy from the same moment, though the session may have gone on."""
+    return start._replace(bridge=_forked(loop.bridge, start.checkpoint.moment))
+
+
 def check_repeated(recorded: PastState, copy: Interpreter) -> None:
     """Raise ValueError if the ticks that were repeated in a copy have not led to the recorded state."""
     repeated = copy.history.state(copy.tick)  # an `onpause` caused by an issue of this tick came after it
