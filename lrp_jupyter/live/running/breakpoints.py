@@ -39,10 +39,8 @@ def breakpoint_of(
     after: int = 1,
     once: bool = False,
 ) -> Breakpoint:
-    """Return a new breakpoint without a number.
+    """Return a new breakpoint without a number, for the wanted element or condition.
 
-    `wanted`: the name, label or path of the element; or the condition.
-    `machine`: the machine in whose scope a condition is evaluated; by default the top level.
     Raises UnknownElementError: there is no such element, or there are several.
     Raises SyntaxError: the condition is not an expression.
     """
@@ -89,10 +87,7 @@ class Breakpoints:
         return new
 
     def change(self, number: int, enabled: bool | None = None, after: int | None = None) -> None:
-        """Switch a breakpoint on or off, or set the first hit at which it pauses.
-
-        Raises ValueError: there is no such breakpoint.
-        """
+        """Switch a breakpoint on or off, or set the first hit at which it pauses."""
         known = self._known(number)
         self._all[number] = replace(
             known,
@@ -101,10 +96,7 @@ class Breakpoints:
         )
 
     def remove(self, number: int) -> None:
-        """Remove a breakpoint.
-
-        Raises ValueError: there is no such breakpoint.
-        """
+        """Remove a breakpoint."""
         self._known(number)
         del self._all[number]
         self._conditions.pop(number, None)

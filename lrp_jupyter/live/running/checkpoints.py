@@ -31,14 +31,9 @@ COPIED = (*PLAIN, tuple, frozenset, list, dict, set, bytearray, deque)
 class SessionCheckpoint(NamedTuple):
     """A moment of a session from which a copy can continue.
 
-    `snapshot`: a snapshot of the interpreter, including the objects of the namespace that are copied.
-    `time`, `due`: seconds of the run, and the time at which the next tick is due.
-    `rate`: ticks per second.
-    `running`: whether it was not paused.
+    `snapshot`: the interpreter, and the objects of the namespace that are copied.
     `inputs`: the number of inputs up to then.
-    `moment`: the moment of the bridge.
-    `random`: the state of Python's random numbers.
-    `armed`: whether commands were sent to the robot.
+    `moment`: that of the bridge.
     """
 
     snapshot: Snapshot
@@ -69,10 +64,7 @@ class Checkpoints:
         self._rested = 0.0  # earliest wall time of the next one
 
     def add(self, take: Callable[[], SessionCheckpoint], rewound: bool = False) -> SessionCheckpoint | None:
-        """Take a checkpoint and return it, unless the last one is too recent.
-
-        After the run has been `rewound`, one is always taken.
-        """
+        """Take a checkpoint and return it, unless the run was not `rewound` and the last is too recent."""
         start = perf_counter()
         if start < self._rested and not rewound:
             self.due += _SPACING

@@ -69,7 +69,7 @@ class Force(Command, recorded=True, interrupts=True):
     teleport: bool = False
 
     def apply(self, loop: Loop) -> None:
-        loop.force(self.path, "teleport" if self.teleport else "transition")
+        loop.force(self.path, self.teleport)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,6 @@ class Assign(Command, recorded=True):
         loop.interpreter.assign(variable, value, loop.timing.now)
 
     def kept(self, record: Record) -> tuple[Command, int]:
-        """See :class:`Command`; a mutable value is copied."""
         return Assign(self.path, record.kept(self.value)), 0
 
 

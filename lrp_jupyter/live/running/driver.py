@@ -41,11 +41,7 @@ _REST = 0.1  # wall seconds for which a driver waits after a fault
 
 
 class LoopThread:
-    """A daemon thread that drives the loop.
-
-    `turning`: held during each turn; another thread acquires it to drive the loop temporarily.
-    `name`: the thread's name.
-    """
+    """A daemon thread that drives the loop; another one that holds `turning` drives it temporarily."""
 
     def __init__(self, loop: Loop, turning: threading.RLock, name: str) -> None:
         self._loop = loop
@@ -164,10 +160,7 @@ class LoopTask:
 
 
 class Driver:
-    """Decides which thread may run a loop, and lets other threads submit commands to it.
-
-    `name`: name of the session, for its threads.
-    """
+    """Decides which thread may run a loop; see the module docstring."""
 
     def __init__(self, loop: Loop, name: str) -> None:
         self.loop = loop
@@ -262,10 +255,7 @@ class Driver:
 
     @contextmanager
     def limited(self, seconds: float) -> Iterator[None]:
-        """End the run of :meth:`exclusive` if a block takes longer than these wall seconds.
-
-        Raises SessionTimeoutError: it did.
-        """
+        """End the run, with a SessionTimeoutError, if a block takes longer than these wall seconds."""
         monitor = self._monitor
         if monitor is None:
             monitor = self._spare
@@ -296,10 +286,7 @@ class Driver:
     # -- commands --------------------------------------------------------------------------------
 
     def ask(self, command: Command) -> Future[Any]:
-        """Queue a command without waiting, and apply it here if nothing else drives the loop.
-
-        Raises SessionClosedError.
-        """
+        """Queue a command without waiting, and apply it here if nothing else drives the loop."""
         self.check_open()
         answer = self.loop.inbox.put(command)
         if not (self.runs_elsewhere or self._inside_block):
@@ -308,10 +295,7 @@ class Driver:
         return answer
 
     def submit(self, command: Command) -> Future[Any]:
-        """Queue a command and do not wait.
-
-        Raises SessionClosedError.
-        """
+        """Queue a command and do not wait."""
         self.check_open()
         return self.loop.inbox.put(command)
 
@@ -333,7 +317,7 @@ class Driver:
             raise self._blocked(re.sub(r"\B(?=[A-Z])", " ", kind.__name__).lower()) from None
 
     def do(self, command: Command) -> Any:
-        """Apply a command, or have it applied, and return its result; see :meth:`ask`, :meth:`wait`."""
+        """Apply a command, or have it applied, and return its result."""
         return self.wait(self.ask(command), type(command))
 
     def check_open(self) -> None:

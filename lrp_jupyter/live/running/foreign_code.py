@@ -16,10 +16,7 @@ Arguments = ParamSpec("Arguments")
 
 
 class Foreign:
-    """A single call of foreign code; each call has its own object.
-
-    `name`: its name in messages, such as ``x.__repr__``; empty if it may be called by a block of the program.
-    """
+    """A single call of foreign code, by its name in messages; empty if a block of the program may call it."""
 
     __slots__ = ("name",)
 

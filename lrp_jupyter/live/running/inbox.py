@@ -1,8 +1,4 @@
-"""The commands of a loop and the queue in which they wait.
-
-A :class:`Command` is a frozen value with an `apply` method. It waits in the :class:`Inbox`, and is applied
-between two ticks, as a whole, on the thread that drives the loop.
-"""
+"""The commands of a loop and the queue in which they wait for the thread that drives it."""
 
 from __future__ import annotations
 

@@ -51,13 +51,7 @@ class Rewound:
 
 
 class Input(NamedTuple):
-    """An input of a session.
-
-    `number`: in the order of application; the first is 1.
-    `tick`: how many ticks were completed before it.
-    `time`: seconds of the run at which it was applied.
-    `what`: a command, :class:`Rewound`, or an action on the robot or its world.
-    """
+    """A command, :class:`Rewound`, or action on the robot or its world; `tick` were completed before it."""
 
     number: int
     tick: int

@@ -30,11 +30,9 @@ from lrp_jupyter.interpreter.faults import Interrupted
 
 
 class RunningBlock(NamedTuple):
-    """A block, or foreign code, that a thread is running.
+    """A block, or foreign code, that a thread is running; its frame identifies this execution of it.
 
-    `name`: ``moving.running`` or, for foreign code, ``x.__repr__``, ``the robot``.
     `line`: the line of the program that is running, from 1; 0 if none of its code is running.
-    `frame`: identifies this execution of it.
     """
 
     name: str
@@ -51,8 +49,7 @@ def running_block(
 ) -> RunningBlock | None:
     """Return the block that a thread is running, or else the foreign code that its loop has called, or None.
 
-    `thread`: the identity of the thread.
-    `filenames`: the file names of blocks; no other code has them.
+    `filenames`: those of blocks; no other code has them.
     `name`: the name of foreign code that runs instead of a block, such as ``x.__repr__``.
     `other`: the name to use for unnamed foreign code; if empty, only blocks are returned.
     """

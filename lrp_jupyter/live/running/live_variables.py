@@ -14,9 +14,6 @@ class LiveVariables(MutableMapping[Path, Any]):
     """The variables of a session: read from its newest frame, and assigned between two ticks.
 
     Keys are those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`.
-
-    `frame`: returns the newest frame.
-    `assign`: assigns a value to the variable of a path.
     """
 
     def __init__(self, frame: Callable[[], Frame], assign: Callable[[Path, object], object]) -> None:

@@ -9,9 +9,6 @@ until the time that it returns. A turn
 3. ticks, if a tick is due: latch the sensors, run one step of the interpreter, flush the commands,
 4. publishes a frame, at most sixty times a second.
 
-*Parts.* :attr:`Loop.timing` holds the time of the run and when a tick is due; :attr:`Loop.record` holds what
-is kept of the run for rewinding it.
-
 *Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of the state of a run; a session
 copies them into its frames.
 
@@ -69,9 +66,7 @@ class Loop:
     """Runs an interpreter against a clock and a robot; see the module docstring.
 
     `bridge`: opened by its owner, not by the loop.
-    `rate`: ticks per second; 0 for as many as possible.
     `changed`: called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
-    `remembers`: whether the record is kept, for as long as the interpreter's journal.
     `printed`: returns the number of lines printed so far.
     """
 
@@ -590,10 +585,10 @@ class Loop:
         if self.paused_by is not None and ticks:
             self.paused_by, self.reason = None, ""  # that tick has not happened
 
-    def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
+    def force(self, path: Path, teleport: bool) -> None:
         """Force a state; if it does not exist, this is an issue, as in a transition. Paper: §6.4."""
         interpreter = self.interpreter
-        force = interpreter.teleport_to if how == "teleport" else interpreter.transition_to
+        force = interpreter.teleport_to if teleport else interpreter.transition_to
         try:
             force(path, self.timing.now)
         except UnknownElementError as error:

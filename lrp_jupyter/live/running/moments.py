@@ -9,12 +9,7 @@ from typing import Any, NamedTuple
 
 
 class Moment(NamedTuple):
-    """The beginning of a tick.
-
-    `time`: seconds.
-    `world`: the moment of the bridge.
-    `sensed`: the bridge's token for its readings.
-    """
+    """The beginning of a tick: its time in seconds, the bridge's moment, and its token for the readings."""
 
     time: float
     world: object
@@ -24,9 +19,7 @@ class Moment(NamedTuple):
 class Moments:
     """The moments of the last ticks, in order; or of the last tick only.
 
-    `flat`: their parts in one list: with a tuple for each tick, the garbage collector would have to visit
-        each.
-    `add`: adds a moment: time, the moment of the bridge, and the token for its readings.
+    `flat`: their parts in one list: the garbage collector would have to visit a tuple for each tick.
     """
 
     def __init__(self, *, only_last: bool = False) -> None:

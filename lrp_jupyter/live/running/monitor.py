@@ -30,10 +30,8 @@ _REUSED = 1.0  # wall seconds for which a monitor waits for another run
 
 
 class Monitor:
-    """A thread that watches a loop and its robot.
+    """A thread that watches a loop, its robot, and the thread that drives the loop.
 
-    `thread`: returns the identity of the thread that currently drives the loop, or None.
-    `hung_after`: wall seconds after which a tick is reported as hung.
     `dead_man`: wall seconds without a call of :meth:`seen` after which the program is paused; None for never.
     """
 

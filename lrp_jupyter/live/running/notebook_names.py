@@ -20,11 +20,7 @@ ABSENT = object()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChangeNames(Command):
-    """Assign or delete names of the namespace, as the user does: the change is detected and recorded.
-
-    `before`, `after`: their values; an absent name is missing. Only those after the change are needed to
-        repeat it.
-    """
+    """Assign or delete names of the namespace, as the user does; a name is missing where it is absent."""
 
     before: Mapping[str, object]
     after: Mapping[str, object]
@@ -48,10 +44,7 @@ class ChangeNames(Command):
 
 
 class WatchedNames:
-    """The names that a program uses or has used, with their last known values; owned by the loop.
-
-    `values`: the values, or `ABSENT`.
-    """
+    """The names that a program uses or has used, with their last known values; owned by the loop."""
 
     def __init__(self, namespace: dict[str, Any]) -> None:
         self._namespace = namespace
@@ -79,7 +72,7 @@ class WatchedNames:
         return ChangeNames(_present(before, differing), _present(self.values, differing))
 
     def assign(self, values: Mapping[str, object]) -> None:
-        """Assign names in the namespace, and delete absent ones; this counts as a change."""
+        """Assign names in the namespace, and delete those that are `ABSENT`; this counts as a change."""
         for name, value in values.items():
             if value is ABSENT:
                 self._namespace.pop(name, None)

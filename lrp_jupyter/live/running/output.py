@@ -10,10 +10,7 @@ from typing import Any
 
 
 class Output:
-    """Buffer of the last lines printed; thread-safe.
-
-    `lines`: number of lines to keep; older ones are dropped, but counted.
-    """
+    """Buffer of the last lines printed; older ones are dropped, but counted. Thread-safe."""
 
     def __init__(self, lines: int = 1000) -> None:
         self.count = 0

@@ -1,12 +1,8 @@
 """The record of a run: the data kept to rewind it, or to continue elsewhere from one of its moments.
 
-For each tick there is a moment: its time, and the state of the robot. Whatever comes from outside is an input
-with a number; from time to time a snapshot is taken as a checkpoint. The journal of the interpreter bounds
-all of them.
-
-*Rewinding.* Before each tick the loop records the time and the bridge's moment. Rewinding restores the
-interpreter by its journal, and the world to the moment before the first tick undone; the next step
-repeats that tick.
+For each tick there is a moment: the time at which it begins, and the state of the robot then. Whatever comes
+from outside is an input with a number; from time to time a snapshot is taken as a checkpoint. The journal of
+the interpreter, by which a rewind restores it, bounds all of them.
 
 A record belongs to the thread that drives the loop. Other threads also add inputs, under the lock of the
 inputs; when they stop or arm the robot, the loop records this before the next tick, step of the world, or
@@ -39,10 +35,7 @@ from lrp_jupyter.live.running.timing import Timing
 
 
 class Record:
-    """The data kept of a run; see the module docstring.
-
-    `remembers`: whether it is kept, for as long as the interpreter's journal.
-    """
+    """The data kept of a run, for as long as the interpreter's journal; see the module docstring."""
 
     def __init__(self, interpreter: Interpreter, bridge: Bridge, timing: Timing, remembers: bool) -> None:
         self._interpreter = interpreter
@@ -150,20 +143,14 @@ class Record:
         return self.readings_of(self.moments[-1].sensed) if self.moments else {}
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
-        """Return the readings of a tick by path, for their token in a moment; a failed one is its error.
-
-        A missing reading was not read, or had no value.
-        """
+        """Return the readings of a tick that had a value or failed, by path, for their token in a moment."""
         world = self._bridge.simulated
         return cast(Mapping[str, object], sensed) if world is None else world.readings_of(sensed)
 
     # -- checkpoints -----------------------------------------------------------------------------
 
     def checkpoint(self, running: bool) -> SessionCheckpoint:
-        """Return the checkpoint from which a copy of this session can continue; called between two ticks.
-
-        `running`: whether the session is not paused.
-        """
+        """Return the checkpoint from which a copy of this session can continue; called between two ticks."""
         interpreter, timing, namespace = self._interpreter, self._timing, self._interpreter.namespace
         used = {name: namespace.get(name, self) for name in self.names_used()}
         beside = {name: value for name, value in used.items() if type(value) in COPIED}
@@ -182,10 +169,7 @@ class Record:
         )
 
     def begin(self, checkpoint: SessionCheckpoint) -> None:
-        """Continue from a checkpoint of another session, whose bridge was forked there.
-
-        The copied objects of its namespace are put into the namespace of this session.
-        """
+        """Continue, with the copied names, from a checkpoint at which the bridge was forked from another."""
         interpreter, timing, safety = self._interpreter, self._timing, self._bridge.safety
         self.names.begin(interpreter.begin(checkpoint.snapshot, self._find))
         timing.set_rate(checkpoint.rate)
@@ -236,7 +220,6 @@ class Record:
 
         The world returns to the moment before the first undone tick, so that the next step repeats it.
 
-        `running`: whether the session is not paused.
         Raises BridgeError: a real robot is armed, or the world cannot go back that far.
         Raises ValueError: not that many ticks can be undone.
         """

@@ -31,10 +31,7 @@ monitoring: Any = getattr(sys, "monitoring", None)
 
 
 class SelfMonitor:
-    """Watches the blocks of a loop from inside. Requires Python 3.12; in earlier versions nothing is watched.
-
-    `hung_after`: wall seconds after which a block is interrupted.
-    """
+    """Watches the blocks of a loop from inside; before Python 3.12 nothing is watched."""
 
     within = 0.0
     """See :class:`~lrp_jupyter.live.running.monitor.Monitor`; here a command interrupts nothing."""

@@ -32,16 +32,12 @@ _PICTURES = 30.0  # of a world that moves between two ticks, per wall second
 
 
 class Timing:
-    """The time of a run; it belongs to the thread that drives the loop.
+    """The time of a run, in its seconds; it belongs to the thread that drives the loop.
 
-    `rate`: ticks per second; 0 for as many as possible.
     `move`: moves the simulated world by a number of seconds, which are whole physics steps.
-    `clock`: the clock that the driver waits for.
     `step`: seconds per physics step; None where time passes in the real world.
-    `now`: seconds of the run.
-    `due`: the time at which the next tick is due.
-    `end`: the time at which a run paced by a clock comes to rest; may be infinite.
-    `period`: seconds from one tick to the next.
+    `due`: when the next tick is due.
+    `end`: when a run paced by a clock comes to rest; may be infinite.
     `free`: whether ticks follow each other without waiting.
     `achieved`: the rate that was reached, and seconds of the run per wall second.
     """
@@ -59,10 +55,7 @@ class Timing:
         self.set_rate(rate)
 
     def set_rate(self, rate: float) -> None:
-        """Change the rate, in ticks per second; 0 is as fast as possible. Paper: §5.1.
-
-        Raises ValueError: the rate is negative, too small, too large, or not a number.
-        """
+        """Change the rate, in ticks per second; 0 is as fast as possible. Paper: §5.1."""
         check_type("rate", rate, Real, "a number of ticks per second")
         if not (rate == 0 or SLOWEST <= rate <= FASTEST):
             raise ValueError(
@@ -84,10 +77,7 @@ class Timing:
         return self.now >= self.end - ROUNDING
 
     def set_speed(self, speed: float) -> None:
-        """Change the speed, in seconds of the session per wall second.
-
-        Raises ValueError: the speed is not above 0, or the robot is a real one.
-        """
+        """Change the speed, in seconds of the session per wall second."""
         if self._bridge.hardware and speed != 1:
             raise ValueError(f"`{self._bridge.name}` is a real robot, whose time passes at speed 1.")
         self.clock.speed = speed
