@@ -44,12 +44,9 @@ class FirstDifference:
 
 
 class Comparison:
-    """Compares the trace of a run with a recorded trace.
+    """Compares the trace of a run with a recorded trace; with values, also variables.
 
-    `recorded`: the recorded trace.
-    `other`: whether the program differs from the recorded one: then neither line numbers nor edits are
-        compared.
-    `has_values`: whether variables are also compared, not only what the program does.
+    `other`: whether the program differs from the recorded one: then neither line numbers nor edits count.
     """
 
     def __init__(self, recorded: Iterable[Line], other: bool = False, has_values: bool = True) -> None:
@@ -98,7 +95,6 @@ class Comparison:
         return line.get("event") not in self._left_out
 
     def _key(self, line: Line) -> Line:
-        """Return the part of a line that is compared."""
         return {name: value for name, value in line.items() if name != "line"} if self._other else line
 
     def _differ(self, recorded: Sequence[Line], now: Sequence[Line]) -> None:
@@ -113,7 +109,6 @@ class Comparison:
         self.difference = FirstDifference(first["tick"], first["time"], machine, was, this)
 
     def _rest(self, lines: Sequence[Line], others: Sequence[Line]) -> list[Line]:
-        """Return the lines that are not among others."""
         left = [self._key(line) for line in others]
         rest = []
         for line in lines:
@@ -149,6 +144,5 @@ def _most_telling(lines: Sequence[Line]) -> Line | None:
 
 
 def _others(line: Line, other: Line) -> dict[str, Any]:
-    """Return the readings that differ from those in another line."""
     others = other.get("readings", {})
     return {name: value for name, value in line["readings"].items() if others.get(name) != value}

@@ -201,7 +201,6 @@ def _tried(
     until: Until | None,
     outcome: Callable[[Asked], object] | None,
 ) -> Trial:
-    """Run a fork, and return what came of it."""
     begin, way = copy.frame.time, []
     ends = None if until is None else copy._watch(until)
 
@@ -246,11 +245,7 @@ def _forked(session: Asked, start: ForkStart) -> Asked:
 
 
 def _repeat(copy: Runner, entries: Iterable[Entry]) -> None:
-    """Repeat ticks and inputs.
-
-    Raises SessionTimeoutError: a block did not return.
-    Raises ValueError: an input cannot be applied again.
-    """
+    """Raise SessionTimeoutError if a block did not return, ValueError if an input cannot be applied again."""
     queued, what = copy._loop.inbox.queued, ""
     try:
         with copy.driving(REPEATING):
@@ -275,7 +270,6 @@ def _listed(name: str, values: Iterable[Any], example: str) -> list[Any]:
 
 
 def _check_moment(name: str, at: object) -> None:
-    """Raise an error if an argument is neither a tick nor a time."""
     check_type(name, at, (int, float), "the number of a tick, or a time in seconds")
     if isinstance(at, float):
         check_number(name, at, "a time in seconds", least=0)

@@ -32,8 +32,6 @@ class Recorder(Trace):
     If the recording fails, because the disk is full or a value cannot be written, it ends; the session
     continues.
 
-    `loop`: the loop, before its first tick.
-    `write`: receives every line, with its newline.
     `looking`: whether it also contains what a person looked at, and the wall time of that and of inputs.
     """
 
@@ -65,10 +63,7 @@ class Recorder(Trace):
             self._code.note(entry)
 
     def end(self) -> None:
-        """Write the time of the end, and stop writing.
-
-        Raises FileError: the recording failed earlier.
-        """
+        """Write the time of the end, and stop writing; raise FileError if the recording failed earlier."""
         self._unobserve()
         self.write_looks()
         loop = self._loop

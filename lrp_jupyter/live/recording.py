@@ -242,7 +242,6 @@ def _memory_of(raw: bytes) -> int:
 
 
 def _mistake(error: Exception) -> str:
-    """Return a sentence about an error in a line."""
     match error:
         case FileError():
             return str(error)
@@ -264,7 +263,6 @@ def _line(raw: bytes) -> Line:
 
 
 def _moment(line: Line) -> tuple[int, float]:
-    """Return the tick and the time of a line."""
     tick, time = line["tick"], float(line["time"])
     if type(tick) is not int or tick < 0:
         raise FileError(f"`tick` is {short(tick)} instead of a number of ticks.")

@@ -24,12 +24,7 @@ from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_callable, check_choice, check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import check_options, make_bridge
-from lrp_jupyter.errors import (
-    FileError,
-    LRPError,
-    SessionClosedError,
-    SessionTimeoutError,
-)
+from lrp_jupyter.errors import FileError, LRPError, SessionClosedError, SessionTimeoutError
 from lrp_jupyter.files import read_text
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
@@ -420,7 +415,7 @@ class Runner:
         check_number("limit", limit, "a number of seconds", above=0)
         self._driver.refuse_inside("run")
         self.open()
-        with self._driver.exclusive("run"), self._driver.limited(limit):
+        with self.driving(limit):
             ends = after_tick if until is None else self._watch(until)
             self._leave_stop()
             self._loop.apply_queued()
@@ -522,10 +517,7 @@ class Runner:
         return self._driver.do(do.Call(function))
 
     def _value(self, what: str, function: Callable[[Loop], Value]) -> Value:
-        """Return what a function returns for the loop between two ticks, for a method of this name.
-
-        Raises LRPError: a block of the program itself is the caller.
-        """
+        """Return what a function returns for the loop between two ticks, unless a block calls this method."""
         self._driver.refuse_inside(what)
         value: Value = self._driver.do(do.Call(partial(function, self._loop)))
         return value

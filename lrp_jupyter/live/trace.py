@@ -124,11 +124,7 @@ def _steady(text: str) -> str:
 
 
 def check_line(line: Line) -> None:
-    """Check that the line of an event, or of readings, has its fields.
-
-    Raises FileError: a field has a wrong type, or it is not such a line.
-    Raises KeyError: a field is missing.
-    """
+    """Raise FileError if the line of an event, or of readings, is wrong; KeyError if it lacks a field."""
     if line.get("event") is None and "readings" not in line:
         raise FileError("This line has no `input`, `event` or `readings`.")
     for name, kind in _FIELDS.get(line.get("event"), {}).items():

@@ -108,7 +108,6 @@ def check_repeated(recorded: PastState, copy: Interpreter) -> None:
 
 
 def _is_after(entry: Entry, tick: int) -> bool:
-    """Return whether an entry comes after the end of a tick."""
     return entry.tick > tick if isinstance(entry, Ticked) else entry.tick >= tick
 
 

@@ -34,6 +34,7 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         raise ValueError(history.refusal(tick, least))
     state = history.state(tick)
     variables = state.variables
+    texts = {path: render(value, of_type) for path, value in variables.items()}  # others may have changed
     time, moment, sensed = loop.record.moment(tick)
     visits, firings = _counts_at(interpreter, tick)
     after = loop.record.moment(tick + 1).world if tick < interpreter.tick else bridge.moment()
@@ -45,7 +46,7 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         time=time,
         active=state.active,
         values=ByPath(variables, state.program),
-        variables=ByPath({path: _text(value) for path, value in variables.items()}, state.program),
+        variables=ByPath(texts, state.program),
         numbers=ByPath(numbers_of(variables.items()), state.program),
         outdated={},
         visits=MappingProxyType({path: times for path, (times, _) in visits.items()}),
@@ -98,11 +99,6 @@ def tick_of(loop: Loop, time: float) -> int:
     if tick < first and 1 < first <= loop.interpreter.tick:
         raise ValueError(f"{time:g} s is not remembered. Ask about {history.time(first):g} s or later.")
     return max(tick, first)
-
-
-def _text(value: object) -> str:
-    """Return the text of a past value; a mutable value may have changed since."""
-    return render(value, of_type)
 
 
 def _counts_at(

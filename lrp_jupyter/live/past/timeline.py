@@ -171,7 +171,6 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
 
 
 def _renamed(each: Happening, names: Names) -> Happening:
-    """Return a happening with the current names."""
     if not each.lane:
         return each
     return replace(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import zip_longest
+from operator import attrgetter
 
 from lrp_jupyter.live.past.timeline import Happening, happenings, present
 from lrp_jupyter.live.running.loop import Loop
@@ -144,12 +145,8 @@ def divergence(recorded: Course, changed: Course) -> Divergence | None:
     return first
 
 
-_Told = tuple[float, str, tuple[str, ...], tuple[str, ...], str]
-
-
-def _told(each: Happening) -> _Told:
-    """Return the features of a happening that are equal in two programs with the same behaviour."""
-    return each.time, each.kind, each.lane, each.state, each.call
+_told = attrgetter("time", "kind", "lane", "state", "call")
+"""The features of a happening that are equal in two programs with the same behaviour."""
 
 
 def _first_event(recorded: Iterable[Happening], changed: Iterable[Happening]) -> Divergence | None:

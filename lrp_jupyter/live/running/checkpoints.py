@@ -89,7 +89,6 @@ class Checkpoints:
         del self.all[min(common or inner, key=self._gap)]
 
     def _gap(self, place: int) -> int:
-        """Return the number of ticks between the neighbours of a checkpoint."""
         return self.all[place + 1].tick - self.all[place - 1].tick
 
     def begin(self, tick: int) -> SessionCheckpoint | None:

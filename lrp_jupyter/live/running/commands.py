@@ -57,7 +57,6 @@ class ReplaceProgram(Command, recorded=True, interrupts=True, newest_wins=True):
 
 
 def _text_of(program: Program) -> Program:
-    """Return a program without its nouns."""
     return Program(text=program.text, filename=program.filename)
 
 

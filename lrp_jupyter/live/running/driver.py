@@ -184,7 +184,6 @@ class Driver:
 
     @property
     def _inside_block(self) -> bool:
-        """Whether the caller is a block of the program."""
         return self.loop.ticking is not None and self._thread == threading.get_ident()
 
     @property

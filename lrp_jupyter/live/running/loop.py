@@ -131,7 +131,6 @@ class Loop:
         self.record.pending_at = 0.0  # it was computed at the old rate
 
     def _move(self, seconds: float) -> None:
-        """Move the robot's world."""
         self.record.note_stops()  # they take effect before the world moves
         with self._calling("the robot"):
             self.bridge.advance(seconds)
@@ -269,14 +268,12 @@ class Loop:
         self.status = "running" if checkpoint.running else "paused"
 
     def _hit(self) -> Hit | None:
-        """Return the breakpoint that was hit, if one was."""
         if self.breakpoints is None:
             return None
         with self._calling("a breakpoint"):
             return self.breakpoints.check()
 
     def _pause_at(self, hit: Hit) -> None:
-        """Pause because a breakpoint was hit."""
         if self.status == "running":
             self.pause(str(hit))
         self.reason, self.paused_by = str(hit), hit
@@ -463,7 +460,6 @@ class Loop:
         return result
 
     def _apply(self, command: Command) -> tuple[Any, BaseException | None]:
-        """Apply a command; return its result and its exception."""
         restarts, program = self.interpreter.restarts, self.interpreter.program
         self._driven_by = threading.get_ident()
         record = self.record

@@ -163,7 +163,6 @@ class Monitor:
         return since
 
     def _end_run(self) -> None:
-        """Pause the program because of the limit, at once."""
         loop = self._loop
         if not self.ended_run and (hung := loop.hung) is not None:
             place, limit = f" (line {hung.line})" if hung.line else "", round(self.limit, 2)

@@ -130,7 +130,6 @@ class Record:
         return value.path if isinstance(value, RobotMethod) else part_name(value)
 
     def _find(self, token: object) -> object:
-        """Return the object of this session for a token."""
         return self._interpreter.namespace if token == "namespace" else self._bridge.nodes.table[str(token)]
 
     def moment(self, tick: int) -> Moment:
@@ -169,7 +168,7 @@ class Record:
         )
 
     def begin(self, checkpoint: SessionCheckpoint) -> None:
-        """Continue, with the copied names, from a checkpoint at which the bridge was forked from another."""
+        """Continue from a checkpoint of another session, whose bridge was forked there."""
         interpreter, timing, safety = self._interpreter, self._timing, self._bridge.safety
         self.names.begin(interpreter.begin(checkpoint.snapshot, self._find))
         timing.set_rate(checkpoint.rate)

@@ -92,11 +92,7 @@ def _fields_of(what: Any, loop: Loop) -> Line | None:
 
 
 def input_of(line: Line, program: Callable[[str], Program]) -> object:
-    """Return the input of a line; the contents of its fields are not checked before it is repeated.
-
-    `program`: returns the program of a text.
-    Raises FileError: there is no such input.
-    """
+    """Return the input of a line, or raise FileError; its fields are not checked before it is repeated."""
     match line["input"]:
         case "edit":
             unmeant = line.get("unmeant")

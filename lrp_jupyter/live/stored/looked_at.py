@@ -8,17 +8,15 @@ from typing import Any, NamedTuple
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.interpreter.rendering import short
 
+_FIELDS = ("tick", "time", "wall", "look", "about", "on")
 _TYPES: dict[str, type | tuple[type, ...]] = {"wall": (int, float), "look": str, "about": str, "on": bool}
 
 
 class Look(NamedTuple):
-    """A person started or stopped looking at something, or did something.
+    """A person started (`on`) or stopped looking at something, or did something.
 
-    `tick`, `time`: of the run, which may be paused at that time.
     `wall`: seconds since the recording began.
     `what`: its kind: ``why``, ``hover``, ``playhead``, ``command``, …
-    `about`: its subject.
-    `on`: whether it started.
     """
 
     tick: int
@@ -30,21 +28,11 @@ class Look(NamedTuple):
 
     def line(self) -> dict[str, Any]:
         """Return its line of a recording."""
-        return {
-            "tick": self.tick,
-            "time": self.time,
-            "wall": self.wall,
-            "look": self.what,
-            "about": self.about,
-            "on": self.on,
-        }
+        return dict(zip(_FIELDS, self, strict=True))
 
 
 def look_of(line: Mapping[str, Any], tick: int, time: float) -> Look:
-    """Return the :class:`Look` of a line.
-
-    Raises FileError: a field has a wrong type.
-    """
+    """Return the :class:`Look` of a line, or raise FileError if a field has a wrong type."""
     for name, kinds in _TYPES.items():
         if not isinstance(line[name], kinds):
             raise FileError(f"The field `{name}` is wrong: it is {short(line[name])}.")

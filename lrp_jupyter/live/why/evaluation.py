@@ -101,7 +101,6 @@ def _lookup(
     value_of: Callable[[CellType], object],
     written: frozenset[int] = frozenset(),
 ) -> Callable[[str], Any]:
-    """Return a function that returns the value of a name in a tick."""
     record, nodes = run.loop.record, run.loop.bridge.nodes.table
     changes = [change for completed, change in run.changes if completed >= tick]
     readings = record.readings_of(record.moment(tick).sensed)
