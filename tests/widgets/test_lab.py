@@ -226,10 +226,10 @@ def test_a_snapshot_shows_an_edit_made_a_moment_ago(make, monkeypatch):
     assert "brandnew" in shown[0]["image/svg+xml"]
 
 
-class Wheels(Bridge):
-    """A real robot, as far as the lab is concerned."""
+class Lorry(Bridge):
+    """A real robot, to the lab."""
 
-    name = "wheels"
+    name = "lorry"
     stop_timeout = None
 
     def open_interface(self):
@@ -239,7 +239,7 @@ class Wheels(Bridge):
         """There is nothing to stop."""
 
 
-class Unreachable(Wheels):
+class Unreachable(Lorry):
     name = "unreachable"
 
     def open_interface(self):
@@ -248,7 +248,7 @@ class Unreachable(Wheels):
 
 def test_hardware_opens_disarmed_and_pauses_when_it_is_not_watched(make, monkeypatch):
     monkeypatch.setattr(registry, "DEAD_MAN", 0.1)
-    lab = make("(machine m (state a (running [robot.move(linear=1)]))) (spawn m a)", "wheels")
+    lab = make("(machine m (state a (running [robot.move(linear=1)]))) (spawn m a)", "lorry")
     assert not lab.session.bridge.safety.armed
     lab.session.wait_for(lambda frame: frame.status == "paused", 60)
     assert "The robot has not been watched" in lab.session.frame.reason
