@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer import Argument, Option
 from typer.core import TyperCommand, TyperGroup
 
 from lrp_jupyter.cli import complete
@@ -58,8 +59,8 @@ app = typer.Typer(
 command = partial(app.command, cls=_Command)
 
 
-_LATEST = 1e7  # s of a run
-_SEEDS = 100_000
+_time_option = partial(Option, metavar="SECONDS", min=0, max=1e7)  # of a run
+_seeds_option = partial(Option, metavar="N", min=1, max=100_000)
 
 
 class Findings(StrEnum):
@@ -87,7 +88,7 @@ class OnIssue(StrEnum):
 
 File = Annotated[
     str,
-    typer.Argument(
+    Argument(
         metavar="FILE",
         help="A file, the name of a bundled program, or `-` for stdin.",
         autocompletion=complete.sources,
@@ -104,7 +105,7 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def lrp(
     _: Annotated[
-        bool, typer.Option("--version", help="Print the version.", callback=_version, is_eager=True)
+        bool, Option("--version", help="Print the version.", callback=_version, is_eager=True)
     ] = False,
 ) -> None:
     """Live programming of robot behaviour: nested state machines that change while they run.
@@ -162,7 +163,7 @@ def run(
     file: File,
     bridge: Annotated[
         str | None,
-        typer.Option(
+        Option(
             autocompletion=complete.bridges,
             metavar="NAME|FILE",
             help="The robot: see `lrp bridges`, or a Python file with a bridge. Naming hardware arms it."
@@ -171,43 +172,34 @@ def run(
     ] = None,
     world: Annotated[
         str | None,
-        typer.Option(
+        Option(
             metavar="NAME|FILE",
             autocompletion=complete.worlds,
             help="The simulated world: see `lrp worlds`. Default: the one named in the text.",
         ),
     ] = None,
-    rate: Annotated[
-        float, typer.Option(metavar="HZ", help="Ticks per second; 0 for as many as possible.")
-    ] = 10,
+    rate: Annotated[float, Option(metavar="HZ", help="Ticks per second; 0 for as many as possible.")] = 10,
     seconds: Annotated[
-        float | None,
-        typer.Option(
-            "--for",
-            metavar="SECONDS",
-            min=0,
-            max=_LATEST,
-            help="End the run after this time of its own clock.",
-        ),
+        float | None, _time_option("--for", help="End the run after this time of its own clock.")
     ] = None,
     until: Annotated[
         str | None,
-        typer.Option(
+        Option(
             metavar="STATE", autocompletion=complete.states, help="End the run when this state is entered."
         ),
     ] = None,
     speed: Annotated[
         str,
-        typer.Option(
+        Option(
             metavar="X|max",
             autocompletion=complete.speeds,
             help="Factor of real time; `max` never waits (simulator only).",
         ),
     ] = "1",
-    seed: Annotated[int | None, typer.Option(help="Seed of the simulator's noise.")] = None,
+    seed: Annotated[int | None, Option(help="Seed of the simulator's noise.")] = None,
     noise: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             metavar="NAME=NUMBER",
             autocompletion=complete.noises,
             help="Imperfections: `motor=0.1`, `light=10`, `distance`, `gyro`, `odom`; may be repeated.",
@@ -215,7 +207,7 @@ def run(
     ] = None,
     assignments: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--set",
             metavar="NAME=EXPR",
             autocompletion=complete.variables,
@@ -223,12 +215,11 @@ def run(
         ),
     ] = None,
     trace: Annotated[
-        str | None,
-        typer.Option(metavar="FILE|-", help="Write what happens as JSON Lines; `-` writes to stdout."),
+        str | None, Option(metavar="FILE|-", help="Write what happens as JSON Lines; `-` writes to stdout.")
     ] = None,
     breakpoints: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--break",
             metavar="WHAT",
             autocompletion=complete.states,
@@ -238,7 +229,7 @@ def run(
     ] = None,
     fires: Annotated[
         list[str] | None,
-        typer.Option(
+        Option(
             "--fire",
             metavar="TRANSITION@SECONDS",
             autocompletion=complete.transitions,
@@ -246,27 +237,21 @@ def run(
         ),
     ] = None,
     record: Annotated[
-        str | None,
-        typer.Option(metavar="FILE", help="Write a recording, for `lrp replay` and `lrp why`."),
+        str | None, Option(metavar="FILE", help="Write a recording, for `lrp replay` and `lrp why`.")
     ] = None,
     animate: Annotated[
-        str | None,
-        typer.Option(metavar="FILE", help="Draw the simulated run as a moving picture (SVG)."),
+        str | None, Option(metavar="FILE", help="Draw the simulated run as a moving picture (SVG).")
     ] = None,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Patch the running program at every save of the file.")
+        bool, Option("--watch", help="Patch the running program at every save of the file.")
     ] = False,
     on_issue: Annotated[
-        OnIssue, typer.Option(help="What to do whenever a fault of the program occurs.")
+        OnIssue, Option(help="What to do whenever a fault of the program occurs.")
     ] = OnIssue.record,
-    host: Annotated[
-        str | None, typer.Option(help="Address of the robot; short for `--option host=…`.")
-    ] = None,
+    host: Annotated[str | None, Option(help="Address of the robot; short for `--option host=…`.")] = None,
     options: Annotated[
         list[str] | None,
-        typer.Option(
-            "--option", "-o", metavar="KEY=VALUE", help="An option of the bridge, or an answer to it."
-        ),
+        Option("--option", "-o", metavar="KEY=VALUE", help="An option of the bridge, or an answer to it."),
     ] = None,
 ) -> None:
     """Run a program and show what it does; with `--watch`, it can be changed meanwhile."""
@@ -296,11 +281,11 @@ def run(
 
 
 Log = Annotated[
-    str, typer.Argument(metavar="RECORDING", help="A file that `lrp run --record` or `Session.record` wrote.")
+    str, Argument(metavar="RECORDING", help="A file that `lrp run --record` or `Session.record` wrote.")
 ]
 Another = Annotated[
     str | None,
-    typer.Option(
+    Option(
         metavar="FILE",
         autocompletion=complete.sources,
         help="Run this program instead of the recorded one, with the recorded inputs, but without its edits.",
@@ -309,10 +294,7 @@ Another = Annotated[
 
 
 Trusted = Annotated[
-    bool,
-    typer.Option(
-        "--trust", help="Run the program of a recording that you have not made, without a question."
-    ),
+    bool, Option("--trust", help="Run the program of a recording that you have not made, without a question.")
 ]
 RECORDING_EPILOG = """
 **What runs**: the recorded program. Its blocks are Python, which can do whatever you can do: of a recording
@@ -326,16 +308,8 @@ serial port acts on the real robot.
 def replay(
     file: Log,
     program: Another = None,
-    begin: Annotated[
-        float,
-        typer.Option(
-            "--from", metavar="SECONDS", min=0, max=_LATEST, help="Print only what comes after this time."
-        ),
-    ] = 0,
-    end: Annotated[
-        float | None,
-        typer.Option("--until", metavar="SECONDS", min=0, max=_LATEST, help="End at this time of the run."),
-    ] = None,
+    begin: Annotated[float, _time_option("--from", help="Print only what comes after this time.")] = 0,
+    end: Annotated[float | None, _time_option("--until", help="End at this time of the run.")] = None,
     trust: Trusted = False,
 ) -> None:
     """Run a recording again, as fast as possible, and report the first difference.
@@ -357,14 +331,11 @@ def why(
     file: Log,
     name: Annotated[
         str,
-        typer.Argument(
+        Argument(
             metavar="NAME", help="A transition, a state, or a command of the robot such as `robot.move`."
         ),
     ],
-    at: Annotated[
-        float | None,
-        typer.Option(metavar="SECONDS", min=0, max=_LATEST, help="The time of the run. Default: its end."),
-    ] = None,
+    at: Annotated[float | None, _time_option(help="The time of the run. Default: its end.")] = None,
     program: Another = None,
     trust: Trusted = False,
 ) -> None:
@@ -383,7 +354,7 @@ def why(
 def looks(
     file: Log,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the table as `.csv` instead of printing it.")
+        Path | None, Option(metavar="FILE", help="Write the table as `.csv` instead of printing it.")
     ] = None,
 ) -> None:
     """List what a person looked at and did, if that was recorded: `%%lrp NAME --log FILE`.
@@ -403,21 +374,21 @@ def looks(
 def check(
     files: Annotated[
         list[str],
-        typer.Argument(
+        Argument(
             metavar="FILE…",
             help="Files, names of bundled programs, or `-` for stdin.",
             autocompletion=complete.sources,
         ),
     ],
     form: Annotated[
-        Findings, typer.Option("--format", help="Text for people or JSON for other programs.")
+        Findings, Option("--format", help="Text for people or JSON for other programs.")
     ] = Findings.text,
     fix: Annotated[
-        bool, typer.Option("--fix", help="Apply every certain fix, write the files, and check again.")
+        bool, Option("--fix", help="Apply every certain fix, write the files, and check again.")
     ] = False,
     bridge: Annotated[
         str | None,
-        typer.Option(
+        Option(
             metavar="NAME",
             autocompletion=complete.bridges,
             help="Check for this robot: see `lrp bridges`. Default: that of the world named in the text.",
@@ -438,14 +409,14 @@ def check(
 def format_(
     files: Annotated[
         list[str],
-        typer.Argument(
+        Argument(
             metavar="FILE…",
             help="Files, or `-` to format stdin and print the result.",
             autocompletion=complete.sources,
         ),
     ],
     check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; only list the files that would change.")
+        bool, Option("--check", help="Write nothing; only list the files that would change.")
     ] = False,
 ) -> None:
     """Format the texts of programs: only white space changes.
@@ -463,17 +434,17 @@ def graph(
     file: File,
     machine: Annotated[
         str | None,
-        typer.Option(
+        Option(
             metavar="PATH",
             autocompletion=complete.machines,
             help="Draw one machine only: `follower/looking/lookalgo`.",
         ),
     ] = None,
     form: Annotated[
-        Drawing | None, typer.Option("--format", help="Default: by the output file's suffix, else `svg`.")
+        Drawing | None, Option("--format", help="Default: by the output file's suffix, else `svg`.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE", help="File to write. Default: stdout.")
+        Path | None, Option("--output", "-o", metavar="FILE", help="File to write. Default: stdout.")
     ] = None,
 ) -> None:
     """Draw the state machines of a program.
@@ -487,27 +458,25 @@ def graph(
 
 Challenge = Annotated[
     str | None,
-    typer.Option(
+    Option(
         metavar="NAME",
         autocompletion=complete.challenges,
         help="A challenge, or a Python file that registers one; default: that of the program's heading.",
     ),
 ]
 Limit = Annotated[
-    float, typer.Option(metavar="SECONDS", min=0.1, max=1e6, help="Wall-clock seconds that one run may take.")
+    float, Option(metavar="SECONDS", min=0.1, max=1e6, help="Wall-clock seconds that one run may take.")
 ]
 Memory = Annotated[
-    float, typer.Option(metavar="MEGABYTES", min=1, max=1e7, help="Memory that one run may need (on Linux).")
+    float, Option(metavar="MEGABYTES", min=1, max=1e7, help="Memory that one run may need (on Linux).")
 ]
 Processes = Annotated[
     int | None,
-    typer.Option(
-        "--jobs", metavar="N", min=1, max=1000, help="Runs at the same time; default: one per processor."
-    ),
+    Option("--jobs", metavar="N", min=1, max=1000, help="Runs at the same time; default: one per processor."),
 ]
 Scheduler = Annotated[
     str | None,
-    typer.Option(
+    Option(
         metavar="ADDRESS",
         help="Make the runs on a Dask cluster, such as `tcp://10.0.0.5:8786`; `local`: one on this machine.",
     ),
@@ -534,7 +503,7 @@ or a file cannot be written; 3 for a fault of this package; 130 after Ctrl-C.
 def grade(
     files: Annotated[
         list[str] | None,
-        typer.Argument(
+        Argument(
             metavar="FILE|FOLDER...",
             help="A file, the name of a bundled program, or `-` for stdin; several, or a folder of a class.",
             autocompletion=complete.sources,
@@ -543,16 +512,12 @@ def grade(
     challenge: Challenge = None,
     seeds: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            min=1,
-            max=_SEEDS,
-            help="Number of runs in each world, each with different noise; default: the challenge's.",
+        _seeds_option(
+            help="Number of runs in each world, each with different noise; default: the challenge's."
         ),
     ] = None,
     out: Annotated[
-        list[Path] | None,
-        typer.Option(metavar="FILE", help="Write the marks as `.csv`, `.json` or `.xml`."),
+        list[Path] | None, Option(metavar="FILE", help="Write the marks as `.csv`, `.json` or `.xml`.")
     ] = None,
     limit: Limit = 60,
     memory: Memory = 1000,
@@ -608,7 +573,7 @@ def sweep(
     file: File,
     assignments: Annotated[
         list[str],
-        typer.Option(
+        Option(
             "--set",
             metavar="NAME=VALUES",
             autocompletion=complete.variables,
@@ -617,17 +582,12 @@ def sweep(
     ],
     challenge: Challenge = None,
     seeds: Annotated[
-        int,
-        typer.Option(
-            metavar="N", min=1, max=_SEEDS, help="Number of runs in each world, each with different noise."
-        ),
+        int, _seeds_option(help="Number of runs in each world, each with different noise.")
     ] = 30,
     out: Annotated[
-        list[Path] | None, typer.Option(metavar="FILE", help="Write the result as `.csv` or `.json`.")
+        list[Path] | None, Option(metavar="FILE", help="Write the result as `.csv` or `.json`.")
     ] = None,
-    map_: Annotated[
-        Path | None, typer.Option("--map", metavar="FILE", help="Draw a heat map as `.svg`.")
-    ] = None,
+    map_: Annotated[Path | None, Option("--map", metavar="FILE", help="Draw a heat map as `.svg`.")] = None,
     limit: Limit = 60,
     memory: Memory = 1000,
     jobs: Processes = None,
@@ -648,7 +608,7 @@ def sweep(
 def programs(
     show: Annotated[
         str | None,
-        typer.Option(metavar="NAME", autocompletion=complete.bundled, help="Print the text of a program."),
+        Option(metavar="NAME", autocompletion=complete.bundled, help="Print the text of a program."),
     ] = None,
 ) -> None:
     """List the bundled programs."""
@@ -661,11 +621,11 @@ def programs(
 def worlds(
     show: Annotated[
         str | None,
-        typer.Option(metavar="NAME|FILE", autocompletion=complete.worlds, help="Draw the map of a world."),
+        Option(metavar="NAME|FILE", autocompletion=complete.worlds, help="Draw the map of a world."),
     ] = None,
     as_json: Annotated[
         str | None,
-        typer.Option(
+        Option(
             "--json",
             metavar="NAME|FILE",
             autocompletion=complete.worlds,
@@ -683,7 +643,7 @@ def worlds(
 def bridges(
     name: Annotated[
         str | None,
-        typer.Argument(
+        Argument(
             metavar="NAME|FILE.py", autocompletion=complete.bridges, help="List the options of this one."
         ),
     ] = None,
@@ -716,7 +676,7 @@ the beginning. Later it waits for them.
 def guard(
     backend: Annotated[
         str,
-        typer.Option(
+        Option(
             autocompletion=complete.backends,
             help="A back end of ROS, such as `rosbridge`, or `mqtt`. Default: that of ROS which is set up "
             "or answers.",
@@ -724,20 +684,20 @@ def guard(
     ] = "auto",
     host: Annotated[
         str | None,
-        typer.Option(
+        Option(
             metavar="HOST[:PORT]",
             help="Of the rosbridge server, the ROS master or the broker. Default: this machine.",
         ),
     ] = None,
     topic: Annotated[
-        str | None, typer.Option(help="Of the velocities. Default: `/cmd_vel`, or `robot/cmd_vel` for MQTT.")
+        str | None, Option(help="Of the velocities. Default: `/cmd_vel`, or `robot/cmd_vel` for MQTT.")
     ] = None,
     type_: Annotated[
-        str, typer.Option("--type", metavar="TYPE", help="Of its messages. Default: that of the live topic.")
+        str, Option("--type", metavar="TYPE", help="Of its messages. Default: that of the live topic.")
     ] = "",
     after: Annotated[
         float,
-        typer.Option(
+        Option(
             metavar="SECONDS",
             min=0.1,
             max=3600,
@@ -754,8 +714,7 @@ def guard(
 @command()
 def explain(
     code: Annotated[
-        str | None,
-        typer.Argument(metavar="CODE", help="`LRP301`, or another code.", autocompletion=complete.codes),
+        str | None, Argument(metavar="CODE", help="`LRP301`, or another code.", autocompletion=complete.codes)
     ] = None,
 ) -> None:
     """Explain the code of a finding, an issue, a reason, a notice or an exit; without CODE, list them.
@@ -771,9 +730,9 @@ def explain(
 def lab(
     ctx: typer.Context,
     folder: Annotated[
-        Path, typer.Option("--dir", metavar="FOLDER", help="Folder to copy the notebooks to.")
+        Path, Option("--dir", metavar="FOLDER", help="Folder to copy the notebooks to.")
     ] = Path("lrp-notebooks"),
-    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+    browser: Annotated[bool, Option(help="Open a browser.")] = True,
 ) -> None:
     """Open JupyterLab on a copy of the notebooks, at the first one.
 
@@ -786,17 +745,15 @@ def lab(
 
 @command()
 def site(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the site; it is created.")],
+    folder: Annotated[Path, Argument(metavar="DIR", help="Folder of the site; it is created.")],
     notebooks: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Notebooks of your own instead of those of the package."),
+        Path | None, Option(metavar="DIR", help="Notebooks of your own instead of those of the package.")
     ] = None,
     offline: Annotated[
-        bool, typer.Option("--offline", help="Include Python itself, so that no other address is needed.")
+        bool, Option("--offline", help="Include Python itself, so that no other address is needed.")
     ] = False,
     pyodide: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="A folder with Pyodide, so that it need not be downloaded."),
+        Path | None, Option(metavar="DIR", help="A folder with Pyodide, so that it need not be downloaded.")
     ] = None,
 ) -> None:
     """Build a web site of the lab and the notebooks that runs in the browser, without a server of its own.
