@@ -67,10 +67,15 @@ class Part(anywidget.AnyWidget):
     _css = _STATIC / "lab.css"
     view = traitlets.Unicode("lab").tag(sync=True)
     part: ClassVar[str] = "lab"
+    """The part of the lab that a page shows."""
     comm: Any
     reports = traitlets.Bool(False).tag(sync=True)
     """Whether the page sets `reported` when the run has changed, at most four times a second."""
     reported = traitlets.Float(0.0).tag(sync=True)
+
+    def __init_subclass__(cls, part: str = "", **options: Any) -> None:
+        super().__init_subclass__(**options)
+        cls.part = part or cls.part
 
     def __init__(self, session: Session | Part | str) -> None:
         check_type("session", session, (Session, Part, str), "a Session, a Lab or the name of a program")
@@ -373,46 +378,32 @@ def lab_of(connection: PageConnection) -> Lab:
     return lab
 
 
-class StateGraph(Part):
+class StateGraph(Part, part="graph"):
     """The state graph of a session."""
 
-    part = "graph"
 
-
-class SimView(Part):
+class SimView(Part, part="world"):
     """The world of a session's robot, or the panel of its bridge."""
 
-    part = "world"
 
-
-class Editor(Part):
+class Editor(Part, part="editor"):
     """The program's text."""
 
-    part = "editor"
 
-
-class Variables(Part):
+class Variables(Part, part="variables"):
     """The variables, live."""
 
-    part = "variables"
 
-
-class Issues(Part):
+class Issues(Part, part="issues"):
     """Findings, issues and output."""
 
-    part = "issues"
 
-
-class Controls(Part):
+class Controls(Part, part="controls"):
     """Run, pause, step, reset, stop; rate, speed, bridge."""
 
-    part = "controls"
 
-
-class Tree(Part):
+class Tree(Part, part="tree"):
     """The machines, nested as in the program."""
-
-    part = "tree"
 
 
 def _runs_cells_again() -> bool:
