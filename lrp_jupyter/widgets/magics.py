@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Mapping
+from inspect import isfunction
 from typing import Any
 
 from IPython.core.error import UsageError
@@ -244,6 +245,12 @@ class LRPMagics(Magics):
         if not connection.session.interrupt():
             print(f"No block of `{connection.name}` is running now, so there is nothing to interrupt.")  # noqa: T201
 
+    def rate(self, rest: list[str]) -> None:
+        """Set the ticks per second."""
+        if not rest:
+            raise UsageError("%lrp rate: Write the number of ticks per second, as in `%lrp rate 20`.")
+        _the(rest[1:]).session.rate = _hertz(rest[0], "%lrp rate: The rate")
+
     def why(self, rest: list[str]) -> None:
         """Say why a transition did not fire, why a state is active, or why the robot does what it does."""
         if not rest:
@@ -269,12 +276,6 @@ class LRPMagics(Magics):
         """Explain a code; without one, list the codes."""
         every = [f"{each.code:<30} {each.title}" for each in CODES.values()]
         print("\n\n\n".join(map(str, explain(" ".join(rest)))) if rest else "\n".join(every))  # noqa: T201
-
-    def rate(self, rest: list[str]) -> None:
-        """Set the ticks per second."""
-        if not rest:
-            raise UsageError("%lrp rate: Write the number of ticks per second, as in `%lrp rate 20`.")
-        _the(rest[1:]).session.rate = _hertz(rest[0], "%lrp rate: The rate")
 
     def check(self, rest: list[str]) -> None:
         """Print the findings of the checks."""
@@ -368,23 +369,11 @@ def _the(rest: list[str]) -> PageConnection:
 
 
 WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
-    word.__name__: word
-    for word in (
-        *(LRPMagics.show, LRPMagics.new, LRPMagics.examples, LRPMagics.pause, LRPMagics.resume),
-        *(
-            LRPMagics.step,
-            LRPMagics.reset,
-            LRPMagics.stop,
-            LRPMagics.interrupt,
-            LRPMagics.rate,
-            LRPMagics.why,
-            LRPMagics.explain,
-        ),
-        *(LRPMagics.check, LRPMagics.graph, LRPMagics.save, LRPMagics.versions, LRPMagics.version),
-        *(LRPMagics.debug, LRPMagics.bridge),
-    )
+    name: member
+    for name, member in vars(LRPMagics).items()
+    if isfunction(member) and not name.startswith("_") and name != "lrp"
 }
-"""The commands of ``%lrp``, by name."""
+"""The commands of ``%lrp``, by name: the public methods apart from the magic itself."""
 
 
 def completions(shell: InteractiveShell, event: Any) -> list[str]:
