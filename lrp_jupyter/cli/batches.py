@@ -29,10 +29,7 @@ _MOST = 1000  # values of a variable
 
 
 def grade_files(files: Sequence[str], name: str, seeds: int | None, out: Sequence[Path], how: HowRun) -> int:
-    """Grade one program and explain its grade, or those of a class and list them; return the exit code.
-
-    It is 1 if the one program does not pass, and 0 if a class is graded, whatever the marks are.
-    """
+    """Grade one program and explain its grade, or those of a class and list them; return the exit code."""
     task = load(name)
     check_outputs(out, tuple(FORMS))
     submissions = _submissions(files, task)
@@ -103,10 +100,7 @@ def _show_sweep(result: Sweep) -> None:
 
 
 def parse_axes(assignments: Sequence[str]) -> dict[str, tuple[Value, ...]]:
-    """Return the values of each variable of a sweep.
-
-    Raises typer.BadParameter: an assignment is neither ``NAME=FROM:TO:COUNT`` nor ``NAME=A,B,…``.
-    """
+    """Return the values of each variable of a sweep: ``NAME=FROM:TO:COUNT`` or ``NAME=A,B,…``."""
     axes: dict[str, tuple[Value, ...]] = {}
     for name, text in pairs_of(assignments, "--set"):
         if name in axes:
@@ -117,7 +111,6 @@ def parse_axes(assignments: Sequence[str]) -> dict[str, tuple[Value, ...]]:
 
 
 def _steps(name: str, text: str) -> tuple[Value, ...]:
-    """Return so many values from one to another."""
     try:
         first, last, count = (
             convert(part) for convert, part in zip((float, float, int), text.split(":"), strict=True)
@@ -133,7 +126,6 @@ def _steps(name: str, text: str) -> tuple[Value, ...]:
 
 
 def _listed(name: str, text: str) -> tuple[Value, ...]:
-    """Return the values that are listed: numbers, texts in quotation marks, True or False."""
     try:
         values = ast.literal_eval(f"({text},)")
     except (ValueError, SyntaxError):

@@ -27,30 +27,19 @@ _BEGIN, _END = "\x1b[?2026h", "\x1b[?2026l"  # synchronized output: unknown mode
 
 @dataclass(frozen=True)
 class BoardState:
-    """Everything that the board shows at one moment: its view state.
-
-    `name`, `where`: the program's name, and its robot.
-    `map`: rows of the sketch of the world; empty where there is none.
-    `readings`: members of the robot that the program reads, and their values.
-    `since`: when the active states were entered.
-    `last`: the last transitions, the newest first.
-    `changed`: variables that changed since the last redraw.
-    `keys`: whether the keyboard is read.
-    `differs`: why the file on disk is not what runs, a sentence; empty if it is.
-    `trouble`: why the robot does not move: it is lost, or its data are too old. Empty if neither.
-    """
+    """Everything that the board shows at one moment: its view state."""
 
     frame: Frame
-    name: str = ""
-    where: str = ""
-    map: Sequence[str] = ()
-    readings: Sequence[tuple[str, str]] = ()
-    since: Mapping[Path, float] = field(default_factory=dict)
-    last: Sequence[str] = ()
-    changed: frozenset[Path] = frozenset()
-    keys: bool = False
-    differs: str = ""
-    trouble: str = ""
+    name: str = ""  # of the program
+    where: str = ""  # the robot
+    map: Sequence[str] = ()  # rows of the sketch of the world
+    readings: Sequence[tuple[str, str]] = ()  # members of the robot that the program reads, and their values
+    since: Mapping[Path, float] = field(default_factory=dict)  # when the active states were entered
+    last: Sequence[str] = ()  # the last transitions, the newest first
+    changed: frozenset[Path] = frozenset()  # variables, since the last redraw
+    keys: bool = False  # whether the keyboard is read
+    differs: str = ""  # why the file on disk is not what runs, a sentence
+    trouble: str = ""  # why the robot does not move: it is lost, or its data are too old
 
 
 class Board:
@@ -91,11 +80,7 @@ class Board:
 
 
 def board_text(state: BoardState, width: int, rows: dict[str, int] | None = None) -> list[Text]:
-    """Return the lines of the board.
-
-    `width`: columns of the terminal.
-    `rows`: the most lines that each part has had so far; updated in place.
-    """
+    """Return the lines of the board; `rows`, the most lines of each part so far, is updated in place."""
     rows = {} if rows is None else rows
     parts = [
         _padded("states", rows, [*_states(state)]),

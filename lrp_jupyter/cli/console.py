@@ -1,8 +1,7 @@
 """What the commands print: texts of strangers are in it, and none of them commands the terminal.
 
-The names of files, the messages of programs and what these print are other people's. On a console of these
-commands they are shown with the number of every character that a terminal obeys. Whatever else is printed,
-such as an error of the command line, passes a stream that lets through colours only.
+Names of files, messages of programs and what these print are shown with the number of every character that a
+terminal obeys. Whatever else is printed, such as an error of the command line, passes `Colours`.
 """
 
 from __future__ import annotations

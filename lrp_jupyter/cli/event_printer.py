@@ -21,20 +21,13 @@ SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused",
 
 
 class EventCollector:
-    """An observer that queues events for another thread, which pops them from the left.
-
-    `until`: returns whether entering a state, by its path, ends the run; then :attr:`reached` is set.
-    `traced`: whether to collect the lines of a trace.
-    `lines`: lines of the trace not written yet.
-    `pending`: events worth printing, not printed yet.
-    `since`: when the active states were entered, in seconds.
-    """
+    """An observer that queues events for another thread, which pops them from the left."""
 
     def __init__(self, until: Callable[[Path], bool] | None = None, traced: bool = False) -> None:
-        self.lines: deque[str] = deque()
-        self.pending: deque[TraceEvent] = deque()
-        self.since: dict[Path, float] = {}
-        self.reached = threading.Event()
+        self.lines: deque[str] = deque()  # of the trace, not written yet
+        self.pending: deque[TraceEvent] = deque()  # worth printing, not printed yet
+        self.since: dict[Path, float] = {}  # when the active states were entered
+        self.reached = threading.Event()  # a state was entered for which `until` returns True
         self._until = until
         self._trace = Trace(self.lines.append) if traced else None
 
@@ -52,10 +45,7 @@ class EventCollector:
 
 
 class EventPrinter:
-    """Print events as lines of text.
-
-    `quiet`: whether to print issues only; the trace has the rest.
-    """
+    """Print events as lines of text; `quiet`: issues only, for the trace has the rest."""
 
     def __init__(self, console: Console, quiet: bool) -> None:
         self._console = console

@@ -18,11 +18,9 @@ _WIDEST = 120  # characters of a line that are shown
 
 
 def excerpt(text: str, line: int, column: int, end_line: int = 0, end_column: int = 0) -> list[str]:
-    """Return one line of a text and, below it, carets from one column to another.
+    """Return one line of a text and, below it, carets from one column to another, both from 1.
 
-    `line`, `column`, `end_line`, `end_column`: counted from 1, in characters. A range of several lines is
-        marked to the end of its first line; without an end, the word at the location is marked. Of a long
-        line the part around the location is shown.
+    A range of several lines is marked to the end of its first line; without an end, the word there is marked.
     """
     starts = line_starts(text)
     if not 1 <= line <= len(starts):

@@ -35,10 +35,7 @@ _STOPS = 100  # a message may be lost, or the robot may be connected seconds lat
 
 
 def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, after: float) -> int:
-    """Guard a robot until Ctrl-C; return the exit code.
-
-    Raises BridgeError: the robot or the broker cannot be reached, or an option is wrong.
-    """
+    """Guard a robot until Ctrl-C; return the exit code."""
     robot: RosSide | MqttSide
     if backend == MQTT:
         if type_:
@@ -65,12 +62,7 @@ def _say(sentence: str) -> None:
 def watch(
     robot: RosSide | MqttSide, after: float, say: Callable[[str], object], over: threading.Event
 ) -> None:
-    """Stop the robot whenever its last command moves it and none has come for a while.
-
-    `after`: seconds.
-    `say`: called with a sentence whenever the robot is stopped, or the connection has changed.
-    `over`: ends it.
-    """
+    """Stop the robot whenever its last command moves it and none has come for `after` seconds."""
     state, stopped, stops, told = "", 0.0, 0, True
     while not over.wait(_LOOK):
         if robot.state() != state:
@@ -91,12 +83,7 @@ def watch(
 
 
 class RosSide:
-    """A velocity topic of ROS.
-
-    `topic`, `type_`: without a type that of the live topic.
-    `where`: options of `RosBridge`: back end, host.
-    Raises BridgeError: ROS cannot be reached, or the topic is not one of velocities.
-    """
+    """A velocity topic of ROS; an empty type is that of the live topic."""
 
     def __init__(self, topic: str, type_: str, **where: Any) -> None:
         wire = {"topic": topic, "type": type_}
@@ -132,10 +119,7 @@ class RosSide:
 
 
 class MqttSide:
-    """A topic of an MQTT broker, with JSON: the zero has the form of the last command.
-
-    Raises BridgeError: there is no broker, or paho-mqtt is not installed.
-    """
+    """A topic of an MQTT broker, with JSON: the zero has the form of the last command."""
 
     def __init__(self, topic: str, host: str | None) -> None:
         try:

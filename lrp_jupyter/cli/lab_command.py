@@ -30,10 +30,7 @@ def shipped_notebooks() -> Path:
 
 
 def copy_notebooks(folder: Path) -> list[Path]:
-    """Copy notebooks, pictures and example bridges to a folder, without overwriting existing files.
-
-    The files copied by this call.
-    """
+    """Copy notebooks, pictures and example bridges to a folder, unless they exist; return the copies."""
     copied = []
     source = shipped_notebooks()
     for file in sorted(source.rglob("*")):
@@ -78,10 +75,7 @@ def use_settings() -> None:
 
 
 def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
-    """Run JupyterLab in this process until it is stopped.
-
-    Raises LRPError: JupyterLab is not installed, or the folder cannot be written.
-    """
+    """Run JupyterLab in this process until it is stopped."""
     if find_spec("jupyterlab") is None:
         raise LRPError('JupyterLab is not installed. Install it with `pip install "lrp-jupyter[lab]"`.')
     if folder.exists() and not folder.is_dir():

@@ -94,10 +94,7 @@ def list_bridges() -> None:
 
 
 def list_options(name: str) -> None:
-    """Print the options of a bridge, with their types and default values.
-
-    Raises BridgeError: there is no bridge of that name.
-    """
+    """Print the options of a bridge, with their types and default values."""
     from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges
     from lrp_jupyter.bridges.options import options_of
 

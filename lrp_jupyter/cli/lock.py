@@ -19,11 +19,9 @@ _INTERVAL = 0.5  # wall seconds between two extensions of the timer
 
 @contextmanager
 def watched_lock(seconds: float) -> Iterator[None]:
-    """End the process after so many seconds of computing in which no other thread could run.
+    """End the process after so many seconds of its computing in which no other thread could run.
 
     Without such a timer (Windows), seconds of the wall count. Does nothing where stderr is not a file.
-
-    `seconds`: seconds of computing of the whole process.
     """
     try:
         extend, end = _timer(seconds)

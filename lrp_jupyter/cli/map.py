@@ -41,10 +41,7 @@ def columns_for(size: tuple[float, float], columns: int, rows: int) -> int:
 
 
 class Map:
-    """A sketch of a running world, with the trails of its robots (``.``).
-
-    Must be used on the thread that advances the world.
-    """
+    """A sketch of a running world, with the trails of its robots (``.``); for the thread that advances it."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation

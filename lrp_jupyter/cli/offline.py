@@ -38,11 +38,7 @@ _SUFFIXES: dict[str, Format] = {
 
 
 def check_files(files: Sequence[str], as_json: bool, fix: bool = False, bridge: str | None = None) -> int:
-    """Print the findings of files; return the exit code: 1 with errors, 2 if a file is unreadable.
-
-    Each is checked for the robot of a bridge or, by default, of the world that its text names.
-    With `fix`, the certain fixes are applied first, and the files are written again.
-    """
+    """Print the findings of files, with `fix` after applying the certain fixes; return the exit code."""
     robot = None if bridge is None else members_of(make_bridge(choose_bridge(bridge)))
     console, complaints = plain_console(), plain_console(stderr=True)
     found: list[Finding] = []
@@ -129,10 +125,7 @@ def _as_dict(name: str, finding: Finding) -> dict[str, Any]:
 
 
 def format_files(files: Sequence[str], only_check: bool = False) -> int:
-    """Format files, or list those that would change; return the exit code.
-
-    It is 1 if a text is not a valid program or, with `only_check`, would change, 2 if a file cannot be used.
-    """
+    """Format files, or list those that would change; return the exit code."""
     console, complaints = plain_console(), plain_console(stderr=True)
     code = 0
     for file in files:
@@ -157,7 +150,7 @@ def format_files(files: Sequence[str], only_check: bool = False) -> int:
 
 
 def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path | None) -> int:
-    """Write the graph of a file; return the exit code: 1 if it is not a valid program."""
+    """Write the graph of a file; return the exit code."""
     if kind is None:
         kind = _kind_of(output)
     elif output is not None:

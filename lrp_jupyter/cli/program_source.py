@@ -1,7 +1,4 @@
-"""Source texts of programs: from a file, from standard input, or bundled.
-
-With ``--watch`` every save of a file is a new text: live programming with any editor.
-"""
+"""Source texts of programs: from a file, also at every save, from standard input, or bundled."""
 
 from __future__ import annotations
 
@@ -17,22 +14,15 @@ from lrp_jupyter.files import decoded, read_text, shown, whole
 
 
 class Source(NamedTuple):
-    """A program's text and its origin.
+    """A program's text and its origin."""
 
-    `name`: as given on the command line; findings and tracebacks show it.
-    `path`: None for a bundled program and for standard input.
-    """
-
-    name: str
+    name: str  # as given on the command line
     text: str
-    path: Path | None = None
+    path: Path | None = None  # of a file of the user's
 
     @property
     def challenge(self) -> str | None:
-        """The challenge that the text's heading names: one that is registered, for a file would be run.
-
-        Raises LRPError: there is none of that name.
-        """
+        """The challenge that the text's heading names: one that is registered, for a file would be run."""
         from lrp_jupyter.grading.challenges import challenge
 
         name = programs.heading(self.text).challenge
@@ -51,10 +41,7 @@ class Source(NamedTuple):
 
 
 def read_source(what: str) -> Source:
-    """Read a file, a bundled program, or (``-``) standard input.
-
-    Raises FileError: the file cannot be read; the message lists the alternatives.
-    """
+    """Read a file, a bundled program, or (``-``) standard input."""
     if what == "-":
         return Source("<stdin>", _typed())
     path = Path(what)
@@ -69,10 +56,7 @@ def read_source(what: str) -> Source:
 
 
 def _typed() -> str:
-    """Return the text of standard input.
-
-    Raises FileError: it is too long, or is not UTF-8.
-    """
+    """Return the text of standard input."""
     try:
         data = whole(sys.stdin.buffer)
     except OSError as error:
@@ -85,13 +69,10 @@ _POLL = 500  # ms after which the file is read anyway: some file systems send no
 
 
 class Watch:
-    """A thread that reads a file again whenever it is saved.
+    """A thread that reads a file again whenever it is saved, and calls `saved` with each new text.
 
-    The folder is watched, not the file: many editors save by replacing the file.
-
-    `text`: the text already read.
-    `saved`: called with each new text, on the watching thread; with the error, once, when the file is gone or
-        is not a text any more.
+    Or with the error, once, when the file is gone or is not a text any more. The folder is watched, not the
+    file: many editors save by replacing the file.
     """
 
     def __init__(self, path: Path, text: str, saved: Callable[[str | FileError], object]) -> None:

@@ -327,7 +327,6 @@ class _Run:
         return bool(self._caught) or self._quit or self._output.failure is not None
 
     def _ends(self, state: Path) -> bool:
-        """Return whether a state is the one that ends the run."""
         return means(self.session.interpreter.program, self.wanted.until or "", state)
 
     def _end_if_reached(self) -> None:
@@ -530,7 +529,6 @@ class _Run:
             self.print(Text(f"{head}{error}", "bold yellow"))
 
     def _print_edits(self) -> None:
-        """Print the effects of the saved texts that have been applied."""
         while self._edits and self._edits[0][1].done():
             self._print_edit(*self._edits.popleft())
 
@@ -606,11 +604,7 @@ def _short(value: object) -> str:
 
 
 def open_robot(source: Source, wanted: RunOptions) -> Bridge:
-    """Return the opened bridge of a run; hardware that was named is armed.
-
-    Raises BridgeError: the bridge or world does not exist, or its robot cannot be reached.
-    Raises typer.BadParameter: an option does not fit the bridge.
-    """
+    """Return the opened bridge of a run; hardware that was named is armed."""
     simulated = bool(wanted.world or wanted.noise or wanted.seed is not None)
     alone = source.world == "none" and not simulated
     name = choose_bridge(wanted.bridge, "none" if alone else "sim")

@@ -25,39 +25,25 @@ from lrp_jupyter.live.running.timing import FASTEST, SLOWEST
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """Options of a run.
+    """Options of a run."""
 
-    `bridge`, `world`: None selects what the text names, or the simulator with the world `line`.
-    `rate`: ticks per second; 0 for as many as possible.
-    `seconds`: length of the run; may be infinite.
-    `until`: the state that ends the run when it is entered.
-    `speed`: factor of real time; infinite means never to wait.
-    `noise`: imperfections of the simulated robot.
-    `assignments`: other initial values.
-    `trace`: a file, or ``-`` for stdout.
-    `record`, `animate`: a file.
-    `breakpoints`: ``STATE``, ``TRANSITION``, ``left STATE``, ``event NAME`` or ``when EXPRESSION``.
-    `fires`: transitions that are fired by hand, each with its time in seconds.
-    `answers`: options of the bridge, and answers to its questions.
-    """
-
-    bridge: str | None
-    world: str | None
-    rate: float
-    seconds: float
+    bridge: str | None  # None: what the text names, or the simulator
+    world: str | None  # None: what the text names, or `line`
+    rate: float  # Hz; 0: as many as possible
+    seconds: float  # may be infinite
     until: str | None
-    speed: float
+    speed: float  # factor of real time; infinite: never wait
     seed: int | None
     noise: dict[str, float]
     assignments: tuple[Assignment, ...]
-    trace: str | None
+    trace: str | None  # a file, or `-` for stdout
     record: str | None
     animate: str | None
-    breakpoints: tuple[str, ...]
-    fires: tuple[tuple[str, float], ...]
+    breakpoints: tuple[str, ...]  # `STATE`, `TRANSITION`, `left STATE`, `event NAME` or `when EXPRESSION`
+    fires: tuple[tuple[str, float], ...]  # transitions fired by hand, each with its time in seconds
     watch: bool
     on_issue: Literal["record", "pause"]
-    answers: dict[str, str]
+    answers: dict[str, str]  # options of the bridge, and answers to its questions
 
 
 def parse_options(
@@ -71,10 +57,7 @@ def parse_options(
     answers: Sequence[str],
     **others: Any,
 ) -> RunOptions:
-    """Return the options of a run, with those parsed that are more than a text or a number.
-
-    Raises typer.BadParameter: an option has an invalid value.
-    """
+    """Return the options of a run, with those parsed that are more than a text or a number."""
     if not (rate == 0 or SLOWEST <= rate <= FASTEST):
         raise typer.BadParameter(
             f"--rate takes {SLOWEST:g} to {FASTEST:,.0f} ticks per second, or 0 for as many as possible, "
@@ -93,10 +76,7 @@ def parse_options(
 
 
 def pairs_of(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
-    """Return the names and values of the texts ``NAME=VALUE`` of an option.
-
-    Raises typer.BadParameter: a text has no name or no ``=``.
-    """
+    """Return the names and values of the texts ``NAME=VALUE`` of an option."""
     pairs = []
     for text in texts:
         name, equals, value = text.partition("=")
@@ -107,10 +87,7 @@ def pairs_of(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
 
 
 def check_outputs(out: Iterable[str | FilePath], suffixes: Sequence[str]) -> None:
-    """Raise an error if a file cannot be written, or its suffix names another format; before anything runs.
-
-    `suffixes`: of the formats; an empty one if the name needs none.
-    """
+    """Raise an error if a file cannot be written, or has none of the suffixes, of which one may be empty."""
     *others, last = [f"`{suffix}`" for suffix in suffixes if suffix]
     known = f"{', '.join(others)} or {last}" if others else last
     for path in map(FilePath, out):
@@ -158,10 +135,7 @@ class Assignment(NamedTuple):
 
 
 def with_initials(program: Program, assignments: Sequence[Assignment]) -> Program:
-    """Return the program with its initialisers replaced by the assigned expressions.
-
-    Raises UnknownElementError: the variable does not exist, or several have that name.
-    """
+    """Return the program with its initialisers replaced by the assigned expressions."""
     for variable, expression in assignments:
         try:
             found = definition_of(program, find(program, "variable", variable))

@@ -73,13 +73,10 @@ class Keys:
 
 
 class Writer:
-    """Makes calls that write, one after the other, on a thread of its own.
-
-    `failure`: what one of them raised; no later one is made.
-    """
+    """Makes calls that write, one after the other, on a thread of its own."""
 
     def __init__(self) -> None:
-        self.failure: BaseException | None = None
+        self.failure: BaseException | None = None  # of one of them; no later one is made
         self._calls: SimpleQueue[Callable[[], object] | None] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="lrp output", daemon=True)
 
@@ -95,10 +92,7 @@ class Writer:
         return not self._calls.empty()
 
     def end(self, hurried: Callable[[], bool]) -> bool:
-        """Wait until all calls were made; return whether they were.
-
-        `hurried`: returns whether a person wants the end: then it waits a little only.
-        """
+        """Wait until all calls were made, only a little once `hurried`; return whether they were."""
         self._calls.put(None)
         left = _PATIENCE
         while self._thread.is_alive() and left > 0:
