@@ -78,11 +78,7 @@ TextAndNumber = tuple[str, float | None]
 
 
 class BreakpointView(TypedDict):
-    """A breakpoint: `path` as the page writes that of its element, empty for a condition.
-
-    `hits` are counted whether it is `enabled` or not; from hit `after` on it pauses. `dormant`: its element
-    is missing; `problem`: why its condition could not be evaluated. `line` is that of its element, or 0.
-    """
+    """A breakpoint: `path` as the page writes that of its element, empty for a condition."""
 
     kind: BreakpointKind
     path: str
@@ -90,11 +86,11 @@ class BreakpointView(TypedDict):
     expression: str
     machine: str
     enabled: bool
-    hits: int
-    after: int
-    dormant: bool
-    problem: str
-    line: int
+    hits: int  # counted whether it is enabled or not
+    after: int  # the first hit at which it pauses
+    dormant: bool  # its element is missing
+    problem: str  # why its condition could not be evaluated
+    line: int  # of its element, or 0
 
 
 class HitView(TypedDict):
@@ -129,10 +125,7 @@ class QuickFix(TypedDict):
 
 
 class FindingView(TypedDict):
-    """A static finding of `check`; `id` identifies it among the others of its text.
-
-    `fix` is certain; `creates` is offered, because only the user knows what is meant.
-    """
+    """A static finding of `check`; `id` identifies it among the others of its text."""
 
     id: str
     code: str
@@ -140,15 +133,11 @@ class FindingView(TypedDict):
     message: str
     range: TextRange
     fix: QuickFix | None
-    creates: QuickFix | None
+    creates: QuickFix | None  # only offered, because only the user knows what is meant
 
 
 class IssueView(TypedDict):
-    """A run-time issue. `range` is a place of the running text, None if it has none.
-
-    `finding` is the id of the static finding about the same fault of the same text, empty if there is none:
-    a page lists the two as one.
-    """
+    """A run-time issue. `range` is a place of the running text, None if it has none."""
 
     id: int
     code: str
@@ -157,7 +146,7 @@ class IssueView(TypedDict):
     element: str
     message: str
     range: TextRange | None
-    finding: str
+    finding: str  # id of the static finding about the same fault of the text: a page lists the two as one
     traceback: str
     first_tick: int
     last_tick: int
@@ -166,14 +155,10 @@ class IssueView(TypedDict):
 
 
 class OutdatedView(TypedDict):
-    """What a variable was computed from has been assigned by hand since.
+    """What a variable was computed from has been assigned by hand since."""
 
-    `computed`: from which variable and when, a sentence.
-    `initial`: the expression that recomputes it; empty if its initialiser is not an expression.
-    """
-
-    computed: str
-    initial: str
+    computed: str  # from which variable and when, a sentence
+    initial: str  # the expression that recomputes it; empty if its initialiser is not an expression
 
 
 class StateItem(TypedDict):
@@ -248,17 +233,14 @@ class MemberView(TypedDict):
 
 
 class BridgeView(TypedDict):
-    """The bridge. `status` is one of the words of `Bridge.status`, `sentence` explains it.
-
-    `failsafe` is who stops the robot when the program or the computer dies; empty for a simulated one.
-    """
+    """The bridge. `status` is one of the words of `Bridge.status`, `sentence` explains it."""
 
     name: str
     status: str
     sentence: str
     hardware: bool
     armed: bool
-    failsafe: str
+    failsafe: str  # who stops the robot when the program or the computer dies; empty for a simulated one
     members: list[MemberView]
 
 
@@ -281,28 +263,21 @@ class FloorView(TypedDict):
 
 
 class SolidView(TypedDict):
-    """A solid. `box`: centre and size; `angle` in rad; `push`: a number if pushable.
-
-    `patrol`: the points that its middle passes through, if it moves by itself; the first one again at the end
-    if it goes round.
-    """
+    """A solid. `box`: centre and size; `angle` in rad; `push`: a number if pushable."""
 
     box: NotRequired[list[float]]
     circle: NotRequired[Pose]
     angle: NotRequired[float]
     name: NotRequired[str]
     push: NotRequired[float | None]
-    patrol: NotRequired[list[Point]]
+    patrol: NotRequired[list[Point]]  # its middle passes through them; the first one again: it goes round
 
 
 class RobotShape(TypedDict):
-    """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors.
-
-    `name`: how it is called, where there are several.
-    """
+    """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors."""
 
     pose: Pose
-    name: NotRequired[str]
+    name: NotRequired[str]  # where there are several
     radius: NotRequired[float]
     light: NotRequired[list[Point]]
     bumper: NotRequired[bool]
@@ -317,11 +292,7 @@ class ZoneView(TypedDict):
 
 
 class WorldView(TypedDict):
-    """The world as `World.to_dict` writes it, without default values, which the page fills in.
-
-    Solids are where they are now. `edited`: it is not what was loaded; `undo` and `redo`: whether there is an
-    edit to undo or redo.
-    """
+    """The world as `World.to_dict` writes it, without default values, which the page fills in."""
 
     version: int
     name: NotRequired[str]
@@ -329,11 +300,11 @@ class WorldView(TypedDict):
     size: Point
     seed: int
     floor: FloorView
-    solids: list[SolidView]
+    solids: list[SolidView]  # where they are now
     robots: list[RobotShape]
     zones: dict[str, ZoneView]
-    edited: NotRequired[bool]
-    undo: NotRequired[bool]
+    edited: NotRequired[bool]  # it is not what was loaded
+    undo: NotRequired[bool]  # there is an edit to undo
     redo: NotRequired[bool]
 
 
@@ -345,32 +316,24 @@ class InkView(TypedDict):
 
 
 class SettingsView(TypedDict):
-    """Switches of the session that all its views share.
-
-    `edits`, `graph`, `quiet` and `lock` are the `Conditions` of a study. With ``hold``, texts wait for
-    ``apply``. `lock`: the kernel refuses ``hold`` and ``graph``. `log`: the file into which is recorded what
-    a person looks at, reported by ``looked``; empty: nothing is.
-    """
+    """Switches of the session that all its views share; the first four are the `Conditions` of a study."""
 
     edits: Edits
     graph: GraphMode
     quiet: bool
-    lock: bool
-    log: str
+    lock: bool  # the kernel refuses the acts `hold` and `graph`
+    log: str  # the file that records what a person looks at, reported by `looked`; empty: nothing is
     on_active_edit: OnActiveEdit
     pause_on_issue: bool
 
 
 class ConflictView(TypedDict):
-    """Another text than the present one, and a question. Ended by ``take`` or ``keep`` with its number.
-
-    `use` and `keep` are the labels of the two answers.
-    """
+    """Another text than the present one, and a question. Ended by ``take`` or ``keep`` with its number."""
 
     number: int
     text: str
     sentence: str
-    use: str
+    use: str  # the label of this answer
     keep: str
 
 
@@ -416,58 +379,46 @@ class OutlineView(TypedDict):
 
 
 class AttemptView(TypedDict):
-    """A run that a check has made: in which world, how it ended, the robot's path in its outline.
-
-    `failed` is what was not met, and `reason` why. `shows`: whether the run can be shown in the timeline.
-    """
+    """A run that a check has made: in which world, how it ended, the robot's path in its outline."""
 
     world: int
     seed: int
     passed: bool
-    failed: str
+    failed: str  # what was not met
     reason: str
     share: float
-    shows: bool
+    shows: bool  # whether it can be shown in the timeline
     path: str
 
 
 class CheckView(TypedDict):
-    """A check of the program: how many runs were made of all, and the points; ``attempts`` are the runs.
-
-    `stale`: the text has changed since. `error`: why the check has ended without a result.
-    """
+    """A check of the program: how many runs were made of all, and the points; ``attempts`` are the runs."""
 
     busy: bool
-    stale: bool
+    stale: bool  # the text has changed since
     done: int
     total: int
     passed: bool
     points: float
-    error: str
+    error: str  # why the check has ended without a result
 
 
 class GoalView(TypedDict):
-    """The challenge that a program is written for.
-
-    `seconds` is the longest time of a run, `over` whether the present one is decided. `world` is the number
-    of the world it is in. `note` is a sentence about what is not as in the challenge. `hints` were asked
-    for, and there are `more_hints`. `begun` counts how often the robot was put back to its start here, and
-    `trail` is the way of a run that was shown then: time, x, y and the innermost active state.
-    """
+    """The challenge that a program is written for."""
 
     name: str
     task: str
     points: float
-    seconds: float
-    over: bool
-    world: int
+    seconds: float  # the longest time of a run
+    over: bool  # whether the present run is decided
+    world: int  # the number of the world of the present run
     worlds: list[OutlineView]
-    note: str
-    hints: list[str]
+    note: str  # a sentence about what is not as in the challenge
+    hints: list[str]  # that were asked for
     more_hints: int
     check: CheckView | None
-    begun: int
-    trail: list[tuple[float, float, float, str]]
+    begun: int  # how often the robot was put back to its start here
+    trail: list[tuple[float, float, float, str]]  # of a run shown then: time, x, y, innermost active state
 
 
 class ChoicesView(TypedDict):
@@ -482,72 +433,45 @@ class ChoicesView(TypedDict):
 
 
 class ViewState(TypedDict):
-    """Everything that a view may show of a session, apart from its texts and its world.
-
-    ============= =======================================================================================
-    ``status``    the words of `lrp_jupyter.live.running.frame.Frame`; ``reason`` explains it
-    ``rate``      wanted ticks per second, 0: as many as possible; ``achieved_rate`` is measured
-    ``speed``     wanted simulated seconds per second, 0: as many as possible; ``achieved_speed`` is measured
-    ``revision``  of the text that runs (the last one applied); ``program`` is its structure
-    ``active``    innermost active states, as spawned (``Interpreter.active`` as text)
-    ``lit``       every active state by its path in the text, outer ones too: what the page marks
-    ``entered``   state path -> entries, so that a visit too short to see leaves an afterglow
-    ``fired``     transition -> firings; the one with the newest tick in its machine is marked
-    ``variables`` path -> value, of those that exist now
-    ``events``    path -> value at its last test, of those whose test returned one
-    ``members``   member of `robot` -> its value now, as text
-    ``issues``    number -> issue
-    ``printed``   number of the line since the session began -> line; the last ones
-    ``hung``      None unless a block does not return
-    ``paused_by`` the breakpoint that paused the program, until it runs on; ``breakpoints`` by number
-    ``layouts``   machine path -> layout
-    ``moved``     revision of the run -> elements that have another path since; the last ones
-    ``looking``   the earlier moment that everything here shows, or None for now
-    ``unkept``    why the text is not kept in its file; empty if it is
-    ``late``      why a stop in a page may come late; empty if it comes while a cell runs
-    ``hands``     view -> where the selection in its editor is; empty where only one has an editor
-    ``goal``      the challenge, or None; ``criteria`` are what its criteria say of the present run
-    ``attempts``  number of a run of the check -> what came of it
-    ============= =======================================================================================
-    """
+    """Everything that a view may show of a session, apart from its texts and its world."""
 
     status: Status
-    reason: str
+    reason: str  # of the status
     tick: int
     time: float
-    rate: float
-    achieved_rate: float
-    speed: float
-    achieved_speed: float
-    revision: int
+    rate: float  # wanted ticks per second, 0: as many as possible
+    achieved_rate: float  # measured
+    speed: float  # wanted simulated seconds per second, 0: as many as possible
+    achieved_speed: float  # measured
+    revision: int  # of the text that runs, the last one applied
     program: ProgramView
-    layouts: dict[str, Layout]
-    moved: dict[str, list[MovedElement]]
-    active: list[str]
-    lit: list[str]
-    entered: dict[str, CountAndTick]
-    fired: dict[str, CountAndTick]
-    variables: dict[str, TextAndNumber]
-    outdated: dict[str, OutdatedView]
-    events: dict[str, bool]
-    members: dict[str, str]
-    issues: dict[str, IssueView]
-    printed: dict[str, str]
+    layouts: dict[str, Layout]  # by machine path
+    moved: dict[str, list[MovedElement]]  # revision of the run -> what has another path since; the last ones
+    active: list[str]  # innermost active states, as spawned: `Interpreter.active` as text
+    lit: list[str]  # every active state by its path in the text, outer ones too: what the page marks
+    entered: dict[str, CountAndTick]  # by state path, so that a visit too short to see leaves an afterglow
+    fired: dict[str, CountAndTick]  # by transition; the one with the newest tick in its machine is marked
+    variables: dict[str, TextAndNumber]  # by path, of those that exist now
+    outdated: dict[str, OutdatedView]  # by path
+    events: dict[str, bool]  # path -> value at its last test, of those whose test returned one
+    members: dict[str, str]  # member of `robot` -> its value now, as text
+    issues: dict[str, IssueView]  # by number
+    printed: dict[str, str]  # number of the line since the session began -> line; the last ones
     restarts: dict[str, RestartView]
-    hung: Hung | None
-    breakpoints: dict[str, BreakpointView]
-    paused_by: HitView | None
+    hung: Hung | None  # None unless a block does not return
+    breakpoints: dict[str, BreakpointView]  # by number
+    paused_by: HitView | None  # the breakpoint that paused the program, until it runs on
     bridge: BridgeView
     panel: Panel | None
     settings: SettingsView
     conflict: ConflictView | None
-    looking: LookingView | None
-    unkept: str
-    late: str
-    hands: dict[str, HandView]
+    looking: LookingView | None  # the earlier moment that everything here shows, or None for now
+    unkept: str  # why the text is not kept in its file; empty if it is
+    late: str  # why a stop in a page may come late; empty if it comes while a cell runs
+    hands: dict[str, HandView]  # by view; empty where only one has an editor
     goal: GoalView | None
-    criteria: list[CriterionView]
-    attempts: dict[str, AttemptView]
+    criteria: list[CriterionView]  # what the criteria of the challenge say of the present run
+    attempts: dict[str, AttemptView]  # by the number of a run of the check
 
 
 class FrameMessage(ViewState, total=False):
@@ -690,13 +614,10 @@ class WhyLine(TypedDict):
 
 
 class WhyView(TypedDict):
-    """Why something happened, or did not; `present`: whether its lines are those of the running text.
-
-    `name` is what its sentence calls the transition or state that was asked about.
-    """
+    """Why something happened, or did not; `present`: whether its lines are those of the running text."""
 
     code: str
-    name: str
+    name: str  # what its sentence calls the transition or state that was asked about
     tick: int
     time: float
     sentence: str
