@@ -58,10 +58,7 @@ from lrp_jupyter.widgets.wire.protocol import ViewState
 class PageConnection:
     """A session and the views that show it.
 
-    `saver`: it holds the texts.
     `reopen`: creates a session of the same program with another bridge, given its name and options.
-    `options`: the options of the bridge.
-    `clock`: returns the wall time in seconds.
     `free_name`: returns a name that no other open program has, given a wanted one.
     """
 
@@ -110,10 +107,7 @@ class PageConnection:
     # -- in: any thread ----------------------------------------------------------------------------
 
     def receive(self, send: Send, content: object, waits: bool = False) -> None:
-        """Handle a message of a page; never raises.
-
-        `waits`: whether it would have waited for a running cell.
-        """
+        """Handle a message of a page; never raises. `waits`: whether a running cell would have held it up."""
         try:
             message = decode_message(content)
             if self._publisher.hear(message.view, message.frame, waits):
@@ -186,11 +180,7 @@ class PageConnection:
             answer.add_done_callback(lambda _: self.wake())
 
     def change_bridge(self, bridge: str, **options: Any) -> None:
-        """Continue with another bridge: the same program starts again in another session.
-
-        Raises BridgeError: there is no such bridge, or its robot cannot be reached; the old one stays.
-        Raises SessionClosedError: it has been closed in the meantime.
-        """
+        """Start the program again in a session with another bridge; if that fails, the old one stays."""
         if self._reopen is None:
             raise BridgeError("This session was created elsewhere, so its bridge cannot be changed here.")
         with self._changing:
@@ -217,10 +207,7 @@ class PageConnection:
         self.texts.write(text)
 
     def use(self, session: Session) -> None:
-        """Show another session from now on; views get a snapshot of it.
-
-        Raises SessionClosedError: this connection is closed; the other session is then closed, too.
-        """
+        """Show another session from now on; if this connection is closed, close that one, too, and raise."""
         self.layouts.update(session.frame)  # before the lock, which a command may need
         with self._lock:
             if not self.closed:

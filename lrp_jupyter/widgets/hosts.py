@@ -1,9 +1,4 @@
-"""The program that started this kernel, and what it can show, from the environment and the running cell.
-
-JupyterLab, Notebook and VS Code run a kernel for one person. Voila starts one for every visitor of a
-notebook; JupyterHub runs a server, and with it kernels, for every user that has logged in. nbconvert,
-papermill and others execute a notebook without a page.
-"""
+"""The program that started this kernel, and what it can show, from the environment and the running cell."""
 
 from __future__ import annotations
 
@@ -40,11 +35,9 @@ def debugger() -> str:
 def is_static() -> bool:
     """Return whether the outputs of the running cell are only stored, and so pictures instead of widgets.
 
-    ``LRP_STATIC=1`` says so, and ``LRP_STATIC=0`` the opposite. Otherwise it is detected: a client that does
-    not answer ``input()`` has no page. Such a client is nbclient, with which nbconvert, papermill, nbmake,
-    jupytext and Quarto execute notebooks. Voila uses it as well, but has pages.
-
-    Raises LRPError: ``LRP_STATIC`` has another value.
+    Unless ``LRP_STATIC`` decides, it is detected: a client that does not answer ``input()`` has no page. Such
+    a client is nbclient, with which nbconvert, papermill, nbmake, jupytext and Quarto execute notebooks.
+    Voila uses it as well, but has pages.
     """
     wanted = os.environ.get("LRP_STATIC", "")
     if wanted not in ("", "0", "1"):

@@ -123,25 +123,16 @@ class Window:
 
 
 class View:
-    """One view of a lab in a page: what has been sent to it, and its credit.
-
-    `name`: a random name, chosen by the page.
-    `part`: the part of the lab that it shows.
-    `send`: sends a message (and buffers) on the comm of its widget.
-    `now`: the wall time in seconds.
-    """
+    """One view of a lab in a page: what has been sent to it, and its credit."""
 
     def __init__(self, name: str, part: str, send: Send, now: float) -> None:
-        self.name = name
-        self.waits = False
-        """Whether its messages wait for a cell that runs."""
+        self.name = name  # a random one, chosen by the page
+        self.waits = False  # whether its messages wait for a cell that runs
         self.sent: ViewState | None = None
         self.world = WorldCursor() if part in ("lab", "world") else None
         self.framed = float("-inf")  # when the last frame was sent
-        self.revision: int | None = None
-        """The revision of the text that it has been sent."""
-        self.fault = ""
-        """The traceback of a message that could not be sent."""
+        self.revision: int | None = None  # of the text that it has been sent
+        self.fault = ""  # the traceback of a message that could not be sent
         self._send = send
         self._number = 0
         self._window = Window()
@@ -187,20 +178,14 @@ class View:
 
 @dataclass(eq=False)
 class PendingReply:
-    """A command or request that is not answered yet.
+    """A command or request that is not answered yet."""
 
-    `view`: the view that sent it.
-    `deadline`: when it is answered with the reason for the delay.
-    `field`: that of the reply which gets the result; empty for none.
-    `describes`: whether a changed world is described before the reply.
-    """
-
-    view: str
+    view: str  # that sent it
     id: int
     answer: Future[Any]
-    deadline: float
-    field: str = ""
-    describes: bool = False
+    deadline: float  # when it is answered with the reason for the delay
+    field: str = ""  # of the reply, for the result; empty for none
+    describes: bool = False  # whether a changed world is described before the reply
 
     def outcome(self) -> tuple[str | None, Mapping[str, Any]]:
         """Return the error, a sentence or None, and the other fields."""
@@ -215,12 +200,7 @@ class PendingReply:
 
 
 class Publisher:
-    """See the head of this module. May be called from any thread.
-
-    `saver`: it holds the texts.
-    `report`: called with the traceback of a fault of the lab itself.
-    `clock`: returns the wall time in seconds.
-    """
+    """See the head of this module. May be called from any thread; `report` gets tracebacks of the lab."""
 
     def __init__(
         self,
@@ -247,7 +227,6 @@ class Publisher:
         self._left = False  # whether a view may be owed something urgent
         self._unlisten: Callable[[], None] = lambda: None
         self.goal: Goal | None = None
-        """The challenge that the program is written for."""
         self.attach(session)
 
     def attach(self, session: Session) -> None:
@@ -288,11 +267,7 @@ class Publisher:
     # -- the views -----------------------------------------------------------------------------------
 
     def welcome(self, name: str, part: str, send: Send, revision: int | None = None, seq: int = 0) -> None:
-        """Send a snapshot to a view that opened, or came back, and then what changes.
-
-        `revision`: the revision of the text that it knows.
-        `seq`: the number of the last text that it has sent.
-        """
+        """Send a snapshot to a view that opened, or came back knowing a revision, and then what changes."""
         with self._lock:
             view = View(name, part, send, self._clock())
             view.revision = revision
@@ -322,11 +297,7 @@ class Publisher:
         self._texts.leave(name)
 
     def hear(self, name: str, number: int, waits: bool) -> bool:
-        """Take note of a message of a view; return whether it acknowledges frames.
-
-        `number`: the newest frame that has arrived: credit is returned for it, and for all before it.
-        `waits`: whether messages of the view wait for a cell that runs.
-        """
+        """Take note of a message of a view; return whether it acknowledges frames, up to this number."""
         with self._lock:
             view = self._views.get(name)
             if view is not None:

@@ -49,10 +49,7 @@ def find(name: str) -> PageConnection | None:
 
 
 def named(name: str) -> PageConnection:
-    """Return the open program of a name; an empty name stands for the only open program.
-
-    Raises UnknownElementError: there is none, or the name is empty and there are several.
-    """
+    """Return the open program of a name, or raise; an empty name stands for the only open program."""
     known = names()
     found = find(name) if name else find(known[0]) if len(known) == 1 else None
     if found is not None:
@@ -120,19 +117,13 @@ def open_program(
 
     `text`: the text of the cell; None or blank: the lab's text.
     `bridge`: default: that of the open program, else the simulator.
-    `namespace`: names that blocks can read.
-    `rate`: ticks per second.
-    `folder`: the directory of the notebook, which decides where texts are kept; default: the current one.
+    `folder`: of the notebook, which decides where texts are kept; default: the current one.
     `paused`: why a newly opened program does not run until its user starts it.
     `given_in`: where this text comes from, in a word: a cell, or a link.
     `task`: the challenge of the program: its first world is loaded, its goal shown.
-    `conditions`: how the lab is used; None: as before.
-    `log`: the file in which the session is recorded from its beginning, with what a person looks at; if it
-        exists, the name gets a number.
+    `conditions`: None: as before.
+    `log`: the file in which the session is recorded; if it exists, the name gets a number.
     `options`: for the bridge: ``world="line"``.
-    Raises BridgeError: there is no such bridge, or its robot cannot be reached.
-    Raises LRPError: it is not a valid name for a program, ``LRP_KEEP`` names no place to keep texts, or the
-        program is open and not recorded in that file.
     """
     text = text if text and text.strip() else None
     log = None if log is None else FilePath(log)
@@ -188,10 +179,7 @@ def open_program(
 
 
 def robot_for(world: World | str | None) -> dict[str, Any]:
-    """Return the arguments of :func:`open_program` for a world that a program names.
-
-    `world`: a world, or its name; ``"none"``: the program needs no robot; None: it names nothing.
-    """
+    """Return the arguments of :func:`open_program` for the world, if any, that a program names."""
     if world == "none":
         return {"bridge": "none"}
     return {} if world is None else {"bridge": "sim", "world": world}

@@ -19,13 +19,11 @@ from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.wire.packing import packed
 
 SendText = Callable[[str, "list[bytes]"], None]
+"""Sends a message, as JSON, and its buffers to the page."""
 
 
 class Opened:
-    """The program that the page shows.
-
-    `send`: sends a message, as JSON, and its buffers to the page.
-    """
+    """The program that the page shows."""
 
     def __init__(self, connection: PageConnection, send: SendText) -> None:
         self._connection = connection
@@ -57,14 +55,11 @@ class Opened:
 
 
 def open_program(wanted: str, send: SendText) -> Opened:
-    """Open the program named in the address of the page.
+    """Open the program that an object in JSON names, from the address of the page.
 
-    `wanted`: an object in JSON: the ``program`` (a name), its ``text`` if the address contains one, the
-        ``world`` and the ``challenge`` if it names them. With ``again`` the text that was kept here
-        continues, as expected of a page that is loaded again. With ``hung`` it does not run until the user
-        starts it.
-    `send`: sends a message, as JSON, and its buffers to the page.
-    Raises LRPError: there is no such program, world or challenge.
+    Its ``program`` is a name; it may have a ``text``, a ``world`` and a ``challenge``. With ``again`` the
+    text that was kept here continues, as expected of a page that is loaded again. With ``hung`` it does not
+    run until the user starts it.
     """
     address: dict[str, Any] = json.loads(wanted)
     text: str = address.get("text") or ""

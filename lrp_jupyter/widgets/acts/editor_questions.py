@@ -315,10 +315,7 @@ def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
 
 
 def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
-    """Return the fields of ``robot.odom``, or of what ``robot.move()`` sends; None for other chains.
-
-    `chain`: ``robot.odom.pose``, ``robot.move().linear``.
-    """
+    """Return the fields of ``robot.odom``, or of what ``robot.move()`` sends; None for other chains."""
     command, called, inner = chain.partition("()")
     root, _, path = command.partition(".")
     if root != "robot" or not path:
@@ -343,10 +340,7 @@ def _field(member: Member) -> Option:
 
 
 def arguments_of(bridge: Bridge, command: str) -> list[Option]:
-    """Return the arguments of a command: ``robot.move`` takes ``linear=`` and ``linear_x=``.
-
-    `command`: ``robot.move``.
-    """
+    """Return the arguments of a command: ``robot.move`` takes ``linear=`` and ``linear_x=``."""
     root, _, path = command.partition(".")
     try:
         member = bridge.describe(path) if root == "robot" and path else None

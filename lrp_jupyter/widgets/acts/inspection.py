@@ -33,10 +33,7 @@ _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 @question("inspect")
 def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) -> InspectView:
-    """Inspect an element, or a part of its value (`into`: steps of earlier facets).
-
-    Raises UnknownElementError: there is no such element, or it has no value now.
-    """
+    """Inspect an element, or a part of its value (`into`: steps of earlier facets)."""
     session, where = opened.session, path_of(kind, path)
     program = session.program
     if kind == "robot":

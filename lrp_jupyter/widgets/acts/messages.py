@@ -148,24 +148,18 @@ class Handler:
 
     It runs on the thread that delivers messages, and returns a future if the session or the worker does it
     later; an exception, raised or in the future, is the error of the reply.
-
-    `patience`: wall seconds after which an unanswered message is answered with the reason.
-    `answer`: the field of the reply that holds the result of a question, which runs on the worker's thread
-        and may wait there; empty for an act.
-    `is_present`: whether it changes the run or the world as it is now: views that show the past return from
-        it first.
-    `changes_world`: whether a page shows its effect before the world is described; the reply follows the
-        description.
-    `is_noted`: whether it is noted in the recording of a person's actions.
     """
 
     name: str
     function: Callable[..., Any]
-    patience: float
+    patience: float  # wall seconds after which an unanswered message is answered with the reason
     answer: str = ""
+    """The field of the reply with the result of a question, which may wait, on the worker's thread."""
     is_present: bool = False
+    """Whether it changes the run or the world as it is now: views that show the past return from it first."""
     changes_world: bool = False
-    is_noted: bool = True
+    """Whether a page shows its effect before the world is described; the reply follows the description."""
+    is_noted: bool = True  # in the recording of a person's actions
 
     @cached_property
     def fields(self) -> Fields:
@@ -214,11 +208,7 @@ _ENVELOPE: Fields = {**fields_of(PageMessage), "id": (int, True)}
 
 
 def decode_message(content: object) -> PageMessage:
-    """Check a JSON value against the types of messages.
-
-    Raises DecodeError: it is not a message, lacks a field, or a field has a wrong value; the message names
-        it.
-    """
+    """Check a JSON value against the types of messages, or raise a DecodeError."""
     if not isinstance(content, dict):
         raise DecodeError("A message must be an object.")
     name = content.get("type")

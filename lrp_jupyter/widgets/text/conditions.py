@@ -29,10 +29,7 @@ class Conditions:
         check_switch("lock", self.lock)
 
     def switched(self, **changes: Any) -> Conditions:
-        """Return the conditions with changes that a page makes.
-
-        Raises LRPError: they are locked.
-        """
+        """Return the conditions with changes that a page makes, or raise if they are locked."""
         if self.lock:
             raise LRPError(
                 "This lab is locked for a study: the page can change neither when edits take effect nor "

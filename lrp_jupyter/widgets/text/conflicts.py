@@ -45,23 +45,15 @@ _QUESTIONS = {
 
 @dataclass(frozen=True, eq=False)
 class Conflict:
-    """A text that the user may want instead of the present one.
+    """A text that the user may want instead of the present one."""
 
-    `source`: where it comes from; a key of `_QUESTIONS`.
-    `file`: the file that contains it, as a message shows it, if that was changed outside the lab.
-    """
-
-    source: str
+    source: str  # a key of `_QUESTIONS`
     text: str
-    file: str = ""
-    number: int = field(default_factory=count(1).__next__)
-    """An identifier that distinguishes it from all others."""
+    file: str = ""  # that contains it, as a message shows it, if it was changed outside the lab
+    number: int = field(default_factory=count(1).__next__)  # distinguishes it from all others
 
     def question(self, name: str, given_in: str) -> ConflictView:
-        """Return the question to the user about a program of this name.
-
-        `given_in`: where the program is opened from, in a word: a cell, or a link.
-        """
+        """Return the question to the user about a program of this name, `given_in` a cell or a link."""
         sentence, use, keep = (
             text.format(name=name, file=self.file, given_in=given_in) for text in _QUESTIONS[self.source]
         )

@@ -24,9 +24,9 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 
 @dataclass(frozen=True)
 class Update:
-    """Changes that made the next revision; `view` is the view that made them, empty for the kernel."""
+    """Changes that made the next revision."""
 
-    view: str
+    view: str  # that made them; empty for the kernel
     changes: TextChanges
 
 
@@ -48,10 +48,7 @@ class Document:
         self._characters = 0
 
     def since(self, revision: int) -> list[Update]:
-        """Return the updates after a revision.
-
-        Raises ValueError: they are not known, or no longer.
-        """
+        """Return the updates after a revision; a ValueError if they are not known, or no longer."""
         if not self.knows(revision):
             raise ValueError(f"The updates since revision {revision} are not known.")
         return list(islice(self._updates, len(self._updates) - (self.revision - revision), None))
@@ -73,11 +70,10 @@ class Document:
     def merge(
         self, view: str, base: int, changes: Sequence[TextChanges]
     ) -> tuple[list[TextChanges], list[TextChanges]]:
-        """Turn a view's successive changes of the text of a revision into the next updates.
+        """Turn a view's successive changes of the text of a revision into the next updates, and return these.
 
-        list of TextChanges: the updates that they became.
-        list of TextChanges: what others have changed since that revision, for a place in the view's text.
-        Raises ValueError: they are not changes of that text, or it is no longer known.
+        Also return what others have changed since that revision, for a place in the view's text. Raises
+        ValueError: they are not changes of that text, or it is no longer known.
         """
         since = self.since(base)
         if any(update.view == view for update in since):

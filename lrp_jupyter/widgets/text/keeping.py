@@ -32,12 +32,7 @@ WAYS = ("notebook", "user", "nothing")
 
 
 def kept_texts(folder: str | os.PathLike[str], name: str) -> Kept | None:
-    """Return the files in which the texts of a program are kept; None if nothing is kept.
-
-    `folder`: the folder of the notebook.
-    `name`: the name of the program.
-    Raises LRPError: ``LRP_KEEP`` has another value, or there is no folder for this user's state.
-    """
+    """Return the files in which the texts of a program are kept; None if nothing is kept."""
     folder = Path(folder)
     way = os.environ.get("LRP_KEEP") or _default(folder)
     if way not in WAYS:

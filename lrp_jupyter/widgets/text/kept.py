@@ -42,13 +42,11 @@ _Signature = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Version:
-    """An earlier text of a program.
-
-    `when`: when it was replaced, in seconds since 1970.
-    """
+    """An earlier text of a program."""
 
     text: str
     when: float
+    """When it was replaced, in seconds since 1970."""
 
     @property
     def key(self) -> str:
@@ -63,18 +61,12 @@ class Version:
 
 @dataclass(frozen=True)
 class Remembered:
-    """The data kept with a program's accepted text.
+    """The data kept with a program's accepted text."""
 
-    `typed`: the last typed text, while it is kept nowhere else.
-    `cell`: the text of the cell, as last known to the lab.
-    `hung`: the text of a program that hung, until it has run well.
-    `versions`: the texts that were replaced, the newest first.
-    """
-
-    typed: str | None = None
-    cell: str | None = None
-    hung: str | None = None
-    versions: tuple[Version, ...] = ()
+    typed: str | None = None  # the last typed text, while it is kept nowhere else
+    cell: str | None = None  # the text of the cell, as last known to the lab
+    hung: str | None = None  # the text of a program that hung, until it has run well
+    versions: tuple[Version, ...] = ()  # the texts that were replaced, the newest first
 
 
 def newest(versions: Iterable[Version]) -> tuple[Version, ...]:
@@ -91,10 +83,7 @@ def newest(versions: Iterable[Version]) -> tuple[Version, ...]:
 
 
 def checked_name(name: str) -> str:
-    """Return the name of a program if it can name files on every system.
-
-    Raises LRPError: it cannot.
-    """
+    """Return the name of a program, or raise if it cannot name files on every system."""
     is_usable = (
         0 < len(name) <= _LONGEST_NAME
         and not name.startswith(".")
@@ -112,11 +101,7 @@ def checked_name(name: str) -> str:
 
 
 class Kept:
-    """The files of one program. Used by one thread at a time.
-
-    `folder`: it is created with the first file.
-    `name`: the name of the program.
-    """
+    """The files of one program, in a folder that is created with the first one. For one thread at a time."""
 
     def __init__(self, folder: str | os.PathLike[str], name: str) -> None:
         self.folder = Path(folder)
@@ -146,10 +131,7 @@ class Kept:
         return text
 
     def write(self, ending: str, text: str) -> None:
-        """Write a text to a file, and note that this user wrote it.
-
-        Raises FileError: it cannot be written.
-        """
+        """Write a text to a file, and note that this user wrote it."""
         written = digest(text)
         if self._known.get(ending) == (self._signature(ending), written) and self.is_own(ending, text):
             return
@@ -172,10 +154,7 @@ class Kept:
         return own.is_own(self.home + ending, digest(text))
 
     def changed(self, ending: str) -> str | None:
-        """Return the text of a file if it was changed since it was read or written here.
-
-        Raises FileError: it was changed, and is not a text.
-        """
+        """Return the text of a file if it was changed since it was read or written here."""
         known = self._known.get(ending)
         signature = self._signature(ending)
         if signature is None or (known is not None and known[0] == signature):
@@ -206,10 +185,7 @@ class Kept:
         return Remembered(typed, cell, hung, newest(versions))
 
     def remember(self, what: Remembered) -> None:
-        """Keep this with the text; versions kept by another kernel stay.
-
-        Raises FileError: it cannot be written.
-        """
+        """Keep this with the text; versions kept by another kernel stay."""
         versions = newest([*what.versions, *self.remembered().versions])
         self.write(".versions", json.dumps(asdict(replace(what, versions=versions))))
 

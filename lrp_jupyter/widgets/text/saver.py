@@ -24,12 +24,7 @@ _WELL = 10.0  # s that a program must run after one of its blocks did not return
 
 
 class Saver:
-    """See the module's docstring.
-
-    `texts`: they continue with the kept text of the cell.
-    `kept`: the files in which the texts are kept; None: in memory only.
-    `home`: without files, an identifier that distinguishes this program from one of the same name elsewhere.
-    """
+    """See the module's docstring. Without files, the texts are kept in memory only."""
 
     def __init__(self, texts: Texts, kept: Kept | None = None, home: str = "") -> None:
         self.texts = texts
@@ -49,10 +44,7 @@ class Saver:
         """The text of the program that hung, until it has run well."""
 
     def save_as(self, path: str, replace: bool) -> bool:
-        """Write the text to a file of the user's choice; return False if another file would be replaced.
-
-        Raises FileError: it cannot be written.
-        """
+        """Write the text to a file of the user's choice; return False if another file would be replaced."""
         file, text = os.path.expanduser(path), self.texts.text
         if not replace and (os.path.isfile(file) or os.path.islink(file)):
             there = read_file(file)
@@ -105,10 +97,7 @@ class Saver:
             texts.cell = texts.accepted = None
 
     def save(self, at_once: bool = False) -> None:
-        """Keep the texts in their files; unchanged texts cost nothing.
-
-        A failure is reported once, and tried again after some seconds, or `at_once`.
-        """
+        """Keep the texts in their files; a failure is reported once, and tried again later, or `at_once`."""
         with self._lock:
             if self.kept is None or (self.texts.clock() < self._again and not at_once):
                 return

@@ -85,34 +85,22 @@ class _Hand:
 
 
 class Texts:
-    """See the module's docstring.
-
-    `given_in`: where the program is opened from, in a word: a cell, or a link.
-    """
+    """See the module's docstring. `given_in`: where the program is opened from: a cell, or a link."""
 
     def __init__(self, given_in: str = "cell") -> None:
         self._given_in = given_in
         self.conditions = Conditions()
-        """How the lab is used; all its views share them."""
-        self.lock = RLock()
-        """Held while they change."""
+        self.lock = RLock()  # held while they change
         self.session: Session
-        """The session that runs them."""
         self.clock: Callable[[], float]
-        self.conflicts: list[Conflict] = []
-        """The texts that the user may want instead; the first one is asked about."""
-        self.cell: str | None = None
-        """The last known text of the cell."""
-        self.accepted: str | None = None
-        """The last one that is a valid program."""
-        self.versions: tuple[Version, ...] = ()
-        """Earlier ones, the newest first."""
+        self.conflicts: list[Conflict] = []  # the first one is asked about
+        self.cell: str | None = None  # the last known text of the cell
+        self.accepted: str | None = None  # the last one that is a valid program
+        self.versions: tuple[Version, ...] = ()  # earlier ones, the newest first
         self.waiting: deque[Written] = deque()
         self.document = Document()
-        self.judgement = Judgement(None, ())
-        """What the text means with the cursors where they are."""
-        self.running_revision = 0
-        """The revision of the running text."""
+        self.judgement = Judgement(None, ())  # what the text means with the cursors where they are
+        self.running_revision = 0  # of the running text
         self._wake: Callable[[], None] = lambda: None
         self._answered = Program()  # the running program, as known to the views
         self._reason = ""  # of the last answer
@@ -123,11 +111,7 @@ class Texts:
     def attach(
         self, session: Session, wake: Callable[[], None], clock: Callable[[], float] = monotonic
     ) -> None:
-        """Attach to a session and use its text. Views get a snapshot of it.
-
-        `wake`: called when a text can be answered.
-        `clock`: returns the wall time in seconds.
-        """
+        """Attach to a session and use its text; `wake` is called when a text can be answered."""
         with self.lock:
             is_first = not hasattr(self, "session")
             self.session = session
@@ -146,10 +130,7 @@ class Texts:
     # -- in ----------------------------------------------------------------------------------------
 
     def write(self, text: str) -> None:
-        """Continue with a text from elsewhere: from a cell, a bundled program, a file or a version.
-
-        What is typed into a view meanwhile is merged with it.
-        """
+        """Continue with a text from elsewhere, with which what is typed into a view meanwhile is merged."""
         with self.lock:
             self._leave(text, is_typed=False)
             self._continue_with(text)
@@ -167,13 +148,8 @@ class Texts:
     ) -> None:
         """Merge what was typed into a view, and offer the text to the session unless edits are held.
 
-        `seq`: the number assigned by the view. A text that has already arrived is ignored.
-        `base`: the revision to which the changes apply.
-        `updates`: the changes, one after the other.
-        `selection`: where the user's cursor is after them.
-        `meant`: whether the word there is finished, not still being typed.
-        `rename`: the changes are this rename, so the renamed element keeps its identity.
-        Raises ValueError: they are not changes of a text that is still known.
+        The arguments are the fields of a `TextMessage`; one that has already arrived is ignored. Raises
+        ValueError: they are not changes of a text that is still known.
         """
         with self.lock:
             hand = self._hands.get(view)
@@ -197,8 +173,7 @@ class Texts:
     ) -> None:
         """Move the cursor of a view, or leave its text, or mark the word there as finished.
 
-        `seq`: the number of the view's last text: one that is followed by another is ignored.
-        `revision`: the revision to which the selection refers.
+        The arguments are the fields of a `CursorMessage`; one that is followed by a text is ignored.
         """
         with self.lock:
             hand = self._hands.get(view)
@@ -245,10 +220,7 @@ class Texts:
         rename: Rename | None = None,
         at_once: bool = False,
     ) -> None:
-        """Offer the text to the session, unless edits are held, and answer when that has decided.
-
-        `at_once`: it is offered even if it is held or half typed.
-        """
+        """Offer the text, unless held or half typed, or `at_once`; answer when the session has decided."""
         answer: Future[Any] = Future()
         for conflict in list(self.conflicts):
             if are_alike(conflict.text, self.text):  # the user has typed one of the texts to choose from
@@ -416,10 +388,7 @@ class Texts:
         return difference_view(running, program) if waits and program is not None else None
 
     def everything(self, view: str, revision: int | None) -> dict[str, Any]:
-        """Return the fields of a `SnapshotMessage` that are about texts.
-
-        `revision`: the revision that the view knows.
-        """
+        """Return what a `SnapshotMessage` says of texts to a view that knows this revision."""
         with self.lock:
             updates = None
             if revision is not None and self.document.knows(revision):

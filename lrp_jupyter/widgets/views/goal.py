@@ -40,8 +40,7 @@ class _Check:
 
     text: str
     jobs: Sequence[Job]
-    grade: Grade
-    """For the runs made so far."""
+    grade: Grade  # for the runs made so far
     made: dict[int, Attempt] = field(default_factory=dict)
     views: dict[str, AttemptView] = field(default_factory=dict)
     busy: bool = True
@@ -199,10 +198,7 @@ class Goal:
         self._wake()
 
     def hint(self) -> None:
-        """Show one more of the hints that the last check gives.
-
-        Raises LRPError: there is none.
-        """
+        """Show one more of the hints that the last check gives."""
         hints = self._hints
         if not hints:
             raise LRPError("Press Check first: a hint is about what went wrong there.")
@@ -212,10 +208,7 @@ class Goal:
         self._wake()
 
     def start_over(self, session: Session, world: int | None = None) -> None:
-        """Put the robot back to the start of a world of the challenge, and start the program again.
-
-        Raises LRPError: the program does not drive the simulated robot.
-        """
+        """Put the robot back to the start of a world of the challenge, and start the program again."""
         bridge = _simulated(session)
         self._world = self._world if world is None else min(world, len(self._worlds) - 1)
         wanted = self._worlds[self._world]
@@ -231,10 +224,7 @@ class Goal:
         self._wake()
 
     def show(self, session: Session, looking: Looking, index: int) -> None:
-        """Repeat a run of the check in the lab, in virtual time, and look at the moment at which it failed.
-
-        Raises LRPError: it cannot be repeated.
-        """
+        """Repeat a run of the check in the lab, in virtual time, and look at the moment when it failed."""
         bridge, check = _simulated(session), self._check
         made = None if check is None else check.made.get(index)
         if check is None or made is None:

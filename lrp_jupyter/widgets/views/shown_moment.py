@@ -76,10 +76,7 @@ class Looking:
     # -- what a person does: on the worker's thread, unless said -----------------------------------------
 
     def look(self, session: Session, at: int | float) -> None:
-        """Show the moment after a tick, or at a time in seconds.
-
-        Raises ValueError: it is not remembered.
-        """
+        """Show the moment after a tick, or at a time in seconds."""
         before, past = self._of(session), session.at(at)
         running = session.status == "running" and not session.bridge.hardware
         if running:
@@ -90,19 +87,12 @@ class Looking:
             self._moment = replace(before, past=past)
 
     def back(self, session: Session) -> Future[None] | None:
-        """Show the present again; a robot that was paused for looking drives on. From any thread.
-
-        The future is done when the robot drives on.
-        """
+        """Show the present again, from any thread; the future is done when a robot so paused drives on."""
         moment, self._moment = self._of(session), None
         return session.ask(do.Resume()) if moment is not None and moment.resumes else None
 
     def run_on(self, session: Session) -> None:
-        """Go back to the moment looked at, and run on from there, with the edits made meanwhile.
-
-        Raises ValueError: nothing earlier is looked at.
-        Raises BridgeError: a real robot is armed.
-        """
+        """Go back to the moment looked at, and run on from there, with the edits made meanwhile."""
         moment = self._of(session)
         if moment is None:
             raise ValueError("The lab shows the present. Look at an earlier moment first.")

@@ -68,11 +68,7 @@ _IN_BLOCKS: Mapping[str, frozenset[str]] = {
 
 
 class ViewStates:
-    """Creates the view states of one session. Used by one thread at a time.
-
-    `saver`: it holds the texts.
-    `goal`: the challenge that the program is written for.
-    """
+    """Creates the view states of one session. Used by one thread at a time."""
 
     def __init__(self, session: Session, saver: Saver, layouts: Layouts, goal: Goal | None = None) -> None:
         self._goal = goal
@@ -94,10 +90,7 @@ class ViewStates:
         self._printed: tuple[int, dict[str, str]] = 0, {}
 
     def current(self, what: MomentShown, waits: bool = False) -> ViewState:
-        """Return what a view may show of a moment: the program is the newest one that is laid out.
-
-        `waits`: whether the messages of a view wait for a cell that runs.
-        """
+        """Return what a view may show of a moment: the program is the newest one that is laid out."""
         session, texts, conditions = self._session, self._texts, self._texts.conditions
         shown, layouts = self._layouts.current
         frame, looking = what
@@ -217,11 +210,9 @@ class ViewStates:
 
 
 def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
-    """Return the fields of a `FrameMessage` that lead from one view state to the next.
+    """Return the fields of a `FrameMessage` that lead from one view state, or an empty one, to the next.
 
     Of an object only the entries that changed, None for one that is gone; anything else in full.
-
-    `before`, `now`: `before` is empty for a view that has seen nothing.
     """
     changes: dict[str, Any] = {}
     for field, value in now.items():
@@ -345,7 +336,6 @@ def _names(prefix: str, nouns: tuple[Any, ...]) -> list[str]:
 
 
 def _issue_view(number: int, issue: Issue, text: str, findings: Iterable[Finding]) -> IssueView:
-    """Return a fault of the run; `text` is the one that runs, `findings` are those about it."""
     place = _word_at(text, issue.line, issue.column)
     same = None if issue.resolved else _same_finding(issue, place, findings)
     return {
@@ -428,13 +418,11 @@ def _finite(number: float | None) -> float | None:
 
 
 def _outdated_view(outdated: Outdated) -> OutdatedView:
-    """Return what a variable was computed from, and the expression that recomputes it."""
     computed = f"Computed from `{outdated.source[-1]}` at {outdated.computed:.1f} s."
     return {"computed": computed, "initial": outdated.initial}
 
 
 def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
-    """Return the status of a bridge and the members of `robot`."""
     status = bridge.status
     return {
         "name": bridge.name,

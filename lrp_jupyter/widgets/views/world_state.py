@@ -146,10 +146,6 @@ def pack_poses(
     Little endian: the world's time as float64, then float32: for each robot x, y (m), theta (rad), flags,
     speed (m/s), its light values, its distances (m, inf for nothing); then for each solid that can move,
     pushed or by itself, in the order of the world, x, y, theta. The page knows their number from the world.
-
-    `time`: seconds of the world.
-    `robots`: ``(x, y, theta, bumper, pen, lamp, speed, lights, distances)`` for each robot.
-    `solids`: ``(x, y, theta)`` of each solid that can move.
     """
     numbers: list[float] = []
     for x, y, theta, bumper, pen, lamp, speed, lights, distances in robots:

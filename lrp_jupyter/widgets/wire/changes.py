@@ -26,12 +26,10 @@ _PAIR = re.compile("[\ud800-\udbff][\udc00-\udfff]")
 
 @dataclass(frozen=True)
 class TextChanges:
-    """Changes to a text of a certain length.
-
-    `sections`: for each section of the text its length, and the text in its place; None if it stays.
-    """
+    """Changes to a text of a certain length."""
 
     sections: tuple[Section, ...]
+    """For each section of the text its length, and the text in its place; None if it stays."""
 
     @classmethod
     def of(cls, sections: Iterable[Section]) -> TextChanges:
@@ -51,10 +49,7 @@ class TextChanges:
 
     @classmethod
     def from_json(cls, sections: Sections) -> TextChanges:
-        """Return what a page has sent.
-
-        Raises ValueError: it is not a set of changes.
-        """
+        """Return what a page has sent; a ValueError if it is not a set of changes."""
         found: list[Section] = []
         for each in sections:
             length, *lines = each if isinstance(each, list) else [each]
@@ -96,9 +91,8 @@ class TextChanges:
         return "".join(parts)
 
     def map(self, other: TextChanges, first: bool = False) -> TextChanges:
-        """Return these changes for the text in which the other ones were made.
+        """Return these changes for the text in which others of the same text were made.
 
-        `other`: changes of the same text.
         `first`: whether text that both insert at the same place goes in the order self, other.
         """
         return TextChanges.of(_mapped(_SectionReader(self.sections), _SectionReader(other.sections), first))

@@ -1,8 +1,7 @@
 """The decoder of what a page sends: JSON, checked against annotations.
 
-Every message is checked field by field against the annotations of a class or function, so the code that
-receives it need not expect a missing field, a text where a number belongs, or a number that JSON should not
-contain.
+The code that receives a message need not expect a missing field, a text where a number belongs, or a number
+that JSON should not contain.
 """
 
 from __future__ import annotations
@@ -49,10 +48,7 @@ def fields_of(target: Callable[..., Any]) -> Fields:
 
 
 def decode(fields: Fields, name: str, content: Mapping[str, object]) -> dict[str, Any]:
-    """Return the fields of a JSON object, which messages call by this name.
-
-    Raises DecodeError: it lacks a field, or a field has a wrong value; the message names it.
-    """
+    """Return the fields of a JSON object, or raise a DecodeError, which calls it by this name."""
     values = {}
     for field, (hint, required) in fields.items():
         if field in content:
@@ -63,7 +59,6 @@ def decode(fields: Fields, name: str, content: Mapping[str, object]) -> dict[str
 
 
 def _checked(hint: Any, value: object, where: str) -> Any:
-    """Return the value if it has the type, else raise."""
     origin, arguments = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return _number(arguments[0], arguments[1], value, where)

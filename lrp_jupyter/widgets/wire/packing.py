@@ -28,11 +28,7 @@ def _writers(kind: Any) -> list[tuple[str, Callable[[Any], Any]]]:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as plain data.
-
-    Numbers are rounded to four decimals, small ones to eight: no page shows more, and a plot is a third
-    shorter.
-    """
+    """Return a value as plain data, rounded: no page shows more, and a plot is a third shorter."""
     kind = type(value)
     if kind is float:
         return round(value, 4 if abs(value) >= 0.01 else 8)

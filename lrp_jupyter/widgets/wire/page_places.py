@@ -1,8 +1,4 @@
-"""Places and names as a page writes them: lines and columns from 1, paths as texts.
-
-Columns are counted in characters; only the page converts them to UTF-16. See
-:mod:`~lrp_jupyter.widgets.wire.protocol` for what the forms mean.
-"""
+"""Places and names as a page writes them (see `protocol`): lines and columns from 1, paths as texts."""
 
 from __future__ import annotations
 
