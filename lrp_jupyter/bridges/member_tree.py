@@ -32,11 +32,9 @@ class MemberOwner(Protocol):
     @property
     def name(self) -> str:
         """Name of the bridge, for messages."""
-        ...
 
     def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
         """Pass a command through the safety and, if it allows, perform it."""
-        ...
 
 
 class RobotVariable:
@@ -47,23 +45,6 @@ class RobotVariable:
     `stale_after`: the seconds after which a reading is too old to act on; None: never.
     `lateness`: why the robot must not drive on this reading in the present tick; empty if it may.
     """
-
-    __slots__ = (
-        "_age",
-        "_bridge",
-        "_failure",
-        "_seen",
-        "_waiting_since",
-        "arrived",
-        "doc",
-        "getter",
-        "lateness",
-        "path",
-        "stale_after",
-        "type",
-        "unit",
-        "value",
-    )
 
     def __init__(
         self,
@@ -377,8 +358,21 @@ class Nodes:
 
         Raises ValueError: the name cannot be written after ``robot.``, or would be both a member and a part.
         """
+        name = node.path
+        for word in name.split("."):
+            if not word.isidentifier() or keyword.iskeyword(word) or word.startswith("_"):
+                raise ValueError(f"`{name}` is not a valid name for a member of `robot`.")
         with self._changing:
-            self._replace(self._with(node))
+            table = dict(self.table)
+            if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
+                raise ValueError(f"`{name}` has members of its own and cannot be a member itself.")
+            for part in [name[:i] for i, character in enumerate(name) if character == "."]:
+                if part not in table:
+                    table[part] = self._make_part(part)
+                elif isinstance(table[part], (RobotVariable, RobotMethod)):
+                    raise ValueError(f"`{part}` is already a member and cannot have members of its own.")
+            table[name] = node
+            self._replace(table)
 
     def _replace(self, table: Mapping[str, object]) -> None:
         nodes = table.values()
@@ -387,38 +381,18 @@ class Nodes:
         )
         self.table = table
 
-    def _with(self, node: RobotVariable | RobotMethod) -> Mapping[str, object]:
-        name, table = node.path, dict(self.table)
-        for part in name.split("."):
-            if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
-                raise ValueError(f"`{name}` is not a valid name for a member of `robot`.")
-        if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
-            raise ValueError(f"`{name}` has members of its own and cannot be a member itself.")
-        for end in [i for i, character in enumerate(name) if character == "."]:
-            if name[:end] not in table:
-                table[name[:end]] = self._make_part(name[:end])
-            elif isinstance(table[name[:end]], (RobotVariable, RobotMethod)):
-                raise ValueError(f"`{name[:end]}` is already a member and cannot have members of its own.")
-        table[name] = node
-        return table
-
     def remove(self, name: str) -> None:
         """Remove a member, or a part with all its members.
 
         Raises MemberError: there is no member of that name.
         """
         with self._changing:
-            self._replace(self._without(name))
-
-    def _without(self, name: str) -> Mapping[str, object]:
-        if name not in self.table:
-            raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
-        left = [node for node in self.members() if node.path != name and not node.path.startswith(f"{name}.")]
-        table: dict[str, object] = {}
-        for path, node in self.table.items():
-            if any(other.path == path or other.path.startswith(f"{path}.") for other in left):
-                table[path] = node
-        return table
+            if name not in self.table:
+                raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
+            members = [f"{node.path}." for node in self.members()]
+            left = [path for path in members if not path.startswith(f"{name}.")]
+            kept = [path for path in self.table if any(each.startswith(f"{path}.") for each in left)]
+            self._replace({path: self.table[path] for path in kept})
 
     def clear(self) -> None:
         """Remove all members."""
@@ -461,12 +435,7 @@ def _signature(function: Callable[..., object]) -> inspect.Signature:
     try:
         return inspect.signature(function)
     except (TypeError, ValueError):  # some callables written in C have none
-        return inspect.Signature(
-            [
-                inspect.Parameter("args", inspect.Parameter.VAR_POSITIONAL),
-                inspect.Parameter("kwargs", inspect.Parameter.VAR_KEYWORD),
-            ]
-        )
+        return inspect.signature(lambda *args, **kwargs: None)
 
 
 def _sentence(error: BaseException) -> str:
