@@ -52,14 +52,36 @@ class BridgeOption:
     @property
     def words(self) -> str:
         """What it takes, in words: ``"a whole number"``."""
-        return _words(self.kind)
+        words = []
+        for each in _members(self.kind):
+            if choices := _choices(each):
+                words += [f"`{text}`" for text in choices]
+            elif _is_path(each):
+                words.append("a path")
+            elif each in _PLAIN:
+                words.append(_PLAIN[each])
+            elif each is not NoneType:
+                words.append("a text")
+        unique = [*dict.fromkeys(words)]
+        if "a number" in unique and "a whole number" in unique:
+            unique.remove("a whole number")
+        return " or ".join((", ".join(unique[:-1]), unique[-1]) if unique[1:] else unique)
 
     def convert(self, text: str) -> object:
-        """Return the value of a text.
-
-        Raises ValueError: it is not of this type.
-        """
-        return _value(self.kind, text)
+        """Return the value of a text; ValueError, with a hint or an empty text, if it is not of this type."""
+        members = [each for each in _members(self.kind) if each is not NoneType]
+        if NoneType in _members(self.kind) and str not in members and text.casefold() == "none":
+            return None
+        known = [each for each in members if each in _PLAIN or _choices(each) or _is_path(each)]
+        if len(known) < len(members) and str not in members:
+            known.append(object)
+        hint = ""
+        for each in known:
+            try:
+                return _plain(each, text)
+            except ValueError as error:
+                hint = str(error) or hint
+        raise ValueError(hint)
 
 
 def options_of(bridge: type[Interface]) -> dict[str, BridgeOption] | None:
@@ -154,23 +176,6 @@ def _choices(kind: object) -> Mapping[str, object]:
     return {}
 
 
-def _value(kind: object, text: str) -> object:
-    """Return the value of a text; ValueError, with a hint or an empty text, if it has none of this type."""
-    members = [each for each in _members(kind) if each is not NoneType]
-    if NoneType in _members(kind) and str not in members and text.casefold() == "none":
-        return None
-    known = [each for each in members if each in _PLAIN or _choices(each) or _is_path(each)]
-    if len(known) < len(members) and str not in members:
-        known.append(object)
-    hint = ""
-    for each in known:
-        try:
-            return _plain(each, text)
-        except ValueError as error:
-            hint = str(error) or hint
-    raise ValueError(hint)
-
-
 def _plain(kind: object, text: str) -> object:
     if choices := _choices(kind):
         if text in choices:
@@ -194,23 +199,6 @@ def _plain(kind: object, text: str) -> object:
 
 def _is_path(kind: object) -> bool:
     return isinstance(kind, type) and issubclass(kind, PurePath)
-
-
-def _words(kind: object) -> str:
-    words = []
-    for each in _members(kind):
-        if choices := _choices(each):
-            words += [f"`{text}`" for text in choices]
-        elif _is_path(each):
-            words.append("a path")
-        elif each in _PLAIN:
-            words.append(_PLAIN[each])
-        elif each is not NoneType:
-            words.append("a text")
-    unique = [*dict.fromkeys(words)]
-    if "a number" in unique and "a whole number" in unique:
-        unique.remove("a whole number")
-    return " or ".join((", ".join(unique[:-1]), unique[-1]) if unique[1:] else unique)
 
 
 # -- docstrings -----------------------------------------------------------------------------------
