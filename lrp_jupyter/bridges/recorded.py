@@ -67,25 +67,11 @@ class RecordedBridge(Bridge, offered=False):
         return value
 
 
-class _Source(Bridge, offered=False):
-    """Makes members of their descriptions; nothing is ever called on it."""
-
-    name = "source"
-    hardware = False
-
-    def open_interface(self) -> None:
-        """Connect nothing."""
-
-
 def recorded_members(
     descriptions: Iterable[Mapping[str, Any]], value_of: Callable[[Any], object]
 ) -> Iterator[RobotVariable | RobotMethod]:
-    """Yield the members of a robot by their descriptions in a recording.
-
-    `value_of`: returns the default value of a parameter, or of a field of a message, by what was recorded of
-        it.
-    """
-    source = _Source()
+    """Yield the members of a recorded robot; `value_of` reads recorded defaults of parameters and fields."""
+    source = RecordedBridge(())  # only makes the members
     for each in descriptions:
         if each["kind"] == "variable":
             source.add_variable(each["name"], lambda: None, each["doc"], each["unit"])
