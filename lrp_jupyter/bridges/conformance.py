@@ -584,15 +584,6 @@ class BridgeConformance:
 
     _now = 0.0
 
-    def _tick(self, bridge: Bridge, act: Callable[[Bridge], object] = lambda _: None) -> None:
-        """Run one tick of a session, in which a block acts."""
-        bridge.begin_tick(self._now, _PERIOD)
-        act(bridge)
-        bridge.end_tick(self._now)
-        if bridge.time_step is not None:
-            bridge.advance(_PERIOD)
-        self._now += _PERIOD
-
     def _ticks(
         self,
         bridge: Bridge,
@@ -600,20 +591,21 @@ class BridgeConformance:
         until: Callable[[], bool],
         act: Callable[[Bridge], object] = lambda _: None,
     ) -> bool:
-        """Tick for some seconds, until something holds; return whether it does."""
+        """Tick as a session whose block acts, until something holds; return whether it does in time."""
         for _ in range(round(seconds / _PERIOD)):
-            self._tick(bridge, act)
+            bridge.begin_tick(self._now, _PERIOD)
+            act(bridge)
+            bridge.end_tick(self._now)
+            if bridge.time_step is not None:
+                bridge.advance(_PERIOD)
+            self._now += _PERIOD
             if until():
                 return True
             self.wait(_PERIOD)
         return until()
 
     def _drive(self, bridge: Bridge) -> tuple[list[RobotVariable], Sent, list[str]]:
-        """Drive, with caught commands, until data arrive.
-
-        Return the variables that have a value, the velocity commands with what was sent, and later calls of
-        `stop`.
-        """
+        """Drive until data arrive; return the variables with a value, what is caught, and calls of `stop`."""
         bridge.arm()
         sent = [(method, catch(method)) for method in commands(bridge) if method.velocity]
         if variables(bridge):
