@@ -184,7 +184,7 @@ class SimBridge(Bridge, SimulatedWorld):
             message=Twist,
             limits={"linear": spec.limits[0], "angular": spec.limits[1]},
         )
-        method(f"{prefix}stop", lambda: self._halt(index), "stand still", velocity=True)
+        method(f"{prefix}stop", lambda: self.simulation.drive(robot=index), "stand still", velocity=True)
         doc = "lower the pen (True) or lift it (False): it leaves a trail"
         self.add_method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
         doc = "switch the lamp on (True) or off (False)"
@@ -213,11 +213,9 @@ class SimBridge(Bridge, SimulatedWorld):
     ) -> None:
         """Add a reading; a function of what a robot's sensors read gives it, now or for an earlier tick."""
         self._sensors[prefix + name] = index, read
-        getter = partial(self._read, index, read)
-        self.add_variable(prefix + name, getter, doc, unit, type=kind)
-
-    def _read(self, index: int, read: Callable[[Readings], object]) -> object:
-        return read(self.simulation.robots[index].readings)
+        self.add_variable(
+            prefix + name, lambda: read(self.simulation.robots[index].readings), doc, unit, type=kind
+        )
 
     def sensed(self) -> object:
         """Return what all sensors of all robots read in this tick."""
@@ -239,9 +237,6 @@ class SimBridge(Bridge, SimulatedWorld):
         self._stop_if_asked()  # before this command, and not after it
         self.simulation.drive(linear.x, angular.z, index)
 
-    def _halt(self, index: int) -> None:
-        self.simulation.drive(robot=index)
-
     def stop_mover(self, mover: str) -> None:
         """Stop one of the robots; `mover` is what its members begin with."""
         names = ["", *(f"{name}." for name in self.world.robot_names[1:])]
@@ -249,7 +244,7 @@ class SimBridge(Bridge, SimulatedWorld):
             super().stop_mover(mover)
             return
         self.safety.moving("move", False, mover)
-        self._halt(names.index(mover))
+        self.simulation.drive(robot=names.index(mover))
 
     def stop(self) -> None:
         """Stop the robot before the next step of the world; only sets a flag."""
