@@ -33,12 +33,7 @@ _T = TypeVar("_T")
 class part(Generic[_T]):  # noqa: N801  (reads like `property`)
     """An attribute that is made when it is first used: it is there whatever the constructor of a bridge does.
 
-    Of several threads that use it first at the same time, all get the same one.
-
-    Parameters
-    ----------
-    make : callable
-        Makes it for a bridge, and does nothing else.
+    Of several threads that use it first at the same time, all get the same one; so `make` does nothing else.
     """
 
     def __init__(self, make: Callable[[Any], _T]) -> None:
@@ -370,20 +365,14 @@ class Interface:
         return self.safety.notice(kind, text)
 
     def lapse(self, what: Callable[[], str]) -> None:
-        """Stop the robot, and send nothing until a person goes on: this process was suspended.
-
-        `what`: called after the stop; returns a sentence about the suspension.
-        """
+        """Stop the robot and hold commands: this process was suspended, as `what` says after the stop."""
         self.safety.suspend()
         self.stop_all()
         self.safety.suspend(what())
         self.safety.notice("guard", self.safety.suspended)
 
     def unguarded(self, why: str) -> None:
-        """Disarm the robot, since the promised guard is missing; `why` is a sentence.
-
-        A robot that is lost stays armed: nothing is sent to it.
-        """
+        """Disarm a robot whose promised guard is missing; a lost one stays armed: nothing is sent to it."""
         if not self.safety.lost:
             self.disarm()
             told = f"The robot was disarmed, because it is not guarded any more. {why}"

@@ -77,14 +77,13 @@ class Stopper:
 
         Raises BridgeError: the target or an argument cannot be sent to another process.
         """
-        target: dict[str, str] = {}
-        if isinstance(self.target, str):
-            target["name"] = self.target
         try:
-            if not target:
+            if isinstance(self.target, str):
+                target = {"name": self.target}
+            else:
                 import cloudpickle
 
-                target["pickled"] = base64.b64encode(cloudpickle.dumps(self.target)).decode()
+                target = {"pickled": base64.b64encode(cloudpickle.dumps(self.target)).decode()}
             order = {"arguments": dict(self.arguments), "parent": os.getpid(), "silence": SILENCE}
             return json.dumps({**target, **order})
         except Exception as error:  # whatever the objects to be pickled raise
@@ -99,28 +98,22 @@ class Guarded(Protocol):
     @property
     def is_open(self) -> bool:
         """Whether it is connected."""
-        ...
 
     @property
     def in_motion(self) -> bool:
         """Whether the robot may move by a command."""
-        ...
 
     def stopper(self) -> Stopper | None:
         """Return how another process can stop the robot."""
-        ...
 
     def lapse(self, what: Callable[[], str]) -> None:
         """Stop the robot and send nothing more: this process was suspended. `what` returns a sentence."""
-        ...
 
     def unguarded(self, why: str) -> None:
         """React to the loss of the guard, which was promised: `why` is a sentence."""
-        ...
 
     def notice(self, kind: NoticeKind, text: str) -> Notice:
         """Log a notice."""
-        ...
 
 
 class Guard:
@@ -189,10 +182,9 @@ class Guard:
         return process is not None and process.stop()
 
     def check(self) -> None:
-        """Have the bridge stop where this process was suspended; before a command is sent.
+        """Have the bridge stop if this process was suspended, or the other one took it for so.
 
-        Or where the other one took it for suspended. Of two threads that notice it, the second one waits
-        until the first one has stopped the robot, and told it.
+        Of two threads that notice it, the second one waits until the first one has stopped the robot.
         """
         if self._overslept() is not None:
             with self._lapsing:

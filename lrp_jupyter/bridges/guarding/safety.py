@@ -49,6 +49,7 @@ The time is infinite if the command does not expire.
 COMMANDS = 60_000
 """How many commands the log holds at most; one that is repeated counts as one."""
 
+_NOTICES = 100  # that the log holds at most
 _CIRCULAR = "Its `stop` calls what calls `stop` (`stop_all`, `disarm`, `close`, or `robot.stop`)."
 _SHORTEST = 0.5  # s; a robot at walking pace moves 10 cm in it
 _ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
@@ -139,10 +140,9 @@ class Safety:
     """The state of a bridge's safety, and its log.
 
     `armed`: whether commands go out; a disarmed bridge records and shows them only.
-    `kept`: how many notices the log holds.
     """
 
-    def __init__(self, armed: bool, kept: int = 100) -> None:
+    def __init__(self, armed: bool) -> None:
         self.armed = armed
         self.now = 0.0
         self.period = 0.0
@@ -176,7 +176,7 @@ class Safety:
         self._moving: Motion = {}
         self.halted: Motion = {}
         """What moved when the robot was stopped, and has not been commanded since."""
-        self._notices: deque[Notice] = deque(maxlen=kept)
+        self._notices: deque[Notice] = deque(maxlen=_NOTICES)
         self.recorded: Callable[[CommandRecord], object] | None = None
         """Called with every command."""
         self._commands: deque[CommandRecord] = deque(maxlen=COMMANDS)
@@ -218,7 +218,7 @@ class Safety:
         """Drop the notices of some kinds: the user has read them."""
         with self._log_lock:
             kept = [notice for notice in self._notices if notice.kind not in kinds]
-            self._notices = deque(kept, maxlen=self._notices.maxlen)
+            self._notices = deque(kept, maxlen=_NOTICES)
 
     def record(self, command: CommandRecord) -> None:
         """Log a command."""
