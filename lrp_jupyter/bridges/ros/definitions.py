@@ -1,4 +1,4 @@
-"""Definitions of ROS message types: the few built in, and what rosapi answers.
+"""Definitions of ROS message types: the few built in, what rosapi answers, and the text of ``.msg`` files.
 
 ROS 1 writes ``geometry_msgs/Twist``, ROS 2 ``geometry_msgs/msg/Twist``: here it is the short form
 throughout.
@@ -7,7 +7,7 @@ throughout.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +28,9 @@ STRINGS = ("string", "wstring")
 PRIMITIVES = frozenset([*INTEGERS, *FLOATS, *STRINGS, "bool"])
 
 _OTHER_NAMES = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}  # of ROS 2
+_SECTION = re.compile(r"^={10,}\s*\nMSG: *(\S+) *$", re.MULTILINE)
+_LINE = re.compile(r"(?P<type>[^\s=#]\S*)\s+(?P<name>[A-Za-z]\w*)\s*(?P<rest>[=#].*|\s\S.*)?$")
+_TIMES = {"time", "duration"}  # of ROS 1: neither primitive nor in a package
 _SHAPE = re.compile(r"(?:sequence<)?\s*([\w/]+)\s*(?:<=?\d+>?)?(?:,[^>]*>|>)?\s*(\[[^\]]*\])?$")
 
 
@@ -63,7 +66,6 @@ def parse_field(text: str, length: int = -1) -> FieldType:
     """Read the type of a field: ``float64[36]``, ``geometry_msgs/Point[]``, ``sequence<double>``.
 
     `length`: where it is separate from the type, as in rosapi.
-    Raises BridgeError: it cannot be understood.
     """
     found = _SHAPE.match(text.partition(", ")[0].strip() if "sequence" not in text else text.strip())
     if found is None:
@@ -90,10 +92,7 @@ def definitions_of(type_: str, fields_of: Callable[[str], Mapping[str, FieldType
 
 
 def from_rosapi(typedefs: Iterable[Mapping[str, Any]]) -> dict[str, Definition]:
-    """Parse an answer of ``/rosapi/message_details``: a type and all those in it.
-
-    Raises BridgeError: it is not such an answer.
-    """
+    """Parse an answer of ``/rosapi/message_details``: a type and all those in it."""
     found = {}
     try:
         for typedef in typedefs:
@@ -107,10 +106,49 @@ def from_rosapi(typedefs: Iterable[Mapping[str, Any]]) -> dict[str, Definition]:
     return found
 
 
-def _from_text(text: str) -> dict[str, Definition]:
-    """Read ``package/Type: type name, type name`` lines."""
+def definitions_from_text(type_: str, text: str) -> dict[str, Definition]:
+    """Read the definition of a type, as ROS 1 and ROS 2 write it, and those of the types in the same text.
+
+    Each of these is below a line of ``=`` and ``MSG: package/Type``, as in bag files and rosapi's raw types.
+    A type in a field without a package is of the same package. Constants and default values are read over: a
+    message that a program fills begins with zeros everywhere.
+    """
+    first, *rest = _SECTION.split(text)
+    sections = [(type_, first), *zip(rest[::2], rest[1::2], strict=True)]
     found = {}
-    for line in filter(None, map(str.strip, text.splitlines())):
+    for name, lines in sections:
+        short = canonical(name)
+        found[short] = Definition(short, dict(_fields(short, lines)))
+    return found
+
+
+def _fields(type_: str, text: str) -> Iterator[tuple[str, FieldType]]:
+    for number, line in enumerate(text.splitlines(), 1):
+        bare = line.strip()
+        if not bare or bare.startswith("#"):
+            continue
+        found = _LINE.match(bare)
+        try:
+            if found is None:
+                raise BridgeError("Write `type name`, like `float64 x`.")
+            kind = parse_field(found["type"])
+        except BridgeError as error:
+            raise BridgeError(f"`{type_}`, line {number}: `{bare}` cannot be read. {error}") from None
+        if not (found["rest"] or "").startswith("="):
+            yield found["name"], FieldType(_resolved(kind.base, type_), kind.length)
+
+
+def _resolved(base: str, type_: str) -> str:
+    """Return the full name of a type in a field of another type."""
+    if "/" in base or base in PRIMITIVES or base in _TIMES:
+        return base
+    return "std_msgs/Header" if base == "Header" else f"{type_.partition('/')[0]}/{base}"
+
+
+def _built_in(text: str) -> dict[str, Definition]:
+    """Read lines such as ``package/Type: type name, type name``; one that ends with a comma goes on."""
+    found = {}
+    for line in filter(None, map(str.strip, text.replace(",\n", ",").splitlines())):
         type_, _, fields = line.partition(":")
         pairs = [field.split() for field in fields.split(",") if field.strip()]
         found[type_] = Definition(type_, {name: parse_field(kind) for kind, name in pairs})
@@ -119,19 +157,14 @@ def _from_text(text: str) -> dict[str, Definition]:
 
 # A server without rosapi describes no types; these are the same everywhere. Of a header it has what
 # ROS 1 and ROS 2 have in common (their time stamps differ): a server fills in what is not sent.
-KNOWN: Mapping[str, Definition] = _from_text(
-    "\n".join(
-        f"std_msgs/{name}: {kind} data"
-        for name, kind in {
-            "Bool": "bool",
-            "Byte": "byte",
-            "Char": "char",
-            "String": "string",
-            **{kind.replace("int", "Int").replace("uI", "UI"): kind for kind in INTEGERS if "int" in kind},
-            **{kind.capitalize(): kind for kind in FLOATS},
-        }.items()
-    )
-    + """
+_SIMPLE = {
+    **{kind.capitalize(): kind for kind in ("bool", "byte", "char", "string")},
+    **{kind.replace("int", "Int").replace("uI", "UI"): kind for kind in INTEGERS if "int" in kind},
+    **{kind.capitalize(): kind for kind in FLOATS},
+}
+KNOWN: Mapping[str, Definition] = {
+    **_built_in("\n".join(f"std_msgs/{name}: {kind} data" for name, kind in _SIMPLE.items())),
+    **_built_in("""
     std_msgs/Empty:
     std_msgs/Header: string frame_id
     std_msgs/ColorRGBA: float32 r, float32 g, float32 b, float32 a
@@ -145,28 +178,23 @@ KNOWN: Mapping[str, Definition] = _from_text(
     geometry_msgs/Twist: geometry_msgs/Vector3 linear, geometry_msgs/Vector3 angular
     geometry_msgs/TwistStamped: std_msgs/Header header, geometry_msgs/Twist twist
     geometry_msgs/TwistWithCovariance: geometry_msgs/Twist twist, float64[36] covariance
-    """
-    + "nav_msgs/Odometry: std_msgs/Header header, string child_frame_id,"
-    " geometry_msgs/PoseWithCovariance pose, geometry_msgs/TwistWithCovariance twist"
-    + """
+    nav_msgs/Odometry: std_msgs/Header header, string child_frame_id,
+        geometry_msgs/PoseWithCovariance pose, geometry_msgs/TwistWithCovariance twist
     sensor_msgs/Illuminance: std_msgs/Header header, float64 illuminance, float64 variance
-    """
-    + "sensor_msgs/Range: std_msgs/Header header, uint8 radiation_type, float32 field_of_view,"
-    " float32 min_range, float32 max_range, float32 range\n"
-    "sensor_msgs/LaserScan: std_msgs/Header header, float32 angle_min, float32 angle_max,"
-    " float32 angle_increment, float32 time_increment, float32 scan_time, float32 range_min,"
-    " float32 range_max, float32[] ranges, float32[] intensities\n"
-    "sensor_msgs/Imu: std_msgs/Header header, geometry_msgs/Quaternion orientation,"
-    " float64[9] orientation_covariance, geometry_msgs/Vector3 angular_velocity,"
-    " float64[9] angular_velocity_covariance, geometry_msgs/Vector3 linear_acceleration,"
-    " float64[9] linear_acceleration_covariance"
-)
-"""Definitions that need no server."""
-KNOWN = {
-    **KNOWN,
+    sensor_msgs/Range: std_msgs/Header header, uint8 radiation_type, float32 field_of_view,
+        float32 min_range, float32 max_range, float32 range
+    sensor_msgs/LaserScan: std_msgs/Header header, float32 angle_min, float32 angle_max,
+        float32 angle_increment, float32 time_increment, float32 scan_time,
+        float32 range_min, float32 range_max, float32[] ranges, float32[] intensities
+    sensor_msgs/Imu: std_msgs/Header header, geometry_msgs/Quaternion orientation,
+        float64[9] orientation_covariance, geometry_msgs/Vector3 angular_velocity,
+        float64[9] angular_velocity_covariance, geometry_msgs/Vector3 linear_acceleration,
+        float64[9] linear_acceleration_covariance
+    """),
     "time": Definition("time", {"secs": FieldType("uint32"), "nsecs": FieldType("uint32")}),
     "duration": Definition("duration", {"secs": FieldType("int32"), "nsecs": FieldType("int32")}),
 }
+"""Definitions that need no server."""
 
 _TIME = Definition("builtin_interfaces/Time", {"sec": FieldType("int32"), "nanosec": FieldType("uint32")})
 _FRAME = {"frame_id": FieldType("string")}
@@ -174,8 +202,7 @@ _FRAME = {"frame_id": FieldType("string")}
 HEADERS: Mapping[int, Mapping[str, Definition]] = {
     1: {
         "std_msgs/Header": Definition(
-            "std_msgs/Header",
-            {"seq": FieldType("uint32"), "stamp": FieldType("time"), **_FRAME},
+            "std_msgs/Header", {"seq": FieldType("uint32"), "stamp": FieldType("time"), **_FRAME}
         )
     },
     2: {

@@ -22,8 +22,14 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from lrp_jupyter.bridges.ros.clock import RobotClock, stamp_of
-from lrp_jupyter.bridges.ros.definition_text import definitions_from_text
-from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, canonical, from_rosapi
+from lrp_jupyter.bridges.ros.definitions import (
+    HEADERS,
+    KNOWN,
+    Definition,
+    canonical,
+    definitions_from_text,
+    from_rosapi,
+)
 from lrp_jupyter.bridges.ros.link import RefusedError
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
 from lrp_jupyter.errors import BridgeError, did_you_mean
@@ -101,10 +107,7 @@ class Rosapi:
         return self._topics
 
     def define(self, type_: str) -> Mapping[str, Definition] | None:
-        """Return the definitions of a type and those in it, if they are known; None while they are asked for.
-
-        Raises RefusedError: what rosapi answers cannot be understood.
-        """
+        """Return the known definitions of a type and of those in it; None while they are asked for."""
         found = self._types.get(type_)
         if isinstance(found, BridgeError):
             raise RefusedError(str(found))
@@ -316,14 +319,10 @@ class Rosapi:
             return {}
 
     async def _ask(self, service: str, **arguments: object) -> Mapping[str, Any]:
-        """Call a service.
-
-        Raises RefusedError: the call failed, or there is no such service.
-        Raises BridgeError: there is no connection, or nothing came back.
-        """
+        """Call a service; RefusedError: it has failed or does not exist; BridgeError: nothing came back."""
         socket, serving = self._socket, self._serving
         if socket is None or serving is None or serving.done():
-            socket = Socket(self._url, self._receive, _ignore)
+            socket = Socket(self._url, self._receive, changed=lambda: None)
             serving = asyncio.ensure_future(socket.serve(await socket.connect()))
             self._socket, self._serving, self._heard = socket, serving, set()
         self._asked, self._answer = f"q{next(self._ids)}", asyncio.get_running_loop().create_future()
@@ -357,7 +356,3 @@ class Rosapi:
         if serving is not None:
             serving.cancel()
             await asyncio.gather(serving, return_exceptions=True)
-
-
-def _ignore() -> None:
-    """Nothing depends on this connection."""

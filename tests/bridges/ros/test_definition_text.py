@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.bridges.ros.definition_text import definitions_from_text
-from lrp_jupyter.bridges.ros.definitions import FLOATS, INTEGERS
+from lrp_jupyter.bridges.ros.definitions import FLOATS, INTEGERS, definitions_from_text
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import BridgeError
 
