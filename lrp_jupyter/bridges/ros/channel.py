@@ -1,8 +1,7 @@
 """One variable of the robot and its topic, while the bridge is open.
 
-Owner: `latest`, `times` and `count` belong to the thread on which messages arrive (or, for a
-publisher, leave); what the connection decides (`problem`, `waiting`, `handle`, …) to the thread of
-the link. Each is replaced by one assignment; any thread may read them.
+Owner: `latest` belongs to the thread on which messages arrive; what the connection decides (`problem`,
+`waiting`, `handle`, …) to the thread of the link. Each is replaced by one assignment; any thread may read it.
 """
 
 from __future__ import annotations
@@ -114,11 +113,10 @@ class Channel:
         period = (times[-1] - times[0]) / (len(times) - 1)
         return 0.0 if time.monotonic() - times[-1] > max(1.0, 5 * period) else 1 / period
 
-    def silent(self) -> float:
-        """Return the seconds of silence of a topic that used to have messages; 0 if it still has."""
+    def is_silent(self) -> bool:
+        """Return whether a topic that used to have messages has none any more."""
         times = list(self._times)
         if len(times) < 3:
-            return 0.0
+            return False
         period = (times[-1] - times[0]) / (len(times) - 1)
-        age = time.monotonic() - times[-1]
-        return age if age > max(_SILENT, 5 * period) else 0.0
+        return time.monotonic() - times[-1] > max(_SILENT, 5 * period)

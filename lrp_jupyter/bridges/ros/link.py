@@ -343,7 +343,7 @@ class TopicLink(Link):
             if why:
                 return ConnectionState.WAITING, f"`robot.{channel.wire.variable}`: {ended(why)}"
         inputs = [channel for channel in self._channels if channel.wire.direction == "subscription"]
-        silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.silent()]
+        silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.is_silent()]
         if silent:
             return ConnectionState.STALE, f"{', '.join(silent)}: nothing has arrived for a while."
         empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
