@@ -15,11 +15,7 @@ from typing import Any, NamedTuple
 from uuid import UUID
 
 import cyclonedds.idl.types as idl
-from cyclonedds.builtin import (
-    BuiltinDataReader,
-    BuiltinTopicDcpsPublication,
-    BuiltinTopicDcpsSubscription,
-)
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
 from cyclonedds.core import InstanceState
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import make_idl_struct
@@ -146,13 +142,12 @@ class NodeDirectory:
     ) -> tuple[Any, ...]:
         """Announce this node with its readers and writers; return the readers that are new."""
         others = graph.ends(_NODES)
-        if others and not self._octets:
+        if is_new := bool(others) and not self._octets:
             self._octets = 16 if any(type_hash_of(end.qos) for end in others) else 24
             self._open()
+        if self._octets:
             self._announce(readers, writers)
-            return (self._reader,)
-        self._announce(readers, writers)
-        return ()
+        return (self._reader,) if is_new else ()
 
     def _open(self) -> None:
         user_data = (Policy.Userdata(f"typehash={_NODES_HASH};".encode()),) if self._octets == 16 else ()
@@ -165,8 +160,6 @@ class NodeDirectory:
         )
 
     def _announce(self, readers: Iterable[UUID], writers: Iterable[UUID]) -> None:
-        if not self._octets:
-            return
         kind = _announcement(self._octets)
         node = _node(self._octets)(
             "/", self._name, list(map(self._identity, readers)), list(map(self._identity, writers))
