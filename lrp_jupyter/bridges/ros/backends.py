@@ -49,10 +49,7 @@ class Choice:
 
 
 def check_backend(name: str, host: str | None = None, port: int | str | None = None) -> str:
-    """Return the name of a back end, or `AUTO`, if the address fits it.
-
-    Raises BridgeError: there is none of that name, it is not an address, or the back end takes none.
-    """
+    """Return the name of a back end, or `AUTO`, if there is such a one and the address fits it."""
     known = (AUTO, *BACKENDS)
     if name not in known:
         names = ", ".join(f"`{each}`" for each in known)
@@ -76,10 +73,7 @@ def check_backend(name: str, host: str | None = None, port: int | str | None = N
 def check_ros2(
     backend: str, domain: int | str | None, messages: str | Iterable[str]
 ) -> tuple[int | None, tuple[str, ...]]:
-    """Return the number of a domain of ROS 2 and the folders with definitions of message types.
-
-    Raises BridgeError: it is not such a number, or the back end takes none of these.
-    """
+    """Return the number of a domain of ROS 2 and the folders with definitions, if the back end takes them."""
     folders = messages.split(os.pathsep) if isinstance(messages, str) else messages
     found = tuple(str(folder) for folder in folders if folder)
     if domain is not None and backend in _PORTS:
@@ -101,9 +95,7 @@ def make_transport(
 
     `host`, `port`: default: this machine or, with rospy, the value of ``ROS_MASTER_URI``.
     `warn`: called with a sentence for each complaint of the robot's side.
-    `domain`: of ROS 2. Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
     `messages`: folders with definitions of message types.
-    Raises BridgeError: a library is not installed, or an option has a mistake.
     """
     if backend == "rclpy":
         return RclpyTransport(domain)
@@ -123,12 +115,7 @@ def _schemes(backend: str) -> tuple[str, ...]:
 def choose_backend(
     backend: str, host: str | None = None, port: int | str | None = None, domain: int | None = None
 ) -> Choice:
-    """Return the back end to use: the named one, else one that is set, else the first one that answers.
-
-    It takes a few seconds at most.
-
-    Raises BridgeError: no robot answers.
-    """
+    """Return the named back end, else one that is set, else the first that answers within a few seconds."""
     if backend != AUTO:
         return Choice(backend)
     if scheme := _SCHEMES.get((host or "").partition("://")[0]):

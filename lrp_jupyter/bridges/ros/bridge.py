@@ -32,13 +32,7 @@ from lrp_jupyter.bridges.guarding.guard import Stopper
 from lrp_jupyter.bridges.member_tree import Limits, RobotMethod
 from lrp_jupyter.bridges.message import Message, moves, real_number
 from lrp_jupyter.bridges.panel import Panel, number_in
-from lrp_jupyter.bridges.ros.backends import (
-    Choice,
-    check_backend,
-    check_ros2,
-    choose_backend,
-    make_transport,
-)
+from lrp_jupyter.bridges.ros.backends import Choice, check_backend, check_ros2, choose_backend, make_transport
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
@@ -196,10 +190,7 @@ class RosBridge(Bridge):
     # -- the robot --------------------------------------------------------------------------------
 
     def _offer(self, channel: Channel) -> None:
-        """Register a channel as a member of the robot; again when its type is known.
-
-        Raises BridgeError: its name is that of a part of the robot.
-        """
+        """Register a channel as a member of the robot; again when its type is known."""
         wire = channel.wire
         try:
             if wire.direction == "subscription":
@@ -281,16 +272,10 @@ class RosBridge(Bridge):
         }
         if self._chosen is None or not topics:
             return None
-        backend = self._chosen.backend
-        where: dict[str, Any] = {
-            "backend": backend,
-            "host": self._host,
-            "port": self._port,
-            "node": GUARD_NODE,
-        }
+        where: dict[str, Any] = {"backend": self._chosen.backend, "host": self._host, "port": self._port}
         if self._domain is not None or self._messages:
             where |= {"domain": self._domain, "messages": self._messages}
-        return Stopper(_HERE, {**where, "setup": {"publishers": topics}})
+        return Stopper(_HERE, {**where, "node": GUARD_NODE, "setup": {"publishers": topics}})
 
     def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
         """Return whether a command is a velocity that is not zero: other topics may carry anything."""
@@ -313,10 +298,7 @@ class RosBridge(Bridge):
     # -- the connection ---------------------------------------------------------------------------
 
     def open_interface(self) -> Panel:
-        """Connect to the robot, and connect all channels of the set-up.
-
-        Raises BridgeError: there is no robot, or a library is not installed.
-        """
+        """Connect to the robot, and connect all channels of the set-up."""
         self._start(searching=False)
         self.wiring.wait_for_answers(_ANSWER_ALL)
         return self.panel()
@@ -402,10 +384,7 @@ class RosBridge(Bridge):
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Press a button: ``subscribe`` and ``publish`` use the values of the fields, without waiting.
-
-        Raises BridgeError: a name is illegal, or there is no such button or row.
-        """
+        """Press a button: ``subscribe`` and ``publish`` use the values of the fields, without waiting."""
         fields = values or {}
         variable = fields.get("variable", "").strip()
         if key in ("subscribe", "publish"):
@@ -431,10 +410,7 @@ class RosBridge(Bridge):
             super().press(key, row, values)
 
     def answer(self, key: str, value: str) -> None:
-        """Apply the robot's address, or the file with the set-up; an open bridge reconnects.
-
-        Raises BridgeError: it is not an address, or not a set-up.
-        """
+        """Apply the robot's address, or the file with the set-up; an open bridge reconnects."""
         if key == "setup":
             self.wiring.load(value)
         elif key == "host":

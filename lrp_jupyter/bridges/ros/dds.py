@@ -42,7 +42,6 @@ class DdsTransport(Transport):
     `domain`: default: ``ROS_DOMAIN_ID`` of the environment, or 0.
     `host`: an address of the robot, which is asked directly too; empty: robots are found by multicast.
     `folders`: with definitions of message types: ``package/msg/Type.msg``.
-    Raises BridgeError: there is no domain of this number.
     """
 
     period = 0.5
@@ -57,10 +56,7 @@ class DdsTransport(Transport):
     # -- the connection ---------------------------------------------------------------------------
 
     def connect(self) -> None:
-        """Join the domain and wait for other nodes: any, or those that were lost.
-
-        Raises BridgeError: there is no node, or DDS cannot be started, or a folder has no definitions.
-        """
+        """Join the domain and wait for other nodes: any, or those that were lost."""
         self.disconnect()
         types = MessageTypes(self._folders)
         node = DdsNode(self._domain, self.node, self._host, types, lambda: self.changed())
@@ -99,10 +95,7 @@ class DdsTransport(Transport):
     # -- topics -----------------------------------------------------------------------------------
 
     def topics(self) -> Mapping[str, str]:
-        """Return the topics of other nodes.
-
-        Raises BridgeError: no node is left on the far side of all topics.
-        """
+        """Return the topics of other nodes; BridgeError: none is left on the far side of any topic."""
         node = self._open_node()
         met = {(end.topic, end.writes) for end in node.ends if end.others()}
         self._met = (self._met | met) & {(end.topic, end.writes) for end in node.ends}
@@ -111,10 +104,7 @@ class DdsTransport(Transport):
         return node.graph.topics()
 
     def define(self, type_: str) -> Mapping[str, Definition]:
-        """Return the definitions from the user's folders, an installed ROS, or rosbags.
-
-        Raises RefusedError: one of them has a mistake.
-        """
+        """Return the definitions from the user's folders, an installed ROS, or rosbags."""
         return self._open_node().types.define(type_)
 
     def taken(self, topic: str) -> bool:
@@ -151,10 +141,7 @@ class DdsTransport(Transport):
             node.remove(handle)
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish.
-
-        Raises BridgeError: the node is gone, or the message does not fit.
-        """
+        """Publish."""
         assert isinstance(handle, TopicPublisher)
         self._open_node()
         handle.send(values, urgent)

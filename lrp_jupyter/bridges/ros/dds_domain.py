@@ -39,11 +39,7 @@ class DdsDomain:
 
     @classmethod
     def enter(cls, number: int, host: str = "") -> DdsDomain:
-        """Return the domain of this number, of which a robot at `host` is a member.
-
-        Raises BridgeError: the host has no address, another robot's bridge has set the domain up otherwise,
-            or DDS cannot be started.
-        """
+        """Return the domain of this number, of which a robot at `host` is a member."""
         config = _configuration(host)
         with cls._lock:
             domain = cls._all.get(number)

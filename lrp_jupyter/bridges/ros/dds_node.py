@@ -127,10 +127,7 @@ class TopicPublisher(_TopicEnd):
         self.serve()
 
     def send(self, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish; a stop waits for a subscriber that is gone.
-
-        Raises BridgeError: the message cannot be sent.
-        """
+        """Publish; a stop waits for a subscriber that is gone."""
         try:
             sample = self._node.types.sample(self.type, values)
             is_heard = self.others() and self._entity.get_matched_subscriptions()
@@ -168,7 +165,6 @@ class DdsNode:
     `host`: where a robot is that cannot be found by itself; empty: none.
     `changed`: called on the node's thread when readers or writers of other nodes appear or go.
     `failure`: why it no longer works; empty while it does.
-    Raises BridgeError: DDS cannot be started.
     """
 
     def __init__(

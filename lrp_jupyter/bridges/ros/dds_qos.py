@@ -113,11 +113,7 @@ _LEVELS: dict[str, tuple[Any, Sequence[Any]]] = {
     "durability": (Policy.Durability, _DURABILITY),
     "liveliness": (
         Policy.Liveliness,
-        (
-            Policy.Liveliness.Automatic,
-            Policy.Liveliness.ManualByParticipant,
-            Policy.Liveliness.ManualByTopic,
-        ),
+        (Policy.Liveliness.Automatic, Policy.Liveliness.ManualByParticipant, Policy.Liveliness.ManualByTopic),
     ),
     "destination order": (
         Policy.DestinationOrder,

@@ -44,7 +44,6 @@ class MessageTypes:
     Owner: the thread of the link; `sample` may be called on any thread for a type whose struct was made.
 
     `folders`: with the user's own definitions.
-    Raises BridgeError: a folder does not exist, or has no definitions.
     """
 
     def __init__(self, folders: Iterable[str | os.PathLike[str]] = ()) -> None:
@@ -60,11 +59,7 @@ class MessageTypes:
         return [*self._files, *(canonical(name) for name in self._store.fielddefs if "/msg/" in name)]
 
     def define(self, type_: str) -> dict[str, Definition]:
-        """Return the definitions of a type and of those in it; empty if the type is not known.
-
-        Raises RefusedError: the file that defines it, or one that it needs, has a mistake; the message names
-            the line.
-        """
+        """Return the definitions of a type and of those in it; empty if the type is not known."""
         return definitions_of(type_, self._shapes) if self._load(type_) else {}
 
     def _shapes(self, type_: str) -> dict[str, FieldType]:
@@ -75,10 +70,7 @@ class MessageTypes:
         return str(self._store.hash_rihs01(_full(type_)))
 
     def struct(self, type_: str) -> Any:
-        """Return the class of a type's messages, as cyclonedds sends them.
-
-        Raises RefusedError: as `define`, or the type is not known.
-        """
+        """Return the class of a type's messages, as cyclonedds sends them."""
         if not self._load(type_):
             raise RefusedError(f"There is no message type `{type_}`.{did_you_mean(type_, self.names())}")
         with _idl_lock:
@@ -93,10 +85,7 @@ class MessageTypes:
         return self._structs[type_]
 
     def sample(self, type_: str, values: Mapping[str, Any]) -> Any:
-        """Return a message with these values, zeros for the others, and the time now in a header without one.
-
-        Raises BridgeError: they do not fit the type.
-        """
+        """Return a message of values, with zeros for the others, and the time now in a header without one."""
         return self._makers[type_](values)
 
     # -- files ------------------------------------------------------------------------------------
@@ -208,10 +197,7 @@ def _installed() -> dict[str, Path]:
 
 
 def _found(folder: str | os.PathLike[str]) -> Iterator[tuple[str, Path]]:
-    """Yield the definitions in a folder of the user's.
-
-    Raises BridgeError: it does not exist, or has none.
-    """
+    """Yield the definitions in a folder of the user's, which must have some."""
     place = Path(folder).expanduser()
     if not place.is_dir():
         raise BridgeError(f"`{folder}` is not a folder. Name the one with `package/msg/Type.msg`.")
@@ -223,10 +209,7 @@ def _found(folder: str | os.PathLike[str]) -> Iterator[tuple[str, Path]]:
 
 
 def _read(path: Path, full: str) -> Any:
-    """Read a definition.
-
-    Raises RefusedError: it has a mistake; the message names the line.
-    """
+    """Read a definition; a RefusedError names the line of a mistake."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:

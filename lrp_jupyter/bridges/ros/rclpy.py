@@ -45,10 +45,7 @@ class RclpyTransport(Transport):
         self._subscriptions: list[_Subscription] = []
 
     def connect(self) -> None:
-        """Create the node; other nodes are found while it exists.
-
-        Raises BridgeError: there is no rclpy, or it cannot make a node.
-        """
+        """Create the node; other nodes are found while it exists."""
         rclpy, executors = _import("rclpy"), _import("rclpy.executors")
         self.disconnect()
         self._context = _import("rclpy.context").Context()
@@ -91,10 +88,7 @@ class RclpyTransport(Transport):
             context.try_shutdown()
 
     def topics(self) -> Mapping[str, str]:
-        """Return the topics of other nodes that were discovered so far.
-
-        Raises BridgeError: the node no longer delivers messages.
-        """
+        """Return the topics of other nodes that were discovered so far."""
         if self._failure:
             raise BridgeError(self._failure)
         return {
@@ -104,10 +98,7 @@ class RclpyTransport(Transport):
         }
 
     def define(self, type_: str) -> Mapping[str, Definition]:
-        """Return the definitions from the classes of the installed packages.
-
-        Raises RefusedError: the package is not installed here.
-        """
+        """Return the definitions from the classes of the installed packages."""
         return definitions_of(canonical(type_), _fields)
 
     def taken(self, topic: str) -> bool:
@@ -168,10 +159,7 @@ class RclpyTransport(Transport):
             self._node.destroy_publisher(handle)
 
     def send(self, handle: Any, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish. A header without a stamp gets the time of this node.
-
-        Raises BridgeError: rclpy refuses the message.
-        """
+        """Publish. A header without a stamp gets the time of this node."""
         message = handle.msg_type()
         try:
             _import("rosidl_runtime_py.set_message").set_message_fields(message, dict(values))

@@ -19,13 +19,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.message import moves
-from lrp_jupyter.bridges.ros.definitions import (
-    HEADERS,
-    KNOWN,
-    PRIMITIVES,
-    STRINGS,
-    Definition,
-)
+from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, PRIMITIVES, STRINGS, Definition
 from lrp_jupyter.bridges.ros.frames import knows_cbor
 from lrp_jupyter.bridges.ros.link import Transport
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
@@ -63,11 +57,7 @@ class RosbridgeTransport(Transport):
     # -- the connection ---------------------------------------------------------------------------
 
     def connect(self) -> None:
-        """Open a websocket.
-
-        Raises BridgeError: no server answers, or it does not speak websocket; or `websockets` is not
-            installed.
-        """
+        """Open a websocket."""
         require_websockets()
         self.disconnect()
         self._inputs, self._packs = {}, None
@@ -106,10 +96,7 @@ class RosbridgeTransport(Transport):
     # -- topics -----------------------------------------------------------------------------------
 
     def topics(self) -> Mapping[str, str]:
-        """Return the list of rosapi as it was a moment ago; a server without rosapi has none.
-
-        Raises BridgeError: the connection is lost, or ROS itself does not answer.
-        """
+        """Return the list of rosapi as it was a moment ago; a server without rosapi has none."""
         self._open_socket()
         topics = self._rosapi.topics()
         if self._rosapi.trouble:
@@ -121,10 +108,7 @@ class RosbridgeTransport(Transport):
         return type_.replace("/", "/msg/", 1) if self._rosapi.is_ros2 else type_
 
     def define(self, type_: str) -> Mapping[str, Definition] | None:
-        """Return the definitions of a type; the server is asked only for those that are not known here.
-
-        Raises RefusedError: the server describes it in a way that cannot be understood.
-        """
+        """Return the definitions of a type; the server is asked only for those that are not known here."""
         topics = self._rosapi.topics()
         header = HEADERS[2 if self._rosapi.is_ros2 else 1] if topics else {}
         found = {} if Types().knows(type_) else self._rosapi.define(type_)
@@ -172,10 +156,7 @@ class RosbridgeTransport(Transport):
             socket.put(_unsubscription(topic))
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish.
-
-        Raises BridgeError: the connection is gone, or the server hangs.
-        """
+        """Publish; to a server that hangs only what is urgent."""
         assert isinstance(handle, _Handle)
         socket, topic = self._open_socket(), handle.topic
         if socket.is_stale and not urgent:

@@ -49,10 +49,7 @@ class RospyTransport(Transport):
         self._pid: int | None = None
 
     def connect(self) -> None:
-        """Find the master and, in a process's first connection, create the node.
-
-        Raises BridgeError: there is no rospy, no master, or the node belongs to another one.
-        """
+        """Find the master and, in a process's first connection, create the node."""
         rospy = _rospy()
         self._pid = int(self._master.ask("getPid"))
         _make_node(self.place, self.node)
@@ -74,10 +71,7 @@ class RospyTransport(Transport):
         """Do nothing: the node stays, and its topics were unregistered one by one."""
 
     def topics(self) -> Mapping[str, str]:
-        """Ask the master, for topics with subscribers only too.
-
-        Raises BridgeError: it does not answer, or is another one than before.
-        """
+        """Ask the master, for topics with subscribers only too; BridgeError: it was restarted."""
         if _rospy().is_shutdown():
             raise BridgeError("The ROS node of this process was shut down. Restart the kernel.")
         if int(self._master.ask("getPid")) != self._pid:
@@ -105,10 +99,7 @@ class RospyTransport(Transport):
         )
 
     def define(self, type_: str) -> Mapping[str, Definition]:
-        """Return the definitions from the classes of the installed packages.
-
-        Raises RefusedError: the package is not installed here.
-        """
+        """Return the definitions from the classes of the installed packages."""
         return definitions_of(type_, _fields)
 
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
@@ -136,10 +127,7 @@ class RospyTransport(Transport):
         unregister()
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish. Types were checked when the message was filled: rospy does it only for subscribers.
-
-        Raises BridgeError: rospy refuses the message.
-        """
+        """Publish. Types were checked when the message was filled: rospy does it only for subscribers."""
         import genpy
 
         rospy = _rospy()
@@ -255,10 +243,7 @@ class _Master:
             raise BridgeError(f"`{uri}` is not the address of a ROS master. Write `http://host:11311`.")
 
     def ask(self, question: str) -> Any:
-        """Call a function of the master and return its answer.
-
-        Raises BridgeError: it does not answer.
-        """
+        """Call a function of the master and return its answer."""
         try:
             with xmlrpc.client.ServerProxy(self._uri, transport=_Timed()) as proxy:
                 code, text, value = getattr(proxy, question)("/lrp")

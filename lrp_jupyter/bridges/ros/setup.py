@@ -48,7 +48,6 @@ class Wire:
     `limits`: of a publisher: ``{"linear": 0.5}`` keeps that field within -0.5 ... 0.5.
     `stale_after`: of a subscription: seconds after which its last message is too old to drive by; None: it
         never is.
-    Raises BridgeError: a name is illegal; the message names it and the reason.
     """
 
     variable: str
@@ -92,10 +91,7 @@ class Wire:
 
 
 def check_type(type_: str, also: Iterable[str] = ()) -> str:
-    """Return the short form of a type's name; empty is allowed.
-
-    Raises BridgeError: it is not written ``package/Type``.
-    """
+    """Return the short form of a type's name, ``package/Type`` or empty."""
     name = canonical(type_)
     if name and not _TYPE.match(name):
         full = [known for known in (*also, *KNOWN) if known.rpartition("/")[2] == name.rpartition("/")[2]]
@@ -113,10 +109,7 @@ def setup_as_dict(wires: Iterable[Wire]) -> dict[str, Any]:
 
 
 def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...]:
-    """Read a set-up.
-
-    Raises BridgeError: it is not a set-up; the message names the place of the mistake.
-    """
+    """Read a set-up; a BridgeError names the place of a mistake."""
     if not isinstance(setup, Mapping):
         raise BridgeError(f"{where} is not a set-up. Write an object with `subscriptions` and `publishers`.")
     if setup.get("version", 1) != 1:
@@ -171,10 +164,7 @@ def _no_others(mapping: Mapping[str, object], known: Iterable[str], place: str) 
 
 
 def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
-    """Read a set-up from a file.
-
-    Raises BridgeError: the file cannot be read, or does not contain a set-up.
-    """
+    """Read a set-up from a file."""
     try:
         text = Path(path).read_text(encoding="utf-8")
         return setup_from_dict(json.loads(text), str(path))
@@ -185,10 +175,7 @@ def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
 
 
 def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
-    """Write a set-up to a file, atomically.
-
-    Raises BridgeError: the file cannot be written.
-    """
+    """Write a set-up to a file, atomically."""
     try:
         write_file(path, json.dumps(setup_as_dict(wires), indent=2) + "\n")
     except FileError as error:
@@ -229,7 +216,6 @@ def parse_address(
     `port`: it replaces a port in `host`.
     `default`: the port if none is given; with ``wss`` it is 443, as in a browser.
     `schemes`: what may stand before ``://``; the first is the default. Only ``ws`` and ``wss`` have paths.
-    Raises BridgeError: it is not an address, or not one that can be connected to.
     """
     text = str(host or "").strip()
     shown = f"`{text}`{f', port {port}' if port else ''}"

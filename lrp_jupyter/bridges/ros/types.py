@@ -175,10 +175,7 @@ class Types:
         return definition
 
     def message(self, type_: str) -> type[RosMessage]:
-        """Return the class of messages to fill.
-
-        Raises BridgeError: the type, or one in it, is not known.
-        """
+        """Return the class of messages to fill; BridgeError: the type, or one in it, is not known."""
         name = canonical(type_)
         if name not in self._messages:
             fields = {field: self._kind(kind) for field, kind in self._definition(name).fields.items()}
@@ -201,10 +198,7 @@ class Types:
         return _PLAIN[field.base] if field.base in PRIMITIVES else self.message(field.base)
 
     def form(self, type_: str) -> Form:
-        """Return the class of received messages, and its decoder.
-
-        Raises BridgeError: the type, or one in it, is not known.
-        """
+        """Return the decoder of received messages; BridgeError: the type, or one in it, is not known."""
         name = canonical(type_)
         if name not in self._forms:
             self._forms[name] = self._make_form(self._definition(name))

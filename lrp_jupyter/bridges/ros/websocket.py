@@ -93,10 +93,7 @@ class Socket:
         self._thread: threading.Thread | None = None
 
     def open(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Connect, on a thread with an event loop in which something else runs beside; bounded.
-
-        Raises BridgeError: no server answers, or it does not speak websocket.
-        """
+        """Connect, on a thread with an event loop in which something else runs beside; bounded."""
         self._thread = threading.Thread(target=self._run, args=(beside,), name="rosbridge", daemon=True)
         self._thread.start()
         try:
@@ -113,10 +110,7 @@ class Socket:
             self._thread.join(2 * _FLUSH + 0.5)
 
     def put(self, text: str, topic: str = "", urgent: bool = False) -> None:
-        """Send, from any thread, without waiting.
-
-        An urgent message replaces those queued for its topic, and does not expire.
-        """
+        """Send, without waiting; an urgent message replaces those queued for its topic, and never expires."""
         if urgent:
             for entry in [entry for entry in tuple(self._outbox) if entry[1] == topic]:
                 try:
@@ -143,10 +137,7 @@ class Socket:
         await self.serve(connection, beside())
 
     async def connect(self) -> ClientConnection:
-        """Return the connection for `serve`.
-
-        Raises BridgeError: no server answers, or it does not speak websocket.
-        """
+        """Return the connection for `serve`."""
         began = time.monotonic()
         connection = await _reach(self._url)
         self._trips = deque([(time.monotonic() - began) / 2], maxlen=5)  # connecting takes two, or more
@@ -218,10 +209,7 @@ class Socket:
 
 
 def require_websockets() -> None:
-    """Check that the library is installed; it is imported only where it is needed.
-
-    Raises BridgeError: it is not installed.
-    """
+    """Check that the library is installed, which is imported only where it is needed."""
     try:
         import websockets.asyncio.client  # noqa: F401
     except ImportError:

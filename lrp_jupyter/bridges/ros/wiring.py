@@ -62,10 +62,7 @@ class Wiring:
             self._store()
 
     def remove(self, variable: str) -> None:
-        """Disconnect a variable.
-
-        Raises BridgeError: there is no variable of that name.
-        """
+        """Disconnect a variable."""
         with self._changing:
             if variable not in self._channels:
                 raise BridgeError(
@@ -75,10 +72,7 @@ class Wiring:
             self._store()
 
     def load(self, setup: str | os.PathLike[str] | Mapping[str, object]) -> None:
-        """Replace all connections by those of a set-up; later changes are written to its file.
-
-        Raises BridgeError: it is not a valid set-up.
-        """
+        """Replace all connections by those of a set-up; later changes are written to its file."""
         if isinstance(setup, Mapping):
             wires, path = setup_from_dict(setup), ""
         else:
@@ -91,10 +85,7 @@ class Wiring:
                 self._put(wire)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the set-up to a file, now and after every change.
-
-        Raises BridgeError: the file cannot be written.
-        """
+        """Write the set-up to a file, now and after every change."""
         save_setup(path, [channel.wire for channel in self.channels])
         self.path = os.fspath(path)
 
@@ -113,10 +104,7 @@ class Wiring:
             link.close()
 
     def stand_still(self, channel: Channel) -> None:
-        """Publish a velocity of zero on a channel, if it carries velocities.
-
-        Raises BridgeError: it could not be sent.
-        """
+        """Publish a velocity of zero on a channel, if it carries velocities; BridgeError: it was not sent."""
         link = self.link
         if link is not None and channel.is_velocity:
             link.send(channel, None if channel.message is None else channel.message(), urgent=True)
