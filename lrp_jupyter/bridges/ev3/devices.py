@@ -42,7 +42,6 @@ class Brick(Protocol):
 
     def seen(self) -> BrickReading:
         """Return the reading of this tick, or the latest between ticks."""
-        ...
 
 
 class Motor:
@@ -148,7 +147,7 @@ class Sensor:
     def read(self) -> float:
         """Return the value: touch 1 or 0, colour %, ultrasonic cm, gyro deg; other modes, other units."""
         reading = self.reading()
-        wanted = self._brick.link.wanted_mode(self._index)
+        wanted = self._brick.link.modes[self._index]
         if reading.type in ABSENT:
             raise self._nothing()
         if math.isnan(reading.value) or wanted not in (protocol.SAME_MODE, reading.mode):
@@ -171,7 +170,7 @@ class Sensor:
             raise BridgeError(
                 f"`{self.name}` ({type_name(kind)}) has no mode {mode!r}; it has {known}.{hint}"
             )
-        self._brick.link.set_mode(self._index, number)
+        self._brick.link.modes[self._index] = number
 
     def mode(self) -> str:
         """Return the name of its mode."""

@@ -64,6 +64,7 @@ class BrickLink(Link):
         it changes; with ``late`` and a sentence when the brick stopped motors which nothing renewed in time.
     `advance`: returns the pose after a pose, when each motor has turned by an angle in degrees.
     `clock`: the time of the slices, in seconds.
+    `modes`: those wanted of the four sensors, from the next reading on; -1: any.
     """
 
     def __init__(
@@ -82,7 +83,7 @@ class BrickLink(Link):
         self._latest = threading.Lock()  # held while the snapshot is replaced
         self._resets = [0] * 4  # how often each motor's count was set to zero
         self._counted: tuple[int, ...] = (0,) * 4  # … at the last reading
-        self._modes = [SAME_MODE] * 4
+        self.modes = [SAME_MODE] * 4
         self._usual: tuple[int, ...] = (SAME_MODE,) * 4
 
     @property
@@ -95,7 +96,6 @@ class BrickLink(Link):
         """Send a byte code without waiting for the brick to perform it.
 
         `motors`: bit mask of the motors that it commands: what they were to go on doing is over.
-        Raises BridgeError: there is no connection.
         """
         connection = self._connected()
 
@@ -106,10 +106,7 @@ class BrickLink(Link):
         connection.client.command(compose)
 
     def turn(self, percents: Mapping[int, int], regulated: bool = True) -> None:
-        """Let motors turn on until another command; see :meth:`Slices.turn`.
-
-        Raises BridgeError: there is no connection.
-        """
+        """Let motors turn on until another command; see :meth:`Slices.turn`."""
         connection = self._connected()
         connection.client.command(lambda: connection.slices.turn(percents, regulated))
 
@@ -158,15 +155,7 @@ class BrickLink(Link):
 
     def set_usual_modes(self, modes: tuple[int, ...]) -> None:
         """Set the modes of all sensors, now and whenever another sensor is plugged in; -1: its own."""
-        self._usual, self._modes = modes, list(modes)
-
-    def set_mode(self, sensor: int, mode: int) -> None:
-        """Set the mode of a sensor (0 to 3) from the next reading on."""
-        self._modes[sensor] = mode
-
-    def wanted_mode(self, sensor: int) -> int:
-        """Return the requested mode; -1 for none."""
-        return self._modes[sensor]
+        self._usual, self.modes = modes, list(modes)
 
     def connect(self) -> float:
         """Search for the brick and read it once; one that was lost is stopped first: it may still drive."""
@@ -230,7 +219,7 @@ class BrickLink(Link):
     def _read(self, connection: _Connection, known: bool = True) -> None:
         """Ask for everything, and renew what turns; a brick that is not `known` was somewhere else before."""
         client = connection.client
-        resets, modes = tuple(self._resets), tuple(self._modes)
+        resets, modes = tuple(self._resets), tuple(self.modes)
         code, size = protocol.read_everything(modes)
         late = 0
 
@@ -252,7 +241,7 @@ class BrickLink(Link):
             self.snapshot = BrickState(_with_zero(reading, zeroed), "", time.monotonic(), pose)
         for port, sensor in enumerate(reading.sensors):
             if before.reading is not None and before.reading.sensors[port].type != sensor.type:
-                self._modes[port] = self._usual[port]  # another sensor: it has other modes
+                self.modes[port] = self._usual[port]  # another sensor: it has other modes
         if late:
             names = " and ".join(f"`motor{'ABCD'[i]}`" for i in range(4) if late & 1 << i)
             self._report("late", f"{names} stopped: nothing renewed it for {SLICE:g} s. Start it again.")
