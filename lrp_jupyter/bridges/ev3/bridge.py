@@ -131,10 +131,7 @@ class EV3Bridge(Bridge):
         return f"The brick itself stops its motors: {ends}."
 
     def open_interface(self) -> Panel:
-        """Connect where an address is known, else search for a brick in the background and ask.
-
-        Raises BridgeError: there is no brick at the address.
-        """
+        """Connect where an address is known, else search for a brick in the background and ask."""
         self.link = self._new_link()
         if self.host is None:
             self.set_status(ConnectionState.WAITING, "Waiting for the beacon of a brick, or for its address.")
@@ -231,8 +228,7 @@ class EV3Bridge(Bridge):
         yield "odom.theta", partial(odom, 2), "angle turned since the start, by the wheels", "rad", float
 
     def _sense(self, name: str) -> object:
-        modes = tuple(self.link.wanted_mode(i) for i in range(4))
-        return self.vehicle.sense(name, self.seen(), modes)
+        return self.vehicle.sense(name, self.seen(), tuple(self.link.modes))
 
     def _odom(self, axis: int) -> float:
         self.seen()
@@ -324,10 +320,7 @@ class EV3Bridge(Bridge):
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Press a button; commands pass the bridge's safety, as those of a program do.
-
-        Raises BridgeError: there is no such button, row or number, or no brick is connected.
-        """
+        """Press a button; commands pass the bridge's safety, as those of a program do."""
         if key == "stop":
             self.stop_all()
             return
@@ -365,10 +358,7 @@ class EV3Bridge(Bridge):
             self._add_move()
 
     def answer(self, key: str, value: str) -> None:
-        """Apply the address of the brick; where the bridge is open, connect in the background.
-
-        Raises BridgeError: it is not an address.
-        """
+        """Apply the address of the brick; where the bridge is open, connect in the background."""
         if key != "host":
             super().answer(key, value)
             return

@@ -49,10 +49,7 @@ class BrickClient:
         self._received = b""
 
     def command(self, code: Code, timeout: float = ANSWER_TIME) -> None:
-        """Send a byte code without waiting for the brick to perform it.
-
-        Raises BridgeError: the connection is lost, or does not accept the frame within `timeout` seconds.
-        """
+        """Send a byte code, within `timeout` seconds, without waiting for the brick to perform it."""
         self._send(code, 0, False, time.monotonic() + timeout)
 
     def request(self, code: Code, size: int, timeout: float = ANSWER_TIME) -> bytes:
@@ -77,10 +74,7 @@ class BrickClient:
             self._asking.release()
 
     def lose(self, why: str) -> NoReturn:
-        """Mark the connection as lost and raise; all waiting callers get the same error.
-
-        Raises BridgeError: always.
-        """
+        """Mark the connection as lost and raise a BridgeError; all waiting callers get the same one."""
         self.lost = self.lost or why
         self._line.cut()
         raise BridgeError(self.lost)

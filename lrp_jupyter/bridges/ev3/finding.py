@@ -93,7 +93,6 @@ def connect(
     `patience`: seconds to wait for a beacon.
     `beacon_port`: UDP port that bricks send their beacons to.
     `cancelled`: called about ten times a second; returns whether to stop searching.
-    Raises BridgeError: no brick was found, or the host is not a brick (then at once).
     """
     host = None if host is None else check_address(host)
     if host == USB:
@@ -137,8 +136,6 @@ def check_address(host: str) -> str:
     """Check the address of a brick and return it as it is written elsewhere.
 
     Names are refused: resolving one may take any time, and a brick has none.
-
-    Raises BridgeError: it is neither an IP address, nor a Bluetooth address, nor ``"usb"``.
     """
     text = host.strip()
     if text.lower() == USB:

@@ -71,37 +71,28 @@ class Line(ABC):
         """Close the line; idempotent."""
 
 
-class SocketLine(Line):
-    """A socket that is connected."""
-
+class _SocketLine(Line):
     def __init__(self, connected: socket.socket, place: str, serial: str = "") -> None:
         super().__init__(place, serial)
         self._socket = connected
         self._socket.settimeout(WAIT)
 
     def send(self, data: bytes) -> int:
-        """See :class:`Line`."""
         return self._socket.send(data)
 
     def receive(self) -> bytes:
-        """See :class:`Line`."""
         return self._socket.recv(4096)
 
     def cut(self) -> None:
-        """See :class:`Line`."""
         with suppress(OSError):
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _ABORT)
 
     def close(self) -> None:
-        """See :class:`Line`."""
         self._socket.close()
 
 
 def open_tcp(address: tuple[str, int], serial: str = "") -> Line:
-    """Connect by WiFi, and unlock the brick.
-
-    Raises BridgeError: nothing answers there within 1.5 s, or not as a brick does.
-    """
+    """Connect by WiFi, and unlock the brick, within 1.5 s."""
     deadline = time.monotonic() + _OPEN_TIME
     try:
         connected = socket.create_connection(address, _OPEN_TIME)
@@ -110,7 +101,7 @@ def open_tcp(address: tuple[str, int], serial: str = "") -> Line:
     try:
         connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         _unlock(connected, f"{address[0]}:{address[1]}", serial, deadline)
-        return SocketLine(connected, address[0], serial)
+        return _SocketLine(connected, address[0], serial)
     except BaseException:
         connected.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _ABORT)
         connected.close()
@@ -137,11 +128,7 @@ def _unlock(connected: socket.socket, where: str, serial: str, deadline: float) 
 
 
 def open_bluetooth(address: str, cancelled: Callable[[], bool] = lambda: False) -> Line:
-    """Connect by Bluetooth: the serial port of a brick that this computer is paired with.
-
-    Raises BridgeError: this computer or this Python has no Bluetooth, or the brick does not answer within 8
-        s.
-    """
+    """Connect by Bluetooth, within 8 s: the serial port of a brick that this computer is paired with."""
     deadline = time.monotonic() + _CALL_TIME
     called = _rfcomm()
     try:
@@ -155,7 +142,7 @@ def open_bluetooth(address: str, cancelled: Callable[[], bool] = lambda: False) 
                 code = errno.ETIMEDOUT
         if code:
             raise BridgeError(f"No connection to the brick {address} by Bluetooth: {_complaint(code)}")
-        return SocketLine(called, address)
+        return _SocketLine(called, address)
     except OSError as error:
         called.close()
         raise BridgeError(f"No connection to the brick {address} by Bluetooth: {reason(error)}.") from None

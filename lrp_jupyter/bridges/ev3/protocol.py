@@ -24,10 +24,7 @@ _REPLY_OK, _REPLY_ERROR = 0x02, 0x04
 def constant(value: int) -> bytes:
     """Encode a number as the shortest constant that the brick does not read as NaN.
 
-    The smallest number of each size (-128, -32768, …) *is* the brick's NaN, so it needs the next
-    size.
-
-    Raises BridgeError: the number does not fit 32 bits.
+    The smallest number of each size (-128, -32768, …) *is* the brick's NaN, so it needs the next size.
     """
     if -32 <= value <= 31:
         return bytes([value & 0x3F])
@@ -48,9 +45,7 @@ def frame(counter: int, code: bytes, size: int = 0, reply: bool = False) -> byte
     """Put a byte code into a frame.
 
     `counter`: 0 to 65535; the reply repeats it.
-    `code`: the operations.
-    `size`: bytes of globals that the operations write and the reply carries.
-    `reply`: ask for a reply; one is always asked for when `size` is not 0.
+    `size`: bytes of globals that the operations write; with any, a reply is asked for that carries them.
     """
     kind = _WITH_REPLY if reply or size else _WITHOUT_REPLY
     return struct.pack("<HHBH", len(code) + 5, counter, kind, size) + code
@@ -65,10 +60,7 @@ class BrickReply(NamedTuple):
 
 
 def split_replies(buffer: bytes) -> tuple[list[BrickReply], bytes]:
-    """Split off the complete replies; the rest is the beginning of the next.
-
-    Raises BridgeError: these bytes are not replies of a brick.
-    """
+    """Split off the complete replies; the rest is the beginning of the next."""
     replies = []
     while len(buffer) >= 2:
         end = 2 + int.from_bytes(buffer[:2], "little")
@@ -178,10 +170,7 @@ def read_everything(modes: tuple[int, ...] = (SAME_MODE,) * 4) -> tuple[bytes, i
 
 
 def parse_reading(data: bytes) -> BrickReading:
-    """Read the reply to :func:`read_everything`.
-
-    Raises BridgeError: the reply has another size.
-    """
+    """Read the reply to :func:`read_everything`."""
     if len(data) != _LAYOUT.size:
         raise BridgeError(f"The brick answered with {len(data)} bytes instead of {_LAYOUT.size}.")
     numbers = _LAYOUT.unpack(data)

@@ -31,11 +31,8 @@ _RULE = (
 )
 
 
-class UsbLine(Line):
-    """An open device that carries reports.
-
-    A write waits for the brick; the system gives up after 5 s, if a brick is plugged in that takes nothing.
-    """
+class _UsbLine(Line):
+    """Reports; a write waits for the brick, and the system gives up after 5 s if it takes nothing."""
 
     def __init__(self, device: FileIO, serial: str = "") -> None:
         super().__init__(USB, serial)
@@ -50,14 +47,12 @@ class UsbLine(Line):
         return len(data)
 
     def receive(self) -> bytes:
-        """Return the frame of the next report; see :class:`~lrp_jupyter.bridges.ev3.lines.Line`."""
         if not self._arrives(WAIT):
             raise TimeoutError
         report = os.read(self._number(), REPORT)
         return report[: 2 + int.from_bytes(report[:2], "little")]
 
     def close(self) -> None:
-        """See :class:`~lrp_jupyter.bridges.ev3.lines.Line`."""
         with suppress(OSError):
             self._device.close()
 
@@ -71,10 +66,7 @@ class UsbLine(Line):
 
 
 def open_usb(serial: str = "") -> Line:
-    """Open the brick that is plugged in, or of several the one with a serial number.
-
-    Raises BridgeError: None is plugged in, which one is meant is not clear, or this user may not open it.
-    """
+    """Open the brick that is plugged in, or of several the one with a serial number."""
     if not _LISTED.is_dir():
         raise BridgeError("A brick at a USB port is found on Linux only. Connect it by WiFi or Bluetooth.")
     plugged = _plugged()
@@ -102,7 +94,7 @@ def open_usb(serial: str = "") -> Line:
     except OSError as error:
         raise BridgeError(f"The brick at {device} cannot be opened: {reason(error)}.") from None
     try:
-        return UsbLine(opened, number)
+        return _UsbLine(opened, number)
     except OSError as error:
         opened.close()
         raise BridgeError(f"The brick at {device} cannot be read: {reason(error)}.") from None

@@ -51,10 +51,7 @@ class Vehicle:
 
     @classmethod
     def of(cls, options: Mapping[str, object]) -> Vehicle:
-        """Return the vehicle that options describe: values, or texts as a person types them.
-
-        Raises BridgeError: there is no such port, two parts share one, or a length is not one.
-        """
+        """Return the vehicle that options describe: values, or texts as a person types them."""
         values: dict[str, str | float] = {}
         for name, value in options.items():
             text = str(value).strip()
@@ -135,8 +132,6 @@ class Vehicle:
         """Return what a program reads, a key of `SENSES`, as the simulated robot measures it.
 
         `modes`: the modes that are wanted of the four sensors.
-        Raises BridgeError: there is no such sensor.
-        Raises NoDataYet: it has not measured anything yet.
         """
         what, kinds = SENSES[name]
         port = getattr(self, name)
