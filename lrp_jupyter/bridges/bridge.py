@@ -163,8 +163,7 @@ class Bridge(Interface, ABC):
             Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     _ticks = 0
-    _late: BridgeStatus | None = None
-    """The status while data are too old to drive on."""
+    _late: BridgeStatus | None = None  # while data are too old to drive on
     _failed: tuple[str, BridgeStatus, BridgeStatus] | None = None
     """The hook because of which the robot is lost, with the status since then, and the one before."""
     _opened_panel: Panel | None = None

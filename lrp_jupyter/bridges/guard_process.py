@@ -35,10 +35,7 @@ _LOOK = 0.25  # s between two looks at the parent and the connection
 
 
 class _Robot:
-    """What a stopper makes: a class, a bridge or a function.
-
-    Raises BaseException: whatever the class or the bridge raises when it connects.
-    """
+    """What a stopper makes: a class, a bridge or a function."""
 
     def __init__(self, target: Any, arguments: dict[str, Any]) -> None:
         self._bridge: Bridge | None = None
@@ -70,21 +67,15 @@ class _Robot:
 
 
 class _Watch:
-    """The beats, as they come; on a thread of its own.
-
-    `silence`: seconds without a beat after which the parent is taken for suspended.
-    `moves`: whether the robot may move.
-    `last`: when the last beat came.
-    `asked`: whether the parent wants the robot stopped now.
-    `ended`, `over`: whether the end was announced; whether there will be no more beats.
-    `wake`: set with every beat.
-    """
+    """The beats, as they come; on a thread of its own."""
 
     def __init__(self, pipe: BufferedReader, parent: int, silence: float) -> None:
-        self.silence = silence
-        self.moves = self.asked = self.ended = self.over = False
+        self.silence = silence  # s without a beat after which the parent is taken for suspended
+        self.moves = False  # whether the robot may move
+        self.asked = False  # whether the parent wants the robot stopped now
+        self.ended = self.over = False  # whether the end was announced; whether there will be no more beats
         self.last = now()
-        self.wake = threading.Event()
+        self.wake = threading.Event()  # set with every beat
         self._pipe, self._parent = pipe, parent
         threading.Thread(target=self._read, daemon=True).start()
 

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 from weakref import WeakValueDictionary
 
 from lrp_jupyter.bridges.guarding.guard import UNGUARDED, Guard, Stopper
-from lrp_jupyter.bridges.guarding.safety import CommandRecord, Notice, NoticeKind, Origin, Safety
+from lrp_jupyter.bridges.guarding.safety import CommandRecord, Origin, Safety
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.latched_values import FedValues
 from lrp_jupyter.bridges.member_tree import Limits, Nodes, RobotMethod, RobotVariable
@@ -359,10 +359,6 @@ class Interface:
             With the defaults of those that were not given.
         """
         return not (method.velocity and _stands(method.path, arguments))
-
-    def notice(self, kind: NoticeKind, text: str) -> Notice:
-        """Log a notice; for the guard."""
-        return self.safety.notice(kind, text)
 
     def lapse(self, what: Callable[[], str]) -> None:
         """Stop the robot and hold commands: this process was suspended, as `what` says after the stop."""

@@ -14,16 +14,11 @@ class RobotStopped:
 
 @dataclass(frozen=True, slots=True)
 class CommandsHeld:
-    """Only the first commands of the next tick are sent.
+    """Only the first commands of the next tick are sent."""
 
-    `sent`: how many.
-    `blind`: why those that move the robot are held back (its data are too old); empty if it was stopped.
-    `lost`: why later ones are refused (the robot does not answer); empty if it answers.
-    """
-
-    sent: int
-    blind: str = ""
-    lost: str = ""
+    sent: int  # how many
+    blind: str = ""  # why those that move the robot are held back: data are too old; empty if it was stopped
+    lost: str = ""  # why later ones are refused: the robot does not answer; empty if it answers
 
 
 @dataclass(frozen=True, slots=True)

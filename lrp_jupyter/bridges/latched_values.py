@@ -22,14 +22,12 @@ class FedValues:
 
     `clock`: returns the seconds that ages are measured in: by default `time.monotonic`; for a bridge with a
         clock, the time of its world. Tests set it.
-    `count`: how many values have arrived.
-    `wall_clock`: returns the time that stamps are compared with; tests set it.
     """
 
     def __init__(self, clock: Callable[[], float] | None = None) -> None:
         self.clock = time.monotonic if clock is None else clock
-        self.wall_clock: Callable[[], float] = time.time
-        self.count = 0
+        self.wall_clock: Callable[[], float] = time.time  # that stamps are compared with; tests set it
+        self.count = 0  # of the values that have arrived
         self._latest: dict[str, _Fed] = {}
         self._latched: dict[str, _Fed] | None = None  # None between ticks
         self._getters: dict[str, Callable[[], object]] = {}

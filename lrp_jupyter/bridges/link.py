@@ -98,10 +98,7 @@ class Link(ABC):
         return self._stage is Stage.ENDED
 
     def open(self, patience: float | None = None) -> bool:
-        """Connect; return whether that succeeded within `patience`, in seconds.
-
-        Raises BridgeError: it is not possible.
-        """
+        """Connect; return whether that took less than `patience` seconds; BridgeError: it is not possible."""
         self._thread.start()
         end, in_time = time.monotonic() + (math.inf if patience is None else patience), False
         try:

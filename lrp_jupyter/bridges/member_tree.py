@@ -343,15 +343,13 @@ class Nodes:
     """The members of a bridge by their dotted names; parts (``light``) come and go with them.
 
     `make_part`: returns the object that a program gets for a name with members of its own.
-    `table`: members and parts, by their paths.
-    `timed`: the readings that can become stale.
     """
 
     def __init__(self, make_part: Callable[[str], object]) -> None:
         self._make_part = make_part
         self._changing = threading.RLock()
-        self.table: Mapping[str, object] = {}
-        self.timed: tuple[RobotVariable, ...] = ()
+        self.table: Mapping[str, object] = {}  # members and parts, by their paths
+        self.timed: tuple[RobotVariable, ...] = ()  # the readings that can become stale
 
     def add(self, node: RobotVariable | RobotMethod) -> None:
         """Add a member; one of the same name is replaced.

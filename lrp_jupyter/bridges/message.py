@@ -25,10 +25,7 @@ from lrp_jupyter.errors import BridgeError, did_you_mean
 
 
 def real_number(value: object, what: str) -> float:
-    """Return `value` as a float.
-
-    Raises BridgeError: `value` is not a finite real number; ``True`` does not count as one.
-    """
+    """Return a finite real number as a float, or raise a BridgeError; ``True`` does not count as one."""
     if type(value) is not float and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
         raise BridgeError(f"`{what}` must be a number, not {value!r} ({type(value).__name__}).")
     number = float(value)

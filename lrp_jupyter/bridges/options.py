@@ -106,10 +106,7 @@ def options_of(bridge: type[Interface]) -> dict[str, BridgeOption] | None:
 
 
 def convert_options(bridge: type[Interface], options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return options with the values of those that are texts.
-
-    Raises BridgeError: a text is not of the type of its option; the message names option, type and text.
-    """
+    """Return options with the values of those that are texts; a BridgeError names one of another type."""
     known, read = options_of(bridge) or {}, dict(options)
     for name, text in options.items():
         if isinstance(text, str) and name in known:

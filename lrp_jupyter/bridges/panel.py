@@ -95,10 +95,7 @@ class Panel:
 
 
 def number_in(text: str, label: str) -> float:
-    """Return the number that a person wrote, with a point or a comma, into the field of a label.
-
-    Raises BridgeError: it is not a number.
-    """
+    """Return the number that a person wrote, with a point or a comma, into the field of a label."""
     try:
         return float(text.replace(",", "."))
     except ValueError:

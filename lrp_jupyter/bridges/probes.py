@@ -108,10 +108,7 @@ def drive(bridge: Bridge, method: RobotMethod) -> None:
 
 
 def drive_a_little(bridge: Bridge) -> None:
-    """Give the first velocity command of a robot, as slow as is sensible.
-
-    Raises NotChecked: it has none.
-    """
+    """Give the first velocity command of a robot, as slow as is sensible."""
     moving = [method for method in commands(bridge) if method.velocity and _first_number(method)]
     if not moving:
         raise NotChecked("It has no velocity command such as `move`. Define `move_a_little` in a subclass.")

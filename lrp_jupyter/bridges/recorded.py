@@ -18,18 +18,14 @@ from lrp_jupyter.errors import NoDataYet
 
 
 class RecordedBridge(Bridge, offered=False):
-    """A robot made of recorded readings.
-
-    `members`: what it offered.
-    `given`: the readings of the next tick, by path; an error where a reading failed.
-    """
+    """A robot made of recorded readings."""
 
     name = "recorded"
     hardware = False
     stop_timeout = None
 
     def __init__(self, members: Iterable[RobotVariable | RobotMethod]) -> None:
-        self.given: Mapping[str, object] = {}
+        self.given: Mapping[str, object] = {}  # by path, for the next tick; an error where a reading failed
         self._recorded = tuple(members)
 
     def offer_stop(self) -> None:

@@ -12,7 +12,6 @@ def failure_of(call: Callable[[], object], timeout: float | None, name: str) -> 
     """Call a function; return a sentence about why it failed, or an empty one. Never raises.
 
     `timeout`: seconds that it may take, on a thread of its own; None: it does not block, and is called here.
-    `name`: of the thread.
     """
     failures: list[str] = []
 

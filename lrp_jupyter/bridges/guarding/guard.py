@@ -29,7 +29,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from lrp_jupyter.bridges.guarding.safety import Notice, NoticeKind
+from lrp_jupyter.bridges.guarding.safety import Safety
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
 from lrp_jupyter.process import python_of
 
@@ -73,10 +73,7 @@ class Stopper:
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
     def as_json(self) -> str:
-        """Return a text in one line, with what else the process needs to know.
-
-        Raises BridgeError: the target or an argument cannot be sent to another process.
-        """
+        """Return a text in one line, with what else the process needs to know."""
         try:
             if isinstance(self.target, str):
                 target = {"name": self.target}
@@ -95,6 +92,8 @@ class Stopper:
 class Guarded(Protocol):
     """What a guard needs to know of its bridge."""
 
+    safety: Safety
+
     @property
     def is_open(self) -> bool:
         """Whether it is connected."""
@@ -112,23 +111,18 @@ class Guarded(Protocol):
     def unguarded(self, why: str) -> None:
         """React to the loss of the guard, which was promised: `why` is a sentence."""
 
-    def notice(self, kind: NoticeKind, text: str) -> Notice:
-        """Log a notice."""
-
 
 class Guard:
     """The near end of the guard of one bridge.
 
     Owner: its thread. `check` and `moves` are called on the thread that commands the robot, before it does;
     `stop` on any thread.
-
-    `trouble`: why the robot is not guarded; empty if it is, or if the bridge has no stopper.
     """
 
     def __init__(self, bridge: Guarded) -> None:
         self._bridge = weakref.ref(bridge)
         self.is_on = False
-        self.trouble = ""
+        self.trouble = ""  # why the robot is not guarded; empty if it is, or if the bridge has no stopper
         self._beat = 0.0  # the last one
         self._moved = False  # whether the robot might move then; a watchdog may have stopped it since
         self._stopper: Stopper | None = None
@@ -267,7 +261,7 @@ class Guard:
             process.end()
             self.trouble = "The stopper has changed." if changed else process.fate
             if not changed:
-                bridge.notice("guard", f"{process.fate} Another one is started.")
+                bridge.safety.notice("guard", f"{process.fate} Another one is started.")
         if stopper is not None and self._process is None and time.monotonic() >= self._next:
             self._next = time.monotonic() + _AGAIN
             process = _Process(stopper)
@@ -283,32 +277,26 @@ class Guard:
     def _report(self, bridge: Guarded, problem: str) -> None:
         before, self.trouble = self.trouble, problem
         if problem and problem != before:
-            bridge.notice("guard", f"The robot is not guarded. {ended(problem)}")
+            bridge.safety.notice("guard", f"The robot is not guarded. {ended(problem)}")
         elif before and not problem:
-            bridge.notice("guard", "The robot is guarded again.")
+            bridge.safety.notice("guard", "The robot is guarded again.")
 
 
 class _Process:
-    """One guard process, with a thread that listens to it until it has ended.
-
-    `order`: the stopper, as it was sent.
-    `known`: set as soon as it is known whether it reaches the robot.
-    `unanswered`: how many beats of the guard's thread were sent since it was heard last.
-    Raises BridgeError: it cannot be started.
-    """
+    """One guard process, with a thread that listens to it until it has ended."""
 
     def __init__(self, stopper: Stopper) -> None:
-        self.order = stopper.as_json()
+        self.order = stopper.as_json()  # as it is sent
         first = self.order.encode() + b"\n"
         self._began = time.monotonic()
-        self.known = threading.Event()
+        self.known = threading.Event()  # set as soon as it is known whether it reaches the robot
         self.stopped = threading.Event()
         self.is_gone = False
         self._halted, self._refusal = threading.Event(), ""
         self._exit_code: int | None = None
         self._reaches = False
         self._failure = ""
-        self.unanswered = 0
+        self.unanswered = 0  # beats of the guard's thread since it was heard last
         self._writing = threading.Lock()
         try:
             self._process = subprocess.Popen(

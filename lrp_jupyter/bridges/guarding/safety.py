@@ -137,36 +137,23 @@ class CommandRecord:
 
 
 class Safety:
-    """The state of a bridge's safety, and its log.
-
-    `armed`: whether commands go out; a disarmed bridge records and shows them only.
-    """
+    """The state of a bridge's safety, and its log."""
 
     def __init__(self, armed: bool) -> None:
-        self.armed = armed
+        self.armed = armed  # whether commands go out; a disarmed bridge records and shows them only
         self.now = 0.0
         self.period = 0.0
         self.held = False
-        self.blocked = False
-        """Whether nothing is sent until a person goes on."""
-        self.suspended = ""
-        """Why that is so: a sentence, as soon as it is known."""
-        self.driven: frozenset[str] = frozenset()
-        """The commands that were sent since the last stop, and may move the robot."""
-        self.sent = 0
-        """How many commands were sent in this tick."""
-        self.stops = 0
-        """How many times the robot was stopped, whatever the program did."""
-        self.again: CommandsHeld | None = None
-        """What became of the commands of the tick that this one repeats, if not all of them were sent."""
-        self.blind = ""
-        """Why no command may move the robot now: its data are too old. Empty if it may."""
-        self.lost = ""
-        """Why no command can be sent now: the robot does not answer. Empty if it does."""
-        self.why = ""
-        """Why the last command was not sent that was refused or held because of `lost` or `blind`."""
-        self.has_commanded = False
-        """Whether anything was sent since the robot was known to stand."""
+        self.blocked = False  # whether nothing is sent until a person goes on …
+        self.suspended = ""  # … and why: a sentence, as soon as it is known
+        self.driven: frozenset[str] = frozenset()  # commands sent since the last stop that may move the robot
+        self.sent = 0  # how many commands, in this tick
+        self.stops = 0  # how many times the robot was stopped, whatever the program did
+        self.again: CommandsHeld | None = None  # in the tick that this one repeats, if not all were sent
+        self.blind = ""  # why no command may move the robot now: its data are too old; empty if it may
+        self.lost = ""  # why no command can be sent now: the robot does not answer; empty if it does
+        self.why = ""  # why the last command was not sent that was refused or held because of these two
+        self.has_commanded = False  # whether anything was sent since the robot was known to stand
         self._refused = ""  # why commands of this tick were refused
         self._stopping: dict[int, bool] = {}  # threads that run `stop`, and whether that has called itself
         self._drives = 0  # how many commands that may move it were registered
@@ -174,11 +161,9 @@ class Safety:
         self._last_tick: float | None = None
         self._overdue_reported = False
         self._moving: Motion = {}
-        self.halted: Motion = {}
-        """What moved when the robot was stopped, and has not been commanded since."""
+        self.halted: Motion = {}  # what moved when the robot was stopped, and has not been commanded since
         self._notices: deque[Notice] = deque(maxlen=_NOTICES)
-        self.recorded: Callable[[CommandRecord], object] | None = None
-        """Called with every command."""
+        self.recorded: Callable[[CommandRecord], object] | None = None  # called with every command
         self._commands: deque[CommandRecord] = deque(maxlen=COMMANDS)
         self._last: CommandRecord | None = None
         self._begun = BY_HAND
@@ -200,7 +185,6 @@ class Safety:
         """Log a notice; a repeated one increments its count.
 
         `about`: what it is about, if it is logged only once, however often it happens and whatever its text.
-        `origin`: that of the command which it is about.
         """
         with self._log_lock:
             known = range(len(self._notices)) if about else range(len(self._notices))[-1:]
