@@ -26,38 +26,24 @@ class Arrival(NamedTuple):
 
 
 class Channel:
-    """A wire with the state of its connection.
-
-    `type`: that of the wire or, if it has none, of the live topic; empty while unknown.
-    `form`: decodes messages, for a subscription whose type is known.
-    `message`: for a publisher whose type is known.
-    `latest`: None before the first message, and again after the connection was lost.
-    `problem`: why it cannot be connected, or is no longer connected.
-    `waiting`: what is missing: the topic, its type, or messages that should come.
-    `is_asked_for`: whether the robot is being asked for what is missing.
-    `commanders`: of a publisher of velocities: who else publishes on its topic.
-    `stamps`: the time stamps of the messages, by the robot's clock.
-    `has_moved`: whether a velocity other than zero was sent: when the connection is lost, it is unknown
-        whether it, or a stop, arrived.
-    `owes_stop`: whether a stop has to be sent as soon as there is a connection again.
-    """
+    """A wire with the state of its connection."""
 
     def __init__(self, wire: Wire) -> None:
         self.wire = wire
-        self.type = wire.type
-        self.form: Form | None = None
-        self.message: type[RosMessage] | None = None
-        self.latest: Arrival | None = None
+        self.type = wire.type  # or, if it has none, that of the live topic; empty while unknown
+        self.form: Form | None = None  # decodes messages, for a subscription whose type is known
+        self.message: type[RosMessage] | None = None  # for a publisher whose type is known
+        self.latest: Arrival | None = None  # None again after the connection was lost
         self.latched: Arrival | None = None
         self.live = False
-        self.problem = ""
-        self.waiting = "it is being connected"
-        self.is_asked_for = False
-        self.commanders: tuple[str, ...] = ()
+        self.problem = ""  # why it cannot be connected, or is no longer connected
+        self.waiting = "it is being connected"  # what is missing: the topic, its type, or messages
+        self.is_asked_for = False  # whether the robot is being asked for what is missing
+        self.commanders: tuple[str, ...] = ()  # of a publisher of velocities: who else publishes on its topic
         self.stamps = Stamps(RobotClock())
         self.handle: object = None
-        self.has_moved = False
-        self.owes_stop = False
+        self.has_moved = False  # whether a velocity was sent: once lost, it is unknown whether a stop arrived
+        self.owes_stop = False  # as soon as there is a connection again
         self.answered = threading.Event()
         self.last_sent: RosMessage | None = None
         self._times: deque[float] = deque(maxlen=20)

@@ -109,12 +109,10 @@ class ProgramPace:
     """How often a program can use a new message: twice in a tick.
 
     Measured, since a program may run faster or slower than its robot's world.
-
-    `seconds`: one of a few values, so that a tick that comes late changes nothing.
     """
 
     def __init__(self) -> None:
-        self.seconds = 0.02
+        self.seconds = 0.02  # one of a few values, so that a tick that comes late changes nothing
         self._last: float | None = None
         self._gaps: deque[float] = deque(maxlen=9)
 

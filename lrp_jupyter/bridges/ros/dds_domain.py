@@ -23,15 +23,11 @@ _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 @dataclass
 class DdsDomain:
-    """A domain that this process takes part in; the participants of all bridges share it.
-
-    `config`: XML for Cyclone DDS.
-    `users`: that have entered and not left yet.
-    """
+    """A domain that this process takes part in; the participants of all bridges share it."""
 
     number: int
-    config: str
-    users: int = 0
+    config: str  # XML for Cyclone DDS
+    users: int = 0  # that have entered and not left yet
     _entity: Domain | None = None
 
     _all: ClassVar[dict[int, DdsDomain]] = {}

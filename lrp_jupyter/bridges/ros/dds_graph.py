@@ -41,16 +41,12 @@ _NODES_QOS = (
 
 
 class Endpoint(NamedTuple):
-    """A reader or writer of another participant.
-
-    `topic`: on the wire: ``rt/odom``.
-    `type`: ``nav_msgs/Odometry``; empty if it is no message of ROS.
-    """
+    """A reader or writer of another participant."""
 
     key: UUID
     participant: UUID
-    topic: str
-    type: str
+    topic: str  # on the wire: `rt/odom`
+    type: str  # `nav_msgs/Odometry`; empty if it is no message of ROS
     qos: Qos
     writes: bool
 

@@ -35,17 +35,14 @@ _AT_ONCE = 16  # samples
 
 
 class _TopicEnd:
-    """The part of this node in a topic.
-
-    `topic`: as ROS has it: ``/odom``.
-    """
+    """The part of this node in a topic."""
 
     writes = False
 
     def __init__(self, node: DdsNode, topic: str, type_: str) -> None:
         self.topic, self.type = topic, type_
         self._node = node
-        self._wire = f"rt{topic}"
+        self._wire = f"rt{topic}"  # as DDS has it
         self._hash = node.types.hash(type_)
         self._topic = Topic(node.participant, self._wire, node.types.struct(type_))
         self._entity: Any = None
@@ -109,10 +106,7 @@ class TopicReader(_TopicEnd):
 
 
 class TopicPublisher(_TopicEnd):
-    """A publisher.
-
-    `was_heard`: whether another node subscribed at some time.
-    """
+    """A publisher; `was_heard` if another node subscribed at some time."""
 
     writes = True
 
@@ -158,19 +152,17 @@ class TopicPublisher(_TopicEnd):
 
 
 class DdsNode:
-    """A node, from its beginning to its end.
+    """A node in a domain, from its beginning to its end.
 
-    `number`: of the domain.
-    `name`: of the node.
-    `host`: where a robot is that cannot be found by itself; empty: none.
+    `host`: where a robot is that cannot be found by multicast; empty: none.
     `changed`: called on the node's thread when readers or writers of other nodes appear or go.
-    `failure`: why it no longer works; empty while it does.
     """
 
     def __init__(
         self, number: int, name: str, host: str, types: MessageTypes, changed: Callable[[], None]
     ) -> None:
-        self.name, self.types, self.failure = name, types, ""
+        self.name, self.types = name, types
+        self.failure = ""  # why it no longer works
         self._changed = changed
         self._domain = DdsDomain.enter(number, host)
         try:
@@ -180,7 +172,7 @@ class DdsNode:
             raise BridgeError(f"DDS has no room for another node in domain {number}: {error}") from error
         self.graph = EndpointGraph(self.participant)
         self.directory = NodeDirectory(self.participant, name)
-        self._ends: tuple[_TopicEnd, ...] = ()
+        self.ends: tuple[_TopicEnd, ...] = ()
         self._lock = threading.RLock()  # for the ends
         self._over = False
         self._happened = threading.Condition()
@@ -191,11 +183,6 @@ class DdsNode:
             self.listen(reader, DDSStatus.DataAvailable)
         self._thread = threading.Thread(target=self._run, name="ROS 2", daemon=True)
         self._thread.start()
-
-    @property
-    def ends(self) -> tuple[_TopicEnd, ...]:
-        """The subscriptions and publishers."""
-        return self._ends
 
     def name_of(self, end: Endpoint) -> str:
         """Return the name of the node that has an endpoint; empty while it has not announced itself."""
@@ -217,14 +204,14 @@ class DdsNode:
             return publisher
 
     def _add(self, end: _TopicEnd) -> None:
-        self._ends += (end,)
+        self.ends += (end,)
         self._bell.set(True)  # for the announcement, and for what has arrived already
 
     def remove(self, end: _TopicEnd) -> None:
         """End a subscription or a publisher."""
         with self._lock:
-            if end in self._ends:
-                self._ends = tuple(other for other in self._ends if other is not end)
+            if end in self.ends:
+                self.ends = tuple(other for other in self.ends if other is not end)
                 end.delete()
                 self._bell.set(True)
 
@@ -255,10 +242,10 @@ class DdsNode:
             self._thread.join(_JOIN)
         until = time.monotonic() + _DELIVERED
         with self._lock:
-            for end in self._ends:
+            for end in self.ends:
                 if isinstance(end, TopicPublisher):
                     end.flush(until)
-            self._ends = ()
+            self.ends = ()
         _delete(self._waiting, self.participant)
         self._domain.leave()
 
@@ -277,7 +264,7 @@ class DdsNode:
         with self._lock:
             if self._over:
                 return
-            ends = self._ends
+            ends = self.ends
             if changed:
                 for end in ends:
                     end.adapt()

@@ -39,11 +39,9 @@ Make = Callable[[Any], Any]
 
 
 class MessageTypes:
-    """The types of one connection.
+    """The types of one connection; the user's own definitions are in `folders`.
 
     Owner: the thread of the link; `sample` may be called on any thread for a type whose struct was made.
-
-    `folders`: with the user's own definitions.
     """
 
     def __init__(self, folders: Iterable[str | os.PathLike[str]] = ()) -> None:

@@ -43,25 +43,17 @@ class Transport(ABC):
     All methods are called on the link's thread and may block, for a bounded time; `send` is called
     on any thread and must not block. A failure raises `BridgeError`, and `RefusedError` where only one
     topic is affected. What a back end cannot know (who else commands, the round trip, a hint) has a default.
-
-    `place`: address of the robot, for messages.
-    `node`: name of the node on this side, where there is one.
-    `period`: seconds between two comparisons with the robot.
-    `changed`: to be called, on any thread, when the link should compare at once.
-    `pace`: seconds between two readings that the program can use; a faster topic may be thinned out.
-    `round_trip`: recent median of the seconds until the robot answers a ping; None where it is not measured.
-    `clock`: learns from the time stamps of messages, and tells their age.
     """
 
-    place: str = ""
-    node: str = "lrp"
-    period: float = 2.0
-    pace: float = 0.02
-    round_trip: float | None = None
+    place: str = ""  # address of the robot, for messages
+    node: str = "lrp"  # name of the node on this side, where there is one
+    period: float = 2.0  # seconds between two comparisons with the robot
+    pace: float = 0.02  # seconds between two readings that the program can use, for topics that are faster
+    round_trip: float | None = None  # recent median of the seconds until a pong; None: it is not measured
 
     def __init__(self) -> None:
-        self.changed: Callable[[], None] = lambda: None
-        self.clock = RobotClock()
+        self.changed: Callable[[], None] = lambda: None  # to be called, on any thread, to compare at once
+        self.clock = RobotClock()  # learns from the time stamps of messages, and tells their age
 
     @abstractmethod
     def connect(self) -> None:
@@ -82,10 +74,7 @@ class Transport(ABC):
         return ""
 
     def trouble(self) -> str:
-        """Return a sentence if the robot does not answer, else an empty text; does not block.
-
-        Default: nothing speaks for the whole robot, only `topics` does.
-        """
+        """Return a sentence if the robot does not answer, else an empty text, the default; does not block."""
         return ""
 
     @abstractmethod
@@ -119,10 +108,7 @@ class Transport(ABC):
         """
 
     def tend(self, in_need: bool) -> float:
-        """Look after what is joined; return the seconds until the next comparison.
-
-        `in_need`: whether a topic, a type or a message is missing.
-        """
+        """Look after what is joined; return the seconds until the next comparison, fewer if `in_need`."""
         return min(self.period, _AGAIN) if in_need else self.period
 
     def commanders(self, topic: str) -> tuple[str, ...]:
@@ -177,11 +163,7 @@ class TopicLink(Link):
     # -- from any thread --------------------------------------------------------------------------
 
     def send(self, channel: Channel, message: RosMessage | None, urgent: bool = False) -> None:
-        """Publish, without waiting; `urgent` for a stop, which is always tried.
-
-        Raises BridgeError: it is not connected, or there is no message because the type is not known;
-        nothing is kept to be sent later.
-        """
+        """Publish at once, or raise a BridgeError and keep nothing; a stop (`urgent`) is always tried."""
         handle, why = channel.handle, channel.problem or channel.waiting
         if not self.connected:
             why = self._failure or f"{self.place} is not connected yet"

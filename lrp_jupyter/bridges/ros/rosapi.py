@@ -53,20 +53,16 @@ class Rosapi:
 
     Owner: `run` asks; each answer is replaced by one assignment, and any thread may read it.
 
-    `url`: of the rosbridge server.
-    `clock`: set by the time of the robot.
     `warn`: called with a sentence when rosapi is missing, and when it is there again.
     `changed`: called when there is something new.
-    `trouble`: that ROS itself does not answer, as a sentence; else empty.
-    `publishers`: the nodes that publish on the watched topics, without rosbridge itself.
     """
 
     def __init__(
         self, url: str, clock: RobotClock, warn: Callable[[str], None], changed: Callable[[], None]
     ) -> None:
         self.is_ros2 = False
-        self.trouble = ""
-        self.publishers: Mapping[str, tuple[str, ...]] = {}
+        self.trouble = ""  # that ROS itself does not answer: a sentence
+        self.publishers: Mapping[str, tuple[str, ...]] = {}  # on the watched topics, without rosbridge itself
         self._in_need = False
         self._url, self._clock, self._warn, self._changed = url, clock, warn, changed
         self._topics: Mapping[str, str] = {}

@@ -35,11 +35,7 @@ _FIGHT = 5.0  # seconds for which another client counts as one that commands
 
 
 class RosbridgeTransport(Transport):
-    """A rosbridge server.
-
-    `url`: ``ws://host:9090``
-    `warn`: called with a sentence for each complaint of the server.
-    """
+    """A rosbridge server; `warn` is called with a sentence for each of its complaints."""
 
     def __init__(self, url: str, warn: Callable[[str], None]) -> None:
         super().__init__()

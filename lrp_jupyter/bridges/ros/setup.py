@@ -184,17 +184,12 @@ def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Where a robot is found.
-
-    `scheme`: ``ws``, ``wss`` or ``http``.
-    `host`: empty: not given.
-    `path`: empty, or from the first ``/`` on, with a query.
-    """
+    """Where a robot is found."""
 
     scheme: str
-    host: str
+    host: str  # empty: not given
     port: int
-    path: str = ""
+    path: str = ""  # from the first `/` on, with a query
 
     @property
     def url(self) -> str:

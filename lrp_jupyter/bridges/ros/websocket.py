@@ -74,17 +74,15 @@ class Socket:
 
     `receive`: given each message of the server; in that loop.
     `changed`: called when the server begins or ceases to hang, and at the end of `open`'s thread.
-    `round_trip`: recent median of the seconds until a pong; None before the first one.
-    `ended`: why it ended; empty for no special reason.
     """
 
     def __init__(
         self, url: str, receive: Callable[[Mapping[str, Any]], None], changed: Callable[[], None]
     ) -> None:
-        self.ended = ""
+        self.ended = ""  # why; empty for no special reason
         self.is_open = False
         self.is_stale = False
-        self.round_trip: float | None = None
+        self.round_trip: float | None = None  # recent median of the seconds until a pong
         self._url, self._receive, self._changed = url, receive, changed
         self._outbox: deque[tuple[float, str, str]] = deque()  # since when, topic (or ""), text
         self._posted = Bell()

@@ -23,12 +23,10 @@ class Wiring:
     """The channels of a bridge.
 
     Owner: the threads of a person, the link and the loop may change it; a lock serializes them.
-
-    `path`: the file to which every change is written; empty: none.
     """
 
     def __init__(self, offer: Callable[[Channel], None], withdraw: Callable[[str], None]) -> None:
-        self.path = ""
+        self.path = ""  # the file to which every change is written
         self.link: TopicLink | None = None
         self._offer, self._withdraw = offer, withdraw
         self._changing = threading.RLock()
