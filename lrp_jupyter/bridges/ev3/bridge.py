@@ -153,11 +153,7 @@ class EV3Bridge(Bridge):
         self._latched = self.link.snapshot
 
     def seen(self) -> BrickReading:
-        """Return the latched reading within a tick, else the latest.
-
-        Raises NoDataYet: nothing has arrived yet.
-        Raises BridgeError: the brick was lost, or refuses to be read.
-        """
+        """Return the latched reading within a tick, else the latest."""
         return self.link.latest(self._latched if self.latch else None)
 
     def _age(self) -> float | None:

@@ -32,17 +32,12 @@ _Value = TypeVar("_Value")
 
 
 class BrickClient:
-    """One connection to a brick. Any thread may call any method.
-
-    `line`: what the frames travel on; the client closes it.
-    `place`, `serial`: the address and serial number of the brick, as those of the line.
-    `lost`: why the connection is lost, a sentence; empty while connected.
-    """
+    """One connection to a brick, on a line which it closes. Any thread may call any method."""
 
     def __init__(self, line: Line) -> None:
         self._line = line
         self.place, self.serial = line.place, line.serial
-        self.lost = ""
+        self.lost = ""  # why, a sentence; empty while connected
         self._sending = threading.Lock()  # held while the bytes of one frame go out
         self._asking = threading.Lock()  # held from a question to its answer
         self._counter = 0
@@ -53,12 +48,7 @@ class BrickClient:
         self._send(code, 0, False, time.monotonic() + timeout)
 
     def request(self, code: Code, size: int, timeout: float = ANSWER_TIME) -> bytes:
-        """Send a byte code and wait for its answer.
-
-        `size`: bytes that the answer has.
-        `timeout`: seconds that all of it may take.
-        Raises BridgeError: the brick refuses the command (and stays connected), or the connection is lost.
-        """
+        """Send a byte code and return its answer of `size` bytes; a brick that refuses it stays connected."""
         deadline = time.monotonic() + timeout
         if not self._asking.acquire(timeout=timeout):
             raise BridgeError("The brick is still busy with another request.")

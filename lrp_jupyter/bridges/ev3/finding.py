@@ -87,11 +87,8 @@ def connect(
 
     By WiFi its beacon is waited for and answered; where an address is given, TCP is tried as well.
 
-    `host`: its IP address or Bluetooth address, or ``"usb"``; None for the first brick whose beacon is heard.
-    `port`: TCP port for a brick that is found by its address alone.
-    `serial`: only the brick with this serial number; empty for any.
-    `patience`: seconds to wait for a beacon.
-    `beacon_port`: UDP port that bricks send their beacons to.
+    The options are those of `EV3Bridge`; `port` is used for a brick that is found by its address alone.
+
     `cancelled`: called about ten times a second; returns whether to stop searching.
     """
     host = None if host is None else check_address(host)

@@ -31,18 +31,12 @@ _STOP_TIME = 0.3  # seconds that sending the runstop may take
 
 @dataclass(frozen=True, slots=True)
 class BrickState:
-    """The last known state of the brick.
-
-    `reading`: None before the first one.
-    `trouble`: the reason why it could not be read since then.
-    `time`: when it was read, by `time.monotonic`.
-    `pose`: where the motors have driven it.
-    """
+    """The last known state of the brick."""
 
     reading: BrickReading | None = None
-    trouble: str = ""
-    time: float = 0.0
-    pose: Pose = NOWHERE
+    trouble: str = ""  # why it could not be read since then
+    time: float = 0.0  # when it was read, by `time.monotonic`
+    pose: Pose = NOWHERE  # where the motors have driven it
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +58,6 @@ class BrickLink(Link):
         it changes; with ``late`` and a sentence when the brick stopped motors which nothing renewed in time.
     `advance`: returns the pose after a pose, when each motor has turned by an angle in degrees.
     `clock`: the time of the slices, in seconds.
-    `modes`: those wanted of the four sensors, from the next reading on; -1: any.
     """
 
     def __init__(
@@ -83,7 +76,7 @@ class BrickLink(Link):
         self._latest = threading.Lock()  # held while the snapshot is replaced
         self._resets = [0] * 4  # how often each motor's count was set to zero
         self._counted: tuple[int, ...] = (0,) * 4  # … at the last reading
-        self.modes = [SAME_MODE] * 4
+        self.modes = [SAME_MODE] * 4  # that are wanted of the sensors, from the next reading on
         self._usual: tuple[int, ...] = (SAME_MODE,) * 4
 
     @property
@@ -111,11 +104,7 @@ class BrickLink(Link):
         connection.client.command(lambda: connection.slices.turn(percents, regulated))
 
     def stop(self) -> None:
-        """Stop all motors in one packet.
-
-        Raises BridgeError: the brick was lost; it stops them by itself, and they are stopped again when it is
-            found.
-        """
+        """Stop all motors in one packet."""
         connection = self._connection
         if connection is not None:
             _stop(connection, _STOP_TIME)
@@ -132,11 +121,7 @@ class BrickLink(Link):
         return connection
 
     def latest(self, snapshot: BrickState | None = None) -> BrickReading:
-        """Return the latest reading (or that of a snapshot).
-
-        Raises NoDataYet: nothing has arrived yet.
-        Raises BridgeError: the brick was lost, or refuses to be read.
-        """
+        """Return the latest reading (or that of a snapshot)."""
         seen = self.snapshot if snapshot is None else snapshot
         if seen.trouble:
             raise BridgeError(seen.trouble)

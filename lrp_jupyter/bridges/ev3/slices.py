@@ -35,8 +35,6 @@ class Slices:
     """The motors of one connection that go on turning; returns the byte codes that make them do so.
 
     Owner: whoever is sending a frame, so that codes are sent in the order in which they were made.
-
-    `clock`: returns the time in seconds.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
