@@ -67,6 +67,7 @@ describe("a ghost", () => {
 describe("a preview", () => {
   let store: Store;
   let preview: Preview;
+  let foretells: { on: boolean };
   let questions: { resolve: (reply: Partial<ReplyMessage>) => void }[];
   const frames = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 5)));
   const set = async (fields: Partial<Store["state"]>) => {
@@ -82,8 +83,13 @@ describe("a preview", () => {
   beforeEach(async () => {
     store = new Store();
     questions = [];
+    foretells = { on: true };
     const ask = vi.fn(() => new Promise((resolve) => questions.push({ resolve })));
-    preview = new Preview({ store, ask, closed: new AbortController().signal } as unknown as Lab, true, 0);
+    preview = new Preview(
+      { store, ask, closed: new AbortController().signal } as unknown as Lab,
+      foretells,
+      0,
+    );
     Object.assign(store.state, { status: "running", time: 5, revision: 1, world: {} });
     store.touch(["snapshot", "status", "time", "revision", "world"]);
     await frames();
@@ -144,10 +150,11 @@ describe("a preview", () => {
 
   it("is not asked for when it is off, at a past moment, of a real robot, or before the start", async () => {
     await answer({ what_if: whatIf(5) });
-    preview.on = false;
+    foretells.on = false;
+    preview.check();
     expect(store.state.whatIf).toBeNull();
     await set({ revision: 3 });
-    preview.on = true;
+    foretells.on = true;
     await set({ revision: 4, looking: { tick: 10, time: 1, ago: 4, edited: true } });
     await set({ revision: 5, looking: null, world: null });
     await set({ revision: 6, world: {} as WorldView, status: "ready" });

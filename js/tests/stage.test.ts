@@ -35,7 +35,7 @@ beforeEach(() => {
     return reply();
   };
   reply = async () => null;
-  stage = new Stage(() => ({}) as Palette);
+  stage = new Stage(() => ({}) as Palette, { on: false }, { on: true });
   document.body.replaceChildren(stage.canvas);
   captured = new Set();
   stage.canvas.setPointerCapture = (id) => void captured.add(id);
@@ -218,7 +218,7 @@ describe("the trail", () => {
     point("pointerdown", 0.85, 1.5);
     point("pointermove", 1.25, 1.8);
     point("pointerup", 1.25, 1.8);
-    stage.showsTrail = false;
+    stage.showsTrail.on = false;
     point("pointerdown", 0.85, 1.5);
     point("pointerup", 0.85, 1.5);
     expect(acts).toEqual([]);

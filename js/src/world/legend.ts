@@ -102,7 +102,7 @@ function entriesOf({ whatIf, palette, trail, latest, showsTrail, styleOf }: Stag
         { title: "How it was recorded", name: "as recorded", color: recorded, isDashed: false },
       ]
     : [];
-  if (!showsTrail) return courses;
+  if (!showsTrail.on) return courses;
   const states = trail.states(latest?.time ?? 0).filter((state) => state !== "");
   return [
     ...courses,
@@ -119,6 +119,6 @@ function tipAt({ whatIf, trail, viewport, showsTrail }: Stage, [x, y]: Point): s
   const parting = whatIf && partingOf(whatIf);
   if (parting && Math.hypot(parting[0] - x, parting[1] - y) <= reach)
     return unmarked(`${whatIf.divergence!.time.toFixed(1)} s: ${whatIf.divergence!.text}`);
-  const found = showsTrail ? trail.near(x, y, reach) : null;
+  const found = showsTrail.on ? trail.near(x, y, reach) : null;
   return found?.state ? `${nameOf(found.state)} · ${found.time.toFixed(1)} s · click to look` : "";
 }

@@ -3,6 +3,7 @@
 import type { WhatIf } from "../protocol";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
+import type { KeptSwitch } from "../ui/kept";
 import { ghostAt } from "./ghost";
 
 const SECONDS = 3;
@@ -20,7 +21,7 @@ export class Preview {
 
   constructor(
     private readonly lab: Lab,
-    private isOn: boolean,
+    private readonly foretells: Pick<KeptSwitch, "on">,
     calm = CALM,
   ) {
     this.ask = newest(
@@ -39,16 +40,7 @@ export class Preview {
     lab.store.watch(["time", "looking", "world"], () => this.check());
   }
 
-  get on(): boolean {
-    return this.isOn;
-  }
-
-  set on(on: boolean) {
-    this.isOn = on;
-    if (!on) this.show(null);
-  }
-
-  /** End the preview if it is over, or if the robot, which is at (x, y), has gone another way. */
+  /** End the preview if it is over or switched off, or if the robot, which is at (x, y), has gone another way. */
   check(at?: readonly number[]): void {
     const { whatIf, time, looking } = this.lab.store.state;
     const isBack = time < this.time;
@@ -56,13 +48,13 @@ export class Preview {
     if (!whatIf || whatIf !== this.latest) return;
     const foretold = at && ghostAt(whatIf.changed.way, time);
     const isAstray = foretold && Math.hypot(at[0]! - foretold[0], at[1]! - foretold[1]) > ASTRAY;
-    if (looking || isBack || time >= whatIf.end || isAstray) this.show(null);
+    if (!this.foretells.on || looking || isBack || time >= whatIf.end || isAstray) this.show(null);
   }
 
   private get isWanted(): boolean {
     const { looking, world, status, settings } = this.lab.store.state;
     return (
-      this.isOn &&
+      this.foretells.on &&
       !settings.quiet &&
       !looking &&
       world !== null &&

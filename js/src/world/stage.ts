@@ -1,6 +1,7 @@
 /** The canvas of a world: a cached layer for what stands still, and frames interpolated between poses. */
 
 import type { Point, StrokeView, WhatIf, WorldView } from "../protocol";
+import type { KeptSwitch } from "../ui/kept";
 import { pngOf } from "../ui/picture";
 import type { Brush } from "./brush";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
@@ -45,8 +46,6 @@ export class Stage {
   busy = false;
   /** The number of edits that the kernel has not answered yet. */
   awaited = 0;
-  grid = false;
-  showsTrail = true;
   /** Whether an earlier moment is shown. */
   isPast = false;
   /** Another course than that of the robot. */
@@ -70,7 +69,11 @@ export class Stage {
   /** Pixels of the canvas per px of the page. */
   private ratio = 1;
 
-  constructor(private readonly readPalette: () => Palette) {
+  constructor(
+    private readonly readPalette: () => Palette,
+    private readonly showsGrid: Pick<KeptSwitch, "on">,
+    readonly showsTrail: Pick<KeptSwitch, "on">,
+  ) {
     this.palette = readPalette();
   }
 
@@ -267,7 +270,7 @@ export class Stage {
     // what is dragged would run away from the pointer
     if (this.viewport.follow && !this.busy && this.world && x !== undefined && y !== undefined)
       this.floorStale = this.viewport.keepInSight([x, y], this.world.size) || this.floorStale;
-    if (current && this.showsTrail) this.settle(current.time);
+    if (current && this.showsTrail.on) this.settle(current.time);
     if (this.floorStale) this.paintLayer();
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, this.canvas.width, this.canvas.height);
@@ -281,7 +284,7 @@ export class Stage {
     const { viewport, palette, selected, outline } = this;
     const brush: Brush = { c, palette, pixels: viewport.scale };
     viewport.transform(c, this.ratio);
-    if (this.showsTrail) {
+    if (this.showsTrail.on) {
       for (const { trail, style } of this.trails) {
         const range: [number, number] = [trail.after(this.settled), trail.after(current.time - FADES)];
         paintFaintTrail(brush, trail, range, OLDER, style);
@@ -301,7 +304,7 @@ export class Stage {
     if (selected && shape) paintSelection(brush, selected, shape);
     if (outline) paintOutline(brush, outline, 5, 4);
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    paintBar(brush, this.canvas.height / this.ratio, this.grid);
+    paintBar(brush, this.canvas.height / this.ratio, this.showsGrid.on);
   }
 
   /** Paint the faint trail with the floor, which is rare: it may be long. */
@@ -325,8 +328,8 @@ export class Stage {
     const { settled, palette } = this;
     const brush: Brush = { c, palette, pixels: this.viewport.scale };
     paintFloor(brush, this.world, this.ink);
-    if (this.grid) paintGrid(brush, this.world.size);
-    if (!this.showsTrail) return;
+    if (this.showsGrid.on) paintGrid(brush, this.world.size);
+    if (!this.showsTrail.on) return;
     for (const { trail, style } of this.trails) {
       paintFaintTrail(brush, trail, [trail.after(settled + FADES), trail.points.length], LATER, style);
       paintFaintTrail(brush, trail, [0, trail.after(settled)], OLDER, style);

@@ -91,7 +91,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
 
   function momentUnder([x, y]: Point): number | null {
     const found =
-      stage.showsTrail && box.tool === "move" && stage.trail.near(x, y, REACH / stage.viewport.scale);
+      stage.showsTrail.on && box.tool === "move" && stage.trail.near(x, y, REACH / stage.viewport.scale);
     return found ? found.time : null;
   }
 

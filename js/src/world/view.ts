@@ -45,29 +45,21 @@ const LABEL =
 
 export function worldView(lab: Lab, looking: Looking): WorldPart {
   const { store } = lab;
-  const stage = new Stage(() => paletteIn(lab.root));
-  const { canvas } = stage;
-  const grid = new KeptSwitch("world-grid", false, () => {
-    stage.grid = grid.on;
-    stage.repaint();
-  });
+  const grid = new KeptSwitch("world-grid", false, () => stage.repaint());
   const trail = new KeptSwitch("world-trail", true, () => {
-    stage.showsTrail = trail.on;
     colours.refresh();
     stage.repaint();
   });
-  const foretells = new KeptSwitch("world-preview", true, () => {
-    preview.on = foretells.on;
-  });
-  stage.grid = grid.on;
-  stage.showsTrail = trail.on;
+  const foretells = new KeptSwitch("world-preview", true, () => preview.check());
+  const stage = new Stage(() => paletteIn(lab.root), grid, trail);
+  const { canvas } = stage;
   stage.viewport.alwaysFollows = isOn("world-follow", false);
   const named = { class: "lrp-canvas", tabindex: "0", role: "application", "aria-label": LABEL };
   for (const [name, value] of Object.entries(named)) canvas.setAttribute(name, value);
 
   const strip = properties(stage, () => edits);
   const edits = new WorldEdits(stage, lab, looking, strip.refresh);
-  const preview = new Preview(lab, foretells.on);
+  const preview = new Preview(lab, foretells);
   let tool: Tool = "move";
   const box: ToolBox = {
     get tool() {
@@ -259,10 +251,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   new MutationObserver(() => {
     stage.retheme();
     stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
-  }).observe(lab.root, {
-    attributes: true,
-    attributeFilter: ["data-theme"],
-  });
+  }).observe(lab.root, { attributes: true, attributeFilter: ["data-theme"] });
 
   return {
     element,
