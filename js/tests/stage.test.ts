@@ -88,15 +88,15 @@ describe("a drag in the world", () => {
   it("that moves the view ends with Escape where it began, and the robot is followed as before", () => {
     for (const follows of [true, false]) {
       stage.follows = follows;
-      const before = stage.inside(0, 0);
+      const before = stage.viewport.inside(0, 0);
       point("pointerdown", 1.2, 1.8);
       point("pointermove", 1.6, 1.2);
-      expect([stage.follows, stage.inside(0, 0)]).not.toEqual([follows, before]);
+      expect([stage.follows, stage.viewport.inside(0, 0)]).not.toEqual([follows, before]);
       press("Escape");
       expect(stage.follows).toBe(follows);
-      expect(stage.inside(0, 0)).toEqual(before.map((place) => expect.closeTo(place)));
+      expect(stage.viewport.inside(0, 0)).toEqual(before.map((place) => expect.closeTo(place)));
     }
-    expect([acts, edits.selected]).toEqual([[], null]);
+    expect([acts, stage.selected]).toEqual([[], null]);
   });
 
   it("is not disturbed by a second finger, nor by keys", () => {
@@ -260,7 +260,7 @@ describe("while an earlier moment is looked at", () => {
     edits.startHere();
     edits.add("wall", { x: 1, y: 1, angle: 0, box: [1, 0.1] });
     expect(new Set(acts.map((act) => act.do))).toEqual(new Set(["look"]));
-    expect([stage.busy, edits.selected]).toEqual([false, null]);
+    expect([stage.busy, stage.selected]).toEqual([false, null]);
     expect(stage.draftOf({ kind: "solid", index: 1 })).toBe(null);
   });
 
@@ -270,7 +270,7 @@ describe("while an earlier moment is looked at", () => {
     point("pointerdown", 1.2, 1.8);
     point("pointermove", 1.6, 1.2);
     point("pointerup", 1.6, 1.2);
-    expect([acts, edits.selected]).toEqual([[], { kind: "solid", index: 0 }]);
+    expect([acts, stage.selected]).toEqual([[], { kind: "solid", index: 0 }]);
   });
 });
 

@@ -27,10 +27,6 @@ export class WorldEdits {
     private readonly selectionChanged: () => void,
   ) {}
 
-  get selected(): Thing | null {
-    return this.stage.selected;
-  }
-
   select(thing: Thing | null): void {
     if (!same(this.stage.selected, thing)) this.flush();
     this.stage.selected = thing;
@@ -50,10 +46,10 @@ export class WorldEdits {
 
   /** Select the next thing, or the one before. */
   selectNext(by: 1 | -1): void {
-    const { world } = this.stage;
+    const { world, selected } = this.stage;
     if (!world) return;
     const things = thingsOf(world);
-    const index = things.findIndex((thing) => same(thing, this.selected));
+    const index = things.findIndex((thing) => same(thing, selected));
     const next = index < 0 && by < 0 ? things.length - 1 : index + by;
     this.select(things[next] ?? null);
   }
@@ -131,7 +127,7 @@ export class WorldEdits {
 
   /** Remove the selected thing. */
   remove(): void {
-    const { selected } = this;
+    const { selected } = this.stage;
     if (selected?.kind === "solid") this.act({ do: "remove_solid", index: selected.index });
     else if (selected?.kind === "zone") this.act({ do: "remove_zone", name: selected.name });
     else return;
@@ -140,7 +136,7 @@ export class WorldEdits {
 
   /** Move, resize or turn the selected thing, or the robot, by a key; return whether the key does that. */
   nudge(key: string, resize: boolean): boolean {
-    const thing: Thing = this.selected ?? { kind: "robot", index: 0 };
+    const thing: Thing = this.stage.selected ?? { kind: "robot", index: 0 };
     const shape = this.stage.shape(thing);
     const next = shape && keyed(shape, key, resize && thing.kind !== "robot" && thing.kind !== "start");
     if (!next || (thing.kind === "zone" && next.angle)) return false;
@@ -175,7 +171,8 @@ export class WorldEdits {
 
   /** Set the start to where the robot is shown, also before a frame has it there: the selected, or the first one. */
   startHere(): void {
-    const index = this.selected?.kind === "robot" ? this.selected.index : 0;
+    const { selected } = this.stage;
+    const index = selected?.kind === "robot" ? selected.index : 0;
     const shape = this.stage.shape({ kind: "robot", index });
     if (shape) this.act({ do: "set_start", index, pose: [shape.x, shape.y, shape.angle] });
   }

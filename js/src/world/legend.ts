@@ -54,7 +54,7 @@ export function legend(stage: Stage) {
   const tip = h("div", { class: "lrp-tip", hidden: true, "aria-hidden": "true" });
   let shown = "";
   stage.canvas.addEventListener("pointermove", (event) => {
-    const text = event.buttons ? "" : tipAt(stage, stage.inside(event.offsetX, event.offsetY));
+    const text = event.buttons ? "" : tipAt(stage, stage.viewport.inside(event.offsetX, event.offsetY));
     setHidden(tip, !text);
     if (!text) return;
     setText(tip, text);

@@ -61,7 +61,7 @@ export class Stage {
   /** The time up to which the floor has the faint trail. */
   private settled = 0;
   private before: Snapshot | null = null;
-  private after: Snapshot | null = null;
+  latest: Snapshot | null = null;
   private arrived = 0;
   private span = 1;
   private scheduled = 0;
@@ -89,7 +89,7 @@ export class Stage {
     this.others = (world?.robots.slice(1) ?? []).map((_, i) => this.others[i] ?? new Trail());
     this.ink = [];
     this.clearDrafts();
-    if (world) this.before = this.after = firstPoses(world, this.after); // its solids are where they are now
+    if (world) this.before = this.latest = firstPoses(world, this.latest); // its solids are where they are now
     if (other) this.arrange();
     this.repaint();
   }
@@ -135,7 +135,7 @@ export class Stage {
   move(next: Snapshot, now: number, state: string): void {
     this.before = this.current(now) ?? next;
     this.span = Math.max(1, Math.min(SPAN, now - this.arrived));
-    this.after = next;
+    this.latest = next;
     this.arrived = now;
     if (!this.isPast)
       next.robots.forEach(({ pose }, i) =>
@@ -158,23 +158,19 @@ export class Stage {
     for (const trail of [this.trail, ...this.others]) trail.clear();
   }
 
-  get latest(): Snapshot | null {
-    return this.after;
-  }
-
   /** The shape of a thing as it is shown. */
   shape(thing: Thing): Shape | null {
-    return this.draftOf(thing) ?? (this.world && this.after && shapeOf(this.world, this.after, thing));
+    return this.draftOf(thing) ?? (this.world && this.latest && shapeOf(this.world, this.latest, thing));
   }
 
   private current(now: number): Snapshot | null {
-    if (!this.before || !this.after) return this.after;
+    if (!this.before || !this.latest) return this.latest;
     const share = Math.min(1, (now - this.arrived) / this.span);
-    return share >= 1 ? this.after : between(this.before, this.after, share);
+    return share >= 1 ? this.latest : between(this.before, this.latest, share);
   }
 
   private get robotAt(): Point | undefined {
-    const [x, y] = this.after?.robots[0]?.pose ?? [];
+    const [x, y] = this.latest?.robots[0]?.pose ?? [];
     return x === undefined || y === undefined ? undefined : [x, y];
   }
 
@@ -210,10 +206,6 @@ export class Stage {
     if (on && this.world && this.robotAt) this.viewport.begin(this.robotAt, this.world.size);
     else this.viewport.end();
     this.repaint();
-  }
-
-  inside(x: number, y: number): Point {
-    return this.viewport.inside(x, y);
   }
 
   pan(dx: number, dy: number): void {

@@ -63,7 +63,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
 
   /** What a pointer that goes down at a place begins. */
   function beginning(at: Point, turn: boolean): Press {
-    const point = stage.inside(...at);
+    const point = stage.viewport.inside(...at);
     const held = heldAt(point);
     const { tool } = box;
     if (stage.isPast && (held || tool !== "move" || thingUnder(point))) return returning(thingUnder(point));
@@ -96,7 +96,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   }
 
   function heldAt(point: Point): { thing: Thing; shape: Shape; grip: Grip; from: Point } | null {
-    const thing = edits.selected;
+    const thing = stage.selected;
     const shape = thing && stage.shape(thing);
     const held = thing && shape && gripAt(thing, shape, point, stage.viewport.scale);
     return held ? { thing, shape, grip: held.grip, from: held.at } : null;
@@ -144,7 +144,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     const before = stage.draftOf(thing);
     return {
       move(at, due, turn) {
-        const to = stage.inside(...at);
+        const to = stage.viewport.inside(...at);
         const really = turn && grip === "move" && thing.kind !== "zone" ? "turn" : grip;
         next = dragged(shape, really, from, to);
         if (due && grip !== "size") edits.drag(thing, next);
@@ -165,7 +165,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     let [end, straight] = [begin, false];
     return {
       move(at, _, steps) {
-        [end, straight] = [stage.inside(...at), steps];
+        [end, straight] = [stage.viewport.inside(...at), steps];
         stage.outline = drawn(kind, begin, end, straight);
         stage.wake();
       },
@@ -190,7 +190,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     stage.wake();
     return {
       move(at, _, steps) {
-        const point = stage.inside(...at);
+        const point = stage.viewport.inside(...at);
         const [x, y] = points.at(-1)!;
         if (Math.hypot(point[0] - x, point[1] - y) > width / 4) points.push(point);
         straight[1] = point;
@@ -219,7 +219,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   );
   canvas.addEventListener("pointermove", (event) => {
     if (!stage.world || !stage.latest || event.buttons) return;
-    const point = stage.inside(...local(event));
+    const point = stage.viewport.inside(...local(event));
     const held = heldAt(point);
     const still = momentUnder(point) === null ? "default" : "pointer";
     const free = box.tool === "move" ? still : "crosshair";
@@ -248,7 +248,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     else if (key === "+" || key === "=") stage.zoom(1.25);
     else if (key === "-") stage.zoom(1 / 1.25);
     else if (key === "0") stage.showAll();
-    else if (key === "Escape" && (edits.selected || tool !== "move")) {
+    else if (key === "Escape" && (stage.selected || tool !== "move")) {
       edits.select(null);
       box.choose("move");
     } else return false;
