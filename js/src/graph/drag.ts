@@ -1,7 +1,7 @@
 /** States dragged by the mouse: they stay under the pointer, and where they are dropped. */
 
 import type { Layout } from "../protocol";
-import { moveState } from "./draw";
+import { moveState, placeOf } from "./draw";
 
 const SEND_EVERY = 40; // ms between two places of a dragged state
 const NEAR = 0.2; // px
@@ -30,7 +30,7 @@ export class Dragging {
 
   begin(node: Element): void {
     this.clear();
-    const [x = 0, y = 0] = (node.getAttribute("transform")?.match(/-?[\d.]+/g) ?? []).map(Number);
+    const [x, y] = placeOf(node);
     this.dragged = { node, path: node.getAttribute("data-lrp-state") ?? "", x, y, home: { x, y } };
     this.dropped = false;
     node.setAttribute("data-dragged", "");

@@ -168,6 +168,12 @@ export function moveState(element: Element, x: number, y: number): void {
   setAttribute(element, "transform", `translate(${x} ${y})`);
 }
 
+/** Where a state is drawn. */
+export function placeOf(element: Element): [x: number, y: number] {
+  const [x = 0, y = 0] = (element.getAttribute("transform")?.match(/-?[\d.]+/g) ?? []).map(Number);
+  return [x, y];
+}
+
 function stateBody(shape: StateShape): SVGElement[] {
   const { width, height } = shape;
   const [left, top] = [-width / 2, -height / 2];

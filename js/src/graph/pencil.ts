@@ -13,12 +13,11 @@ import { openMenu } from "../ui/menu";
 import { middleOf, type Point, pointOf } from "../ui/point";
 import { focusedAround } from "../ui/root";
 import { Acts } from "./acts";
+import { placeOf } from "./draw";
 import { drawnAt } from "./elements";
 
 const NEAR = 7; // px from the border of a state that count as the border
 const HANDLE = 6; // px, radius of the end of a selected transition
-
-type End = "source" | "destination";
 
 /** `put` pins a state to a place. */
 export function attachPencil(
@@ -58,19 +57,16 @@ export function attachPencil(
   const within = ({ x, y }: Point, { left, right, top, bottom }: DOMRect, margin: number) =>
     x > left - margin && x < right + margin && y > top - margin && y < bottom + margin;
   /** The innermost state around a point: of nested pictures the smallest. */
-  const stateAt = (point: Point, except: Element | null = null): SVGGElement | null => {
-    const found = boxes().filter((node) => node !== except && within(point, frameOf(node), 0));
-    return found.sort((a, b) => frameOf(a).width - frameOf(b).width)[0] ?? null;
-  };
-  const borderAt = (point: Point): SVGGElement | null => {
-    return (
-      boxes().find((node) => {
-        const frame = frameOf(node);
-        const depth = Math.min(NEAR - 2, frame.height / 5);
-        return within(point, frame, NEAR) && !within(point, frame, -depth);
-      }) ?? null
-    );
-  };
+  const stateAt = (point: Point, except: Element | null = null) =>
+    boxes()
+      .filter((node) => node !== except && within(point, frameOf(node), 0))
+      .sort((a, b) => frameOf(a).width - frameOf(b).width)[0];
+  const borderAt = (point: Point) =>
+    boxes().find((node) => {
+      const frame = frameOf(node);
+      const depth = Math.min(NEAR - 2, frame.height / 5);
+      return within(point, frame, NEAR) && !within(point, frame, -depth);
+    });
   const isFree = (event: MouseEvent) => {
     const target = event.target as Element;
     return (
@@ -96,14 +92,7 @@ export function attachPencil(
         layer.append(
           s(
             "circle",
-            {
-              class: "lrp-handle",
-              r: HANDLE,
-              cx,
-              cy,
-              "data-end": end,
-              "data-source": source,
-            },
+            { class: "lrp-handle", r: HANDLE, cx, cy, "data-end": end, "data-source": source },
             s("title", {}, end === "source" ? "Drag to another source" : "Drag to another destination"),
           ),
         );
@@ -137,7 +126,7 @@ export function attachPencil(
     const [u, v] = inside(to);
     setAttribute(line, "d", `M${x} ${y}L${u} ${v}`);
   };
-  const mark = (node: Element | null, kind = "") => {
+  const mark = (node: Element | null | undefined, kind = "") => {
     for (const other of root.querySelectorAll("[data-drop]")) other.removeAttribute("data-drop");
     node?.setAttribute("data-drop", kind);
   };
@@ -176,7 +165,7 @@ export function attachPencil(
     );
   };
   const dragEnd = (event: PointerEvent, handle: Element) => {
-    const end = handle.getAttribute("data-end") as End;
+    const end = handle.getAttribute("data-end") as "source" | "destination";
     const path = lab.store.state.chosen;
     const other = (end === "source" ? handle.nextElementSibling : handle.previousElementSibling) ?? handle;
     const fixed = client(Number(other.getAttribute("cx")), Number(other.getAttribute("cy")));
@@ -199,11 +188,7 @@ export function attachPencil(
   /** Watch a state that the graph moves: dropped on another one, it goes inside. */
   const watchNesting = (event: PointerEvent, node: SVGGElement) => {
     const path = pathOf(node);
-    const home =
-      node
-        .getAttribute("transform")
-        ?.match(/-?[\d.]+/g)
-        ?.map(Number) ?? [];
+    const home = placeOf(node);
     const targetAt = (now: Point) => {
       const target = stateAt(now, node);
       return target && isReal(target) && parentOf(pathOf(target)) === parentOf(path) ? target : null;
@@ -215,8 +200,7 @@ export function attachPencil(
         const target = now && targetAt(now);
         if (!target) return;
         const refusal = await acts.draw({ act: "nest", kind: "state", path, to: nameOf(pathOf(target)) });
-        const [x = 0, y = 0] = home;
-        if (refusal) put(path, x, y);
+        if (refusal) put(path, ...home);
       },
     );
   };
