@@ -5,7 +5,7 @@ import { type Box, Camera } from "../src/graph/camera";
 import { Dragging } from "../src/graph/drag";
 import { draw, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
-import { lastFired, Marks } from "../src/graph/marks";
+import { lastFired, marking } from "../src/graph/marks";
 import { ScrollBars, scroll } from "../src/graph/scroll";
 import type { Layout, StateShape, TransitionShape } from "../src/protocol";
 import { initialState, type LabState } from "../src/session/state";
@@ -142,7 +142,7 @@ describe("a nested machine inside its state", () => {
     draw(layers, around, { m: around, "m/a/i": { ...inner, transitions: [t] } });
     state.lit = ["m/a", "m/a/i/x"];
     state.fired = { "m:u": [1, 9], "m/a/i:t": [1, 3] };
-    new Marks(layers, state).update();
+    marking(layers, state)();
     expect(node("m/a/i/x")?.hasAttribute("data-active")).toBe(true);
     expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-of")).toBe("m/a/i:t");
   });
@@ -157,7 +157,7 @@ describe("marks", () => {
       "m:u": [1, 3],
       "n:t": [1, 20],
     };
-    new Marks(layers, state).update();
+    marking(layers, state)();
     expect(node("m/b")?.hasAttribute("data-active")).toBe(true);
     expect(node("m/a")?.hasAttribute("data-active")).toBe(false);
     expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-lrp-transition")).toBe("m:t");
@@ -174,15 +174,15 @@ describe("marks", () => {
         arrows,
       ),
     );
-    const marks = new Marks(layers, state);
-    marks.update();
+    const update = marking(layers, state);
+    update();
     const marked = (mark: string) =>
       [...layers.root.querySelectorAll(mark)].map((part) => part.getAttribute("data-of"));
     for (let tick = 1; tick < 40; tick++) {
       const id = `m:${names[tick % 4]}`;
       state.tick = tick;
       state.fired = { ...state.fired, [id]: [Math.ceil(tick / 4), tick] };
-      marks.update();
+      update();
       expect(marked("[data-fired]")).toEqual([id, id, id]); // the arrow, the plate of its label, and the label
       expect(marked("[aria-description]")).toEqual([id]);
       vi.advanceTimersByTime(100);
@@ -201,11 +201,11 @@ describe("marks", () => {
 
   it("let a visit that was too short to see glow for a while", () => {
     vi.useFakeTimers();
-    const marks = new Marks(layers, state);
+    const update = marking(layers, state);
     draw(layers, layout([shape("a")]));
-    marks.update();
+    update();
     state.entered = { "m/a": [1, 1] };
-    marks.update();
+    update();
     vi.advanceTimersByTime(150);
     expect(node("m/a")?.hasAttribute("data-glow")).toBe(true);
     vi.advanceTimersByTime(AFTERGLOW);
@@ -215,15 +215,15 @@ describe("marks", () => {
 
   it("do not glow when what happened long ago gets another name", () => {
     vi.useFakeTimers();
-    const marks = new Marks(layers, state);
+    const update = marking(layers, state);
     state.tick = 9;
     state.entered = { "m/a": [1, 1] };
     draw(layers, layout([shape("a"), shape("b")]));
-    marks.update();
+    update();
     vi.advanceTimersByTime(AFTERGLOW);
     state.entered = { "m/z": [1, 1], "m/b": [1, 10] };
     draw(layers, layout([shape("z"), shape("b")]));
-    marks.update();
+    update();
     expect(node("m/z")?.hasAttribute("data-glow")).toBe(false);
     expect(node("m/b")?.hasAttribute("data-glow")).toBe(true);
     vi.useRealTimers();

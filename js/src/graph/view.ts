@@ -21,7 +21,7 @@ import { draw, makeLayers } from "./draw";
 import { type Drawn, drawnAt, menuOf } from "./elements";
 import { keepOneTabStop, walkWithArrows } from "./focus";
 import { layoutsIn } from "./inside";
-import { Marks } from "./marks";
+import { marking } from "./marks";
 import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
 import { cursorSwitch, showMachine } from "./shown";
@@ -35,7 +35,6 @@ export function graphView(lab: Lab): HTMLElement {
   const { store } = lab;
   const layers = makeLayers();
   const svg = s("svg", { class: "lrp-graph", role: "group", "aria-label": "State graph" }, layers.root);
-  const marks = new Marks(layers, store.state);
   let camera = new Camera();
   let shown: Layout | null = null;
   let drawn: Layout[] = []; // that of the machine shown, then those inside its states
@@ -186,7 +185,10 @@ export function graphView(lab: Lab): HTMLElement {
     if (mode() !== before) redraw(true);
     before = mode();
   });
-  store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen", "settings"], marks.update);
+  store.watch(
+    ["lit", "entered", "fired", "machine", "layouts", "chosen", "settings"],
+    marking(layers, store.state),
+  );
   store.watch(["breakpoints"], () => drawDots(layers.root, store.state));
   const follow = calledAfter(ACTIVE_FOR, () => {
     if (store.state.follow === "active") fitting.reveal(focus);
