@@ -16,7 +16,6 @@ import { announcer } from "./parts/notes";
 import { openForm } from "./parts/open";
 import { saveForm } from "./parts/save";
 import { looked, watchPointer, withheld } from "./parts/study";
-import { textItems } from "./parts/text";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
 import { variablesView } from "./parts/variables";
@@ -207,11 +206,11 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       height?.reset();
     },
     fills: { shown: isFilling, show: fill },
-    text: () => (editor ? textItems(editor, store.state.settings.quiet) : []),
+    editor,
     save: save.open,
     versions: versions.open,
     open: opening.open,
-    cell: () => cell?.items() ?? [],
+    cell,
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
   if (part !== "lab") root.append(band(lab, looking));

@@ -6,7 +6,7 @@
 import type { Editor } from "../editor/editor";
 import type { Lab } from "../session/store";
 import { plain } from "../ui/difference";
-import type { MenuItem } from "../ui/menu";
+import { item, type MenuItem } from "../ui/menu";
 import { hasFocus } from "../ui/root";
 import { type CellPlace, cellAround, type HostedModel } from "./notebook";
 
@@ -65,19 +65,12 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
     items() {
       const [here, mine] = [place, own()];
       if (!here) return [];
+      const writing = mine ? "Write the text into the cell" : "Write the text into a new cell";
+      const isWritten = mine !== null && plain(mine.program) === plain(editor.text);
+      const use = () => editor.edit(`${plain(mine?.program ?? "")}\n`); // as the kernel gets it
       return [
-        {
-          label: mine ? "Write the text into the cell" : "Write the text into a new cell",
-          action: "write-cell",
-          disabled: mine !== null && plain(mine.program) === plain(editor.text),
-          run: () => write(here),
-        },
-        {
-          label: "Use the cell's text",
-          action: "use-cell",
-          disabled: !differs(),
-          run: () => editor.edit(`${plain(mine?.program ?? "")}\n`), // as the kernel gets it
-        },
+        item(writing, "write-cell", () => write(here), { disabled: isWritten }),
+        item("Use the cell's text", "use-cell", use, { disabled: !differs() }),
       ];
     },
     close() {

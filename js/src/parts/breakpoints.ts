@@ -3,7 +3,7 @@
 import type { BreakpointView, ElementKind } from "../protocol";
 import type { LabState } from "../session/state";
 import type { Lab } from "../session/store";
-import type { MenuItem } from "../ui/menu";
+import { item, type MenuItem } from "../ui/menu";
 
 export type BreakpointKind = BreakpointView["kind"];
 
@@ -72,10 +72,9 @@ export async function toggleBreakpoint(lab: Lab, kind: BreakpointKind, path: str
 /** The checked items of an element's menu. */
 export function breakpointItems(lab: Lab, noun: ElementKind, path: string): MenuItem[] {
   const known = breakpointsOf(lab.store.state, noun, path);
-  return LABELS.filter(([kind]) => ELEMENT_OF[kind] === noun).map(([kind, label]) => ({
-    label,
-    action: `pause-${kind}`,
-    checked: known.some(([, each]) => each.kind === kind),
-    run: () => void toggleBreakpoint(lab, kind, path),
-  }));
+  return LABELS.filter(([kind]) => ELEMENT_OF[kind] === noun).map(([kind, label]) =>
+    item(label, `pause-${kind}`, () => void toggleBreakpoint(lab, kind, path), {
+      checked: known.some(([, each]) => each.kind === kind),
+    }),
+  );
 }

@@ -1,6 +1,5 @@
 /** The controls: run, pause, step, reset, stop; rate and speed; the bridge. */
 
-import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, iconButton, setSwitch, toggle } from "../ui/button";
 import { h, setAttribute, setChoices, setHidden, setText, unmarked } from "../ui/dom";
@@ -15,6 +14,7 @@ import { showLock } from "./study";
 
 const RUNS = "Run or pause the program";
 const STOPS = "Stop all motors, then pause";
+const DISARMED = "While disarmed, commands are shown but not sent";
 const HOLDS = "Edits take effect only when you choose Apply (Ctrl+Enter)";
 
 export function controls(lab: Lab, choices: Choices): HTMLElement {
@@ -58,8 +58,7 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
     setSwitch(hold, settings.edits === "hold");
     showLock(hold, settings, HOLDS);
   });
-  const running: Topic[] = ["status"];
-  store.watch(running, () => {
+  store.watch(["status"], () => {
     const { status } = store.state;
     const on = status === "running" || status === "hung";
     const name = on ? "pause" : "run";
@@ -67,8 +66,7 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
     setAttribute(run, "aria-label", on ? "Pause" : "Run");
     run.replaceChildren(icon(name), h("span", { class: "lrp-button-label" }, on ? "Pause" : "Run"));
     run.classList.toggle("lrp-primary", !on);
-    back.disabled = on;
-    step.disabled = on;
+    back.disabled = step.disabled = on;
   });
   return h(
     "div",
@@ -115,7 +113,7 @@ function bridgeChip(lab: Lab): HTMLElement {
       select.value = store.state.bridge.name; // the one in use, if this one was refused
     },
   });
-  const armed = toggle("Armed", "While disarmed, commands are shown but not sent", "armed", (on) =>
+  const armed = toggle("Armed", DISARMED, "armed", (on) =>
     on ? askToArm(lab, below(armed)) : void lab.act({ do: "armed", on }),
   );
   const chip = h("span", { class: "lrp-bridge" }, dot, select, armed);
@@ -130,8 +128,7 @@ function bridgeChip(lab: Lab): HTMLElement {
     setAttribute(dot, "data-status", bridge.status);
     setAttribute(chip, "title", `${bridge.status}${bridge.sentence ? `: ${unmarked(bridge.sentence)}` : ""}`);
     setSwitch(armed, bridge.armed);
-    const told = bridge.armed ? unmarked(bridge.failsafe) : "While disarmed, commands are shown but not sent";
-    setAttribute(armed, "title", told);
+    setAttribute(armed, "title", bridge.armed ? unmarked(bridge.failsafe) : DISARMED);
     armed.hidden = !bridge.hardware;
   });
   return chip;

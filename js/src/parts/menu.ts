@@ -1,8 +1,10 @@
 /** The lab's menu, for settings that are rarely changed. */
 
+import type { Editor } from "../editor/editor";
+import type { Source } from "../host/source";
 import type { Lab } from "../session/store";
 import { type Layout, type Panels, WITHHELD } from "../ui/layout";
-import { item, type MenuItem } from "../ui/menu";
+import { item, type MenuItem, switchItem } from "../ui/menu";
 import { askWhy } from "./why";
 
 interface Choice {
@@ -14,15 +16,14 @@ interface Choice {
 export interface Choices {
   layout: Layout | null;
   fills: Choice;
-  /** What concerns the text in the editor. */
-  text: () => MenuItem[];
+  editor: Editor | null;
   save: () => void;
   versions: () => void;
   open: (program: string) => void;
   /** Return to the usual sizes. */
   resetSizes: () => void;
-  /** What concerns the cell above the lab. */
-  cell: () => MenuItem[];
+  /** The cell above the lab. */
+  cell: Source | null;
 }
 
 export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
@@ -52,7 +53,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   return [
     item("Save…", "save", choices.save),
     item("Versions…", "versions", choices.versions),
-    ...choices.cell(),
+    ...(choices.cell?.items() ?? []),
     item("Why does the robot do this?", "why-robot", () => {
       const { left, top } = lab.root.getBoundingClientRect();
       askWhy(lab, "robot", "", { x: left, y: top });
@@ -64,7 +65,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       () => void lab.act({ do: "on_active_edit", name: keep ? "restart" : "keep" }),
       { checked: keep },
     ),
-    ...choices.text(),
+    ...(choices.editor ? ofText(choices.editor, settings.quiet) : []),
     null,
     item("Fill the window", "fill", () => fills.show(!fills.shown()), {
       checked: fills.shown(),
@@ -73,5 +74,13 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
     ...panels,
     ...(layout ? [item("Reset panel sizes", "usual-sizes", choices.resetSizes)] : []),
     ...(programs.length ? [null, ...programs] : []),
+  ];
+}
+
+function ofText(editor: Editor, quiet: boolean): MenuItem[] {
+  return [
+    ...(quiet ? [] : [switchItem("Values in the text", "values", editor.values)]),
+    switchItem("Brackets coloured by depth", "brackets", editor.brackets),
+    item("Format the text", "format", () => editor.format(), { hint: "⇧Alt F" }),
   ];
 }
