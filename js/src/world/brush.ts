@@ -42,13 +42,17 @@ export function addHeading(c: CanvasRenderingContext2D, tip: number, back: numbe
   c.closePath();
 }
 
+export function drawPath(c: CanvasRenderingContext2D, color: string, width: number): void {
+  c.strokeStyle = color;
+  c.lineWidth = width;
+  c.stroke();
+}
+
 /** Fill the path, and draw its outline over that. */
 export function fillAndOutline(c: CanvasRenderingContext2D, fill: string, edge: string, width: number): void {
   c.fillStyle = fill;
-  c.strokeStyle = edge;
-  c.lineWidth = width;
   c.fill();
-  c.stroke();
+  drawPath(c, edge, width);
 }
 
 /** Dash the lines that follow, with lengths in pixels; without lengths, make them solid. */

@@ -1,7 +1,7 @@
 /** How another run goes: the path of the robot in it, and a ghost of the robot at its end. */
 
 import type { Course, Point, Pose, SolidView, WhatIf } from "../protocol";
-import { type Brush, fillAndOutline, paintAt, setDash, traceDisc } from "./brush";
+import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceDisc } from "./brush";
 import type { FullWorld } from "./complete";
 import { traceSolid } from "./paint";
 import { ofRobot, type Palette, shade } from "./palette";
@@ -94,17 +94,13 @@ function isElsewhere(a: Pose, b: Pose): boolean {
 function paintWay({ c, pixels }: Brush, poses: readonly Pose[], color: string, width: number): void {
   c.beginPath();
   for (const [x, y] of poses) c.lineTo(x, y);
-  c.strokeStyle = color;
-  c.lineWidth = width / pixels;
-  c.stroke();
+  drawPath(c, color, width / pixels);
 }
 
 /** Draw the path in the colour of the changed course. */
 function outline({ c, palette, pixels }: Brush): void {
   c.globalAlpha = 0.75;
-  c.strokeStyle = courseColors(palette).changed;
-  c.lineWidth = Math.max(0.006, 2 / pixels);
-  c.stroke();
+  drawPath(c, courseColors(palette).changed, Math.max(0.006, 2 / pixels));
 }
 
 function paintSolid(brush: Brush, solid: SolidView, pose: Pose): void {

@@ -1,6 +1,6 @@
 /** What lies over a world for the person who watches or edits it: grid, trail, scale bar, what is selected. */
 
-import { type Brush, fillAndOutline, paintAt, setDash, traceBox, traceDisc, write } from "./brush";
+import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceBox, traceDisc, write } from "./brush";
 import type { Style } from "./palette";
 import { type Grip, handlesOf, type Shape, type Thing } from "./things";
 import type { Trail, TrailPoint } from "./trail";
@@ -22,8 +22,6 @@ export function gridStep(pixels: number): number {
 
 export function paintGrid({ c, palette, pixels }: Brush, [width, height]: [number, number]): void {
   const step = gridStep(pixels);
-  c.strokeStyle = palette.grid;
-  c.lineWidth = 1 / pixels;
   c.beginPath();
   for (let x = step; x < width - 1e-9; x += step) {
     c.moveTo(x, 0);
@@ -33,7 +31,7 @@ export function paintGrid({ c, palette, pixels }: Brush, [width, height]: [numbe
     c.moveTo(0, y);
     c.lineTo(width, y);
   }
-  c.stroke();
+  drawPath(c, palette.grid, 1 / pixels);
 }
 
 /** A round length that is easily compared with the picture. */
@@ -54,14 +52,12 @@ export function paintBar(brush: Brush, height: number, grid: boolean): void {
   c.fill();
   c.globalAlpha = 1;
   c.lineCap = "square";
-  c.strokeStyle = palette.ink;
-  c.lineWidth = 1.5;
   c.beginPath();
   c.moveTo(left, base - 5);
   c.lineTo(left, base);
   c.lineTo(left + long, base);
   c.lineTo(left + long, base - 5);
-  c.stroke();
+  drawPath(c, palette.ink, 1.5);
   c.save();
   c.scale(1, -1); // `write` turns y up
   const words = (text: string, x: number, y: number, align: CanvasTextAlign) =>
@@ -150,10 +146,8 @@ export function paintOutline(brush: Brush, { x, y, angle, box, radius = 0 }: Sha
   paintAt(c, [x, y, angle], () => {
     if (box) traceBox(c, [0, 0, ...box]);
     else traceDisc(c, 0, 0, radius);
-    c.strokeStyle = palette.accent;
-    c.lineWidth = 2 / pixels;
     setDash(brush, ...dash);
-    c.stroke();
+    drawPath(c, palette.accent, 2 / pixels);
   });
 }
 
@@ -167,9 +161,7 @@ export function paintSelection(brush: Brush, thing: Thing, shape: Shape): void {
       c.beginPath();
       c.moveTo(shape.x, shape.y);
       c.lineTo(...at);
-      c.strokeStyle = palette.accent;
-      c.lineWidth = 1.5 / pixels;
-      c.stroke();
+      drawPath(c, palette.accent, 1.5 / pixels);
       traceDisc(c, ...at, half);
     } else traceBox(c, [...at, 2 * half, 2 * half]);
     fillAndOutline(c, palette.paper, palette.accent, 2 / pixels);

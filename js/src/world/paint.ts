@@ -1,7 +1,7 @@
 /** Paint a world: the floor and fixed things once, moving things for every frame. */
 
 import type { Point, Pose, SolidView } from "../protocol";
-import { type Brush, fillAndOutline, paintAt, setDash, traceBox, traceDisc, write } from "./brush";
+import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceBox, traceDisc, write } from "./brush";
 import type { FullStroke, FullWorld } from "./complete";
 import { ofRobot, shade } from "./palette";
 import type { Snapshot } from "./poses";
@@ -59,10 +59,8 @@ function paintZone(
   c.globalAlpha = 0.08;
   c.fill();
   c.globalAlpha = 1;
-  c.strokeStyle = palette.zone;
-  c.lineWidth = Math.max(0.008, FINE / pixels);
   setDash(brush, 6, 4);
-  c.stroke();
+  drawPath(c, palette.zone, Math.max(0.008, FINE / pixels));
   setDash(brush);
   const [x = 0, y = 0, width = 0, height = 2 * width] = circle ?? box ?? [];
   const size = Math.max(0.06, TEXT / pixels);
@@ -92,10 +90,8 @@ function paintPatrol(brush: Brush, points: readonly Point[]): void {
   c.beginPath();
   for (const point of points) c.lineTo(...point);
   c.lineCap = c.lineJoin = "round";
-  c.lineWidth = Math.max(0.006, FINE / pixels);
   setDash(brush, 0, 5);
-  c.strokeStyle = palette.moving;
-  c.stroke();
+  drawPath(c, palette.moving, Math.max(0.006, FINE / pixels));
   c.restore();
 }
 

@@ -1,7 +1,16 @@
 /** Paint a robot: its body, and what its sensors measure. */
 
 import type { Point, Pose } from "../protocol";
-import { addHeading, type Brush, fillAndOutline, paintAt, setDash, traceDisc, write } from "./brush";
+import {
+  addHeading,
+  type Brush,
+  drawPath,
+  fillAndOutline,
+  paintAt,
+  setDash,
+  traceDisc,
+  write,
+} from "./brush";
 import type { FullRobot } from "./complete";
 import { shade } from "./palette";
 import type { RobotPose } from "./poses";
@@ -18,11 +27,9 @@ export function paintStart(brush: Brush, pose: Pose, r: number): void {
   paintAt(c, pose, () => {
     traceDisc(c, 0, 0, r);
     addHeading(c, 0.7 * r, 0.1 * r, 0.4 * r);
-    c.strokeStyle = palette.robotEdge;
     c.globalAlpha = 0.6;
-    c.lineWidth = Math.max(0.006, FINE / pixels);
     setDash(brush, 3, 3);
-    c.stroke();
+    drawPath(c, palette.robotEdge, Math.max(0.006, FINE / pixels));
   });
 }
 
@@ -48,10 +55,9 @@ export function paintRobot(brush: Brush, shape: FullRobot, robot: RobotPose): vo
     if (shape.bumper) {
       c.beginPath();
       c.arc(0, 0, 1.1 * r, -0.9, 0.9);
-      c.lineWidth = robot.bumper ? 0.24 * r : 0.14 * r;
       c.lineCap = "round";
-      c.strokeStyle = robot.bumper ? palette.bump : palette.robotEdge;
-      c.stroke();
+      if (robot.bumper) drawPath(c, palette.bump, 0.24 * r);
+      else drawPath(c, palette.robotEdge, 0.14 * r);
     }
     if (robot.lamp) {
       traceDisc(c, -0.5 * r, 0, 0.26 * r);
@@ -91,14 +97,12 @@ function paintRay(brush: Brush, r: number, angle: number, reach: number, distanc
   const seen = isSeen(distance);
   const end = r + (seen ? distance : reach);
   const [x, y] = [Math.cos(angle), Math.sin(angle)];
-  c.strokeStyle = palette.ray;
   c.globalAlpha = seen ? 0.95 : 0.45;
-  c.lineWidth = Math.max(0.005, RAY / pixels);
   setDash(brush, 6, 4);
   c.beginPath();
   c.moveTo(x * r, y * r);
   c.lineTo(x * end, y * end);
-  c.stroke();
+  drawPath(c, palette.ray, Math.max(0.005, RAY / pixels));
   setDash(brush);
   if (seen) {
     traceDisc(c, x * end, y * end, Math.max(0.012, (2 * RAY) / pixels));
