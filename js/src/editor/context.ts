@@ -6,9 +6,9 @@ import { outlineOf, treeOf } from "../language/lrp";
 import { isIn, nameOf, parentOf } from "../language/paths";
 
 /** The kinds of names that may appear at a place. */
-export type Wanted = "keyword" | "event" | "delay" | "state" | "machine" | "python" | "nothing";
+type Wanted = "keyword" | "event" | "delay" | "state" | "machine" | "python" | "nothing";
 
-export interface Context {
+interface Context {
   wanted: Wanted;
   /** Path of the innermost enclosing machine. */
   scope: string;

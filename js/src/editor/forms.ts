@@ -1,6 +1,6 @@
 /** The forms of the language: what completion inserts, where each belongs, and what it means. */
 
-export interface Form {
+interface Form {
   /** The snippet that completion inserts after the bracket. */
   template: string;
   detail: string;

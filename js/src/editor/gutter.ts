@@ -23,12 +23,7 @@ import { wholeOutline, wholeOutlineOf } from "./whole";
 const ASKED: ElementKind[] = ["state", "transition"];
 
 /** The innermost element of some kinds that is defined on the line from `from` to `to`; of several, the first. */
-export function definedOn(
-  outline: Outline,
-  from: number,
-  to: number,
-  kinds: ElementKind[],
-): Item | undefined {
+function definedOn(outline: Outline, from: number, to: number, kinds: ElementKind[]): Item | undefined {
   const depth = ({ path }: Item) => path.split(/[/:]/).length;
   return outline.items
     .filter(({ kind, nameFrom }) => kinds.includes(kind) && from <= nameFrom && nameFrom <= to)

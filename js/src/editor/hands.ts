@@ -41,7 +41,6 @@ const hands = StateField.define<readonly Hand[]>({
   },
 });
 
-/** Where other hands are in an editor. */
 export function handsIn(state: EditorState): readonly Hand[] {
   return state.field(hands);
 }

@@ -44,7 +44,7 @@ interface ProgramCard extends HoverView {
   path?: string;
 }
 
-export function ofProgram(
+function ofProgram(
   lab: Lab,
   state: Parameters<typeof outlineOf>[0],
   chain: { text: string; from: number },

@@ -111,7 +111,6 @@ interface Value {
   stale: boolean;
 }
 
-/** The values at the end of each line. */
 function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<number, Value[]> {
   const lines = new Map<number, Value[]>();
   const tested = testedEvents(lab);

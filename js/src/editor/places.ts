@@ -29,12 +29,10 @@ export function spanOf(doc: Text, range: TextRange): Span {
   return { from, to: Math.max(from, offsetAt(doc, range.end_line, range.end_column)) };
 }
 
-/** The edits of the kernel as changes of a text. */
 export function changesOf(doc: Text, edits: readonly TextEdit[] = []): (Span & { insert: string })[] {
   return edits.map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
 }
 
-/** Line and column of an offset. */
 export function placeOf(doc: Text, offset: number): { line: number; column: number } {
   const line = doc.lineAt(offset);
   return { line: line.number, column: [...line.text.slice(0, offset - line.from)].length + 1 };

@@ -19,7 +19,6 @@ export class Tracked {
     this.changes = changes;
   }
 
-  /** Refer to the same text as another. */
   become(other: Tracked): void {
     this.begin(other.doc, other.changes);
   }

@@ -44,7 +44,6 @@ export class Typing {
     this.send(true, !isTyped);
   }
 
-  /** Handle a movement of the cursor. */
   moved({ state }: ViewUpdate): void {
     const { head } = state.selection.main;
     if (!this.timer || head < this.from || head > this.to) this.over(true);
@@ -55,7 +54,6 @@ export class Typing {
     this.over(false);
   }
 
-  /** Handle the answer to the last text. */
   answered(halfTyped: boolean): void {
     this.waits = halfTyped;
   }
@@ -71,7 +69,6 @@ export class Typing {
   }
 }
 
-/** The word or number around an offset. */
 function wordAt(state: EditorState, offset: number): { from: number; to: number; isNumber: boolean } {
   const line = state.doc.lineAt(offset);
   const before = WORD.exec(line.text.slice(0, offset - line.from))![0];

@@ -107,7 +107,6 @@ export class Acts {
     });
   }
 
-  /** Write a transition in another way. */
   change(at: Point, path: string): void {
     openField(this.host, at, {
       title: `Transition ${path}`,
@@ -210,7 +209,6 @@ export class Acts {
     ];
   }
 
-  /** The menu of the free space. */
   ofSpace(at: Point, place: readonly [number, number] | null): (MenuItem | null)[] {
     const { machine } = this;
     const ofMachine = machine
@@ -256,7 +254,6 @@ export class Acts {
     });
   }
 
-  /** Edit the name of a state, or a transition. */
   edit({ kind, path }: Drawn, at: Point): void {
     if (kind === "state") this.rename(at, kind, path);
     else this.change(at, path);

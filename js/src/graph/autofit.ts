@@ -13,7 +13,7 @@ const GLIDE = 260; // ms
 const EDGE = 14; // px between the panel's border and what is brought into view
 
 /** Where something is in the drawing now; null when it is gone. It may be moved before it is brought into view. */
-export type Subject = () => Box | null;
+type Subject = () => Box | null;
 
 interface View {
   x: number;

@@ -16,7 +16,7 @@ export interface Entry {
   optional?: boolean;
 }
 
-export interface Field {
+interface Field {
   title: string;
   entries: Entry[];
   /** A switch below the entries. */

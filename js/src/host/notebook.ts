@@ -15,13 +15,13 @@ const ENTER = { key: "Enter", code: "Enter", keyCode: 13 };
 const CTRL_ENTER = { ...ENTER, ctrlKey: true, bubbles: true, cancelable: true };
 export const PICTURE = "image/svg+xml";
 
-export interface NotebookOutput {
+interface NotebookOutput {
   data: Record<string, unknown>;
   /** Whether this page shows more of it than text: its user has run the cell, or the notebook is trusted. */
   trusted: boolean;
 }
 
-export interface NotebookCell {
+interface NotebookCell {
   readonly contentChanged: Signal<void>;
   readonly sharedModel: { getSource(): string; setSource(source: string): void };
   /** Of a code cell: by MIME type. */

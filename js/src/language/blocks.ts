@@ -7,7 +7,7 @@
  */
 
 /** The UTF-16 unit at an offset; -1 after the end (and before the beginning). */
-export type CharAt = (offset: number) => number;
+type CharAt = (offset: number) => number;
 
 const HASH = 35;
 const OPEN = 91;

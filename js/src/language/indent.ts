@@ -35,7 +35,6 @@ export const indentation = indentService.of((context, offset) => {
   return columnAt(context, line.from, rest, CLOSES.test(rest));
 });
 
-/** Begin a line. */
 export const newLine: StateCommand = ({ state, dispatch }) => {
   if (state.readOnly) return false;
   const context = new IndentContext(state);

@@ -46,7 +46,7 @@ const configured = parser.configure({
   ],
 });
 
-export const lrpLanguage = LRLanguage.define({
+const lrpLanguage = LRLanguage.define({
   name: "lrp",
   parser: configured,
   languageData: {

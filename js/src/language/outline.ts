@@ -56,7 +56,6 @@ export class Outline {
     return seen.sort((a, b) => b.path.split("/").length - a.path.split("/").length);
   }
 
-  /** The states of one machine. */
   statesOf(machine: string): Item[] {
     return this.items.filter((item) => item.kind === "state" && item.path === `${machine}/${item.name}`);
   }

@@ -5,7 +5,7 @@ import type { LabState } from "../session/state";
 import type { Lab } from "../session/store";
 import { item, type MenuItem } from "../ui/menu";
 
-export type BreakpointKind = BreakpointView["kind"];
+type BreakpointKind = BreakpointView["kind"];
 
 /** How a dot is drawn: filled, or hollow where no breakpoint of the element can pause. */
 export type Dot = "on" | "off";
@@ -33,7 +33,6 @@ const LABELS: [BreakpointKind, string][] = [
   ["event", "Pause when it occurs"],
 ];
 
-/** The breakpoints of an element, by number. */
 export function breakpointsOf(
   { breakpoints }: Pick<LabState, "breakpoints">,
   kind: ElementKind,
@@ -69,7 +68,6 @@ export async function toggleBreakpoint(lab: Lab, kind: BreakpointKind, path: str
   for (const [number] of known) await lab.act({ do: "remove_breakpoint", number });
 }
 
-/** The checked items of an element's menu. */
 export function breakpointItems(lab: Lab, noun: ElementKind, path: string): MenuItem[] {
   const known = breakpointsOf(lab.store.state, noun, path);
   return LABELS.filter(([kind]) => ELEMENT_OF[kind] === noun).map(([kind, label]) =>

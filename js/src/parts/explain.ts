@@ -8,7 +8,6 @@ import { h, prose } from "../ui/dom";
 import { below, type Point } from "../ui/point";
 import { looked } from "./study";
 
-/** A code as a button that explains it. */
 export function codeButton(lab: Lab, code: string, text = code): HTMLButtonElement {
   const button = linkButton(text, {
     class: "lrp-link lrp-code",

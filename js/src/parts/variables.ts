@@ -182,7 +182,7 @@ const KEPT = 48;
 const WIDTH = 48;
 const HEIGHT = 14;
 
-export class Spark {
+class Spark {
   readonly element = s(
     "svg",
     { class: "lrp-spark", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, "aria-hidden": "true", hidden: true },

@@ -35,7 +35,7 @@ export interface Clock {
   every(milliseconds: number, callback: () => void): () => void;
 }
 
-export const realClock: Clock = {
+const realClock: Clock = {
   now: () => performance.now(),
   every(milliseconds, callback) {
     const timer = setInterval(callback, milliseconds);
@@ -75,7 +75,7 @@ export interface Typist {
   next(): Typed | null;
 }
 
-export interface Listener {
+interface Listener {
   /** A message for this view; its buffers hold poses. */
   message(message: FromKernel, buffers: DataView[]): void;
   link(link: Link): void;

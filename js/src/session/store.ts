@@ -5,7 +5,7 @@ import type { ElementKind, Looked, ReplyMessage, TextRange } from "../protocol";
 import type { Act, Question } from "./connection";
 import { initialState, type LabState, type Topic } from "./state";
 
-export type Update = (changed: ReadonlySet<Topic>) => void;
+type Update = (changed: ReadonlySet<Topic>) => void;
 
 export class Store {
   readonly state: LabState = initialState();

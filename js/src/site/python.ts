@@ -8,7 +8,7 @@ import type { FromWorker, Shared, Site, ToWorker } from "./messages";
 const PING_EVERY = 1000; // ms
 const SILENT_AFTER = 8000;
 
-export interface Watching {
+interface Watching {
   /** What is being done before Python is ready. */
   step(step: string): void;
   /** Python does not answer, or answers again. */

@@ -32,7 +32,7 @@ export interface Drawing extends Scale {
   styleOf(state: string): Style;
 }
 
-export const AXIS = 16; // px
+const AXIS = 16; // px
 const MARKS = 14;
 const LANE = 18;
 const BAR = LANE - 4;
@@ -73,7 +73,6 @@ export function laneAt({ lanes }: Drawing, y: number): Lane | null {
   return lanes[Math.floor((y - AXIS - MARKS) / LANE)] ?? null;
 }
 
-/** Redraw everything. */
 export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   const { left, width, lanes, plots, other, sight } = drawing;
   const height = heightOf(drawing);

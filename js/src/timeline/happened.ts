@@ -56,7 +56,6 @@ export class Happened {
   happenings: Happening[] = [];
   private arranged: Lane[] | null = null;
 
-  /** Add an answer of the kernel. */
   merge(view: Timeline): void {
     const { epoch, first, last, begin, end, names, kept } = view;
     if (kept < 0) this.plots.clear();

@@ -39,7 +39,6 @@ export function ticksOf({ from, to }: Span, width: number): number[] {
   return ticks;
 }
 
-/** A time at the axis. */
 export function timeText(time: number, isFine: boolean): string {
   const seconds = isFine ? time.toFixed(1) : String(Math.round(time));
   if (time < 60) return `${seconds} s`;

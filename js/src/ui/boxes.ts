@@ -32,7 +32,7 @@ export interface Bar {
   box: Box;
 }
 
-export interface Arrangement {
+interface Arrangement {
   boxes: Map<string, Box>;
   bars: Bar[];
 }

@@ -33,7 +33,6 @@ export function button({
   );
 }
 
-/** A button that shows an icon alone. */
 export function iconButton(
   icon: IconName,
   title: string,
@@ -43,7 +42,6 @@ export function iconButton(
   return button({ icon, title, action, onclick });
 }
 
-/** A button that looks like a link. */
 export function linkButton(words: string, attributes: Attributes): HTMLButtonElement {
   return h("button", { type: "button", class: "lrp-link", ...attributes }, words);
 }

@@ -2,7 +2,7 @@
 
 import { h, visible } from "./dom";
 
-export interface Line {
+interface Line {
   text: string;
   /** In which text it is. */
   where: "both" | "present" | "other";

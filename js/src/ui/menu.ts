@@ -20,7 +20,6 @@ export interface MenuItem {
   hint?: string;
 }
 
-/** Return an item: its label, its name for tests and themes, and what it does. */
 export function item(
   label: string,
   action: string,
@@ -88,7 +87,6 @@ export function openMenu(root: HTMLElement, at: Point, items: (MenuItem | null)[
   entries[0]?.focus({ preventScroll: true });
 }
 
-/** A button that opens a menu below it. */
 export function menuButton(
   root: HTMLElement,
   options: ButtonOptions,

@@ -64,7 +64,6 @@ function opaque(element: Element | null): string {
   return "white";
 }
 
-/** A PNG of an SVG document. */
 export async function pngOfSvg(document: string, { width, height }: Box): Promise<Blob> {
   const image = new Image();
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(document)}`;
@@ -74,7 +73,6 @@ export async function pngOfSvg(document: string, { width, height }: Box): Promis
   return pngOf(canvas);
 }
 
-/** A PNG of a canvas. */
 export function pngOf(canvas: HTMLCanvasElement): Promise<Blob> {
   return new Promise((resolve, reject) => {
     canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("too large"))));

@@ -7,7 +7,6 @@ export interface Point {
   y: number;
 }
 
-/** The point of the window at which something happened. */
 export function pointOf({ clientX, clientY }: MouseEvent): Point {
   return { x: clientX, y: clientY };
 }

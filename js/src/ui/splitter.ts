@@ -4,7 +4,7 @@ import type { Bar, Box } from "./boxes";
 import { h } from "./dom";
 import { trackDrag } from "./drag";
 
-export const LEAST = 15; // percent that each part keeps
+const LEAST = 15; // percent that each part keeps
 const STEP = 2; // percent by an arrow key
 
 /** `choose` gets the new share in percent, null for the usual one. */

@@ -17,7 +17,6 @@ export function calledAfter(ms: number, call: () => void): () => void {
 export const AFTERGLOW = 450;
 const glowing = new WeakMap<Element, ReturnType<typeof setTimeout>>();
 
-/** Let an element glow for a moment. */
 export function glow(element: Element): void {
   clearTimeout(glowing.get(element));
   element.setAttribute("data-glow", "");

@@ -44,7 +44,6 @@ export class WorldEdits {
     if (gone) this.select(null);
   }
 
-  /** Select the next thing, or the one before. */
   selectNext(by: 1 | -1): void {
     const { world, selected } = this.stage;
     if (!world) return;
@@ -54,7 +53,6 @@ export class WorldEdits {
     this.select(things[next] ?? null);
   }
 
-  /** Show an earlier moment: the one at a time, in seconds. */
   look(time: number): void {
     void this.looking.at({ time });
   }
@@ -116,7 +114,6 @@ export class WorldEdits {
     this.act({ do: "put_solid", index, ...shaped(shape), angle, push, name, ...properties });
   }
 
-  /** Rename a zone. */
   rename(zone: string, name: string): void {
     const shape = this.stage.shape({ kind: "zone", name: zone });
     if (!shape || !name || name === zone) return;
@@ -125,7 +122,6 @@ export class WorldEdits {
     });
   }
 
-  /** Remove the selected thing. */
   remove(): void {
     const { selected } = this.stage;
     if (selected?.kind === "solid") this.act({ do: "remove_solid", index: selected.index });

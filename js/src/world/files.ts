@@ -5,7 +5,6 @@ import { h } from "../ui/dom";
 import { savePicture } from "../ui/picture";
 import type { Stage } from "./stage";
 
-/** Save what the canvas shows. */
 export function savePng(lab: Lab, stage: Stage): Promise<void> {
   return savePicture(`${nameOf(lab)}.png`, stage.image(), lab.notify);
 }

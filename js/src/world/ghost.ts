@@ -34,7 +34,6 @@ export function ahead(way: Way, time: number): Pose[] {
   return first ? [first, ...rest] : rest;
 }
 
-/** Where the two courses part. */
 export function partingOf({ divergence, changed, recorded }: WhatIf): Point | null {
   if (!divergence) return null;
   const time = Math.max(divergence.time, changed.way[0]?.[0] ?? 0); // it may be in what begins the courses
@@ -78,7 +77,6 @@ export function paintGhost(brush: Brush, world: FullWorld, whatIf: WhatIf, now: 
   c.restore();
 }
 
-/** Paint where the two courses part. */
 export function paintParting({ c, palette, pixels }: Brush, whatIf: WhatIf): void {
   const parting = partingOf(whatIf);
   if (!parting) return;

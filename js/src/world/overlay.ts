@@ -16,7 +16,7 @@ export const OLDER = 0.4;
 export const LATER = 0.2;
 
 /** The distance between the lines of the grid, in metres. */
-export function gridStep(pixels: number): number {
+function gridStep(pixels: number): number {
   return GRID.find((metres) => metres * pixels >= APART) ?? GRID.at(-1)!;
 }
 
@@ -67,8 +67,7 @@ export function paintBar(brush: Brush, height: number, grid: boolean): void {
   c.restore();
 }
 
-/** A length as it is written. */
-export function metres(length: number): string {
+function metres(length: number): string {
   return length < 1 ? `${Math.round(length * 100)} cm` : `${length} m`;
 }
 

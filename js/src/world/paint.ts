@@ -7,7 +7,6 @@ import { ofRobot, shade } from "./palette";
 import type { Snapshot } from "./poses";
 import { FINE, paintName, paintRays, paintRobot, TEXT } from "./robot";
 
-/** The floor with everything drawn on it. */
 export function paintFloor(brush: Brush, world: FullWorld, ink: readonly FullStroke[]): void {
   const { c, palette, pixels } = brush;
   const [width, height] = world.size;
@@ -95,7 +94,6 @@ function paintPatrol(brush: Brush, points: readonly Point[]): void {
   c.restore();
 }
 
-/** Everything that moves. */
 export function paintMovers(brush: Brush, world: FullWorld, now: Snapshot): void {
   const { c, palette } = brush;
   c.save();

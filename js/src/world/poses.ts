@@ -21,9 +21,8 @@ export interface Snapshot {
 }
 
 /** Whether a solid can be elsewhere in the next frame: it can be pushed, or moves by itself. */
-export const canMove = ({ push, patrol }: SolidView) => typeof push === "number" || patrol !== undefined;
+const canMove = ({ push, patrol }: SolidView) => typeof push === "number" || patrol !== undefined;
 
-/** The size of the poses of a world, in bytes. */
 export function poseBytes(world: FullWorld): number {
   let floats = 0;
   for (const { light, distance } of world.robots) floats += 5 + light.length + distance.length;

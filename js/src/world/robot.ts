@@ -21,7 +21,6 @@ export const FINE = 1.5;
 const RAY = 2.5;
 const SPOT = 5;
 
-/** The outline of a robot where it starts. */
 export function paintStart(brush: Brush, pose: Pose, r: number): void {
   const { c, palette, pixels } = brush;
   paintAt(c, pose, () => {
@@ -80,7 +79,6 @@ export function paintRobot(brush: Brush, shape: FullRobot, robot: RobotPose): vo
   });
 }
 
-/** The name of a robot, above it. */
 export function paintName(brush: Brush, { name, radius }: FullRobot, { pose: [x, y] }: RobotPose): void {
   const size = Math.max(0.05, TEXT / brush.pixels);
   write(brush, name, [x, y + radius + 0.9 * size], size, brush.palette.robotEdge);

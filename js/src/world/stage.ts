@@ -46,9 +46,7 @@ export class Stage {
   busy = false;
   /** The number of edits that the kernel has not answered yet. */
   awaited = 0;
-  /** Whether an earlier moment is shown. */
   isPast = false;
-  /** Another course than that of the robot. */
   whatIf: WhatIf | null = null;
   styleOf: (state: string) => Style = () => ({ color: "gray", dash: [] });
   /** Called when another part of the world may be shown, or the robot no longer followed. */

@@ -22,7 +22,7 @@ export interface Shape {
 /** What a pointer holds of a thing: all of it, its heading, or a corner or rim. */
 export type Grip = "move" | "turn" | "size";
 
-export const SMALLEST = 0.03; // metres
+const SMALLEST = 0.03; // metres
 const TURN_GRIP = 22; // px from the rim to the handle that turns
 
 /** A text for each thing, by which it is found in a map. */
@@ -132,7 +132,7 @@ export function dragged(shape: Shape, grip: Grip, from: Point, to: Point): Shape
 }
 
 /** An angle near a multiple of 15° becomes that. */
-export function rounded(angle: number): number {
+function rounded(angle: number): number {
   const step = Math.PI / 12;
   const near = Math.round(angle / step) * step;
   return Math.abs(angle - near) < 0.06 ? near : angle;

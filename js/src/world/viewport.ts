@@ -139,7 +139,6 @@ export class Viewport {
     return [this.x, this.y, this.scale, this.height].map((number) => number.toFixed(2)).join(" ");
   }
 
-  /** The middle of what is shown. */
   get middle(): Point {
     return this.inside(this.width / 2, this.height / 2);
   }
