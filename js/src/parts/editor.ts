@@ -1,6 +1,7 @@
 /** The editor's panel: the text, its status, and bundled programs to start with when it is empty. */
 
 import type { Editor } from "../editor/editor";
+import type { LabState } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, setAttribute, setProse, unmarked } from "../ui/dom";
@@ -15,32 +16,26 @@ function verdict(lab: Lab): HTMLElement {
   const { store } = lab;
   const line = h("span", { class: "lrp-verdict", role: "status" });
   store.watch(["findings", "accepted", "patch", "pending", "status", "link", "snapshot"], () => {
-    const { findings, accepted, patch, pending, status, link } = store.state;
-    const errors = findings.filter(({ severity }) => severity === "error").length;
-    let state = "runs";
-    let words = status === "running" ? "runs" : "applied";
-    if (link === "dead") {
-      state = "waits";
-      words = "no kernel";
-    } else if (!accepted) {
-      state = errors ? "broken" : "waits";
-      words = errors === 1 ? "1 error" : errors ? `${errors} errors` : "unfinished";
-      if (status === "running") words += "; the last valid program keeps running";
-    } else if (status === "broken") {
-      state = "waits";
-      words = "not running";
-    } else if (pending) {
-      state = "held";
-      words = "held";
-    } else if (patch) {
-      state = "waits";
-      words = patch;
-    }
+    const [state, words] = verdictOf(store.state);
     setAttribute(line, "data-state", state);
     setAttribute(line, "title", unmarked(words));
     setProse(line, words);
   });
   return line;
+}
+
+function verdictOf({ findings, accepted, patch, pending, status, link }: LabState): [string, string] {
+  if (link === "dead") return ["waits", "no kernel"];
+  if (!accepted) {
+    const errors = findings.filter(({ severity }) => severity === "error").length;
+    const words = errors === 1 ? "1 error" : errors ? `${errors} errors` : "unfinished";
+    const goesOn = status === "running" ? "; the last valid program keeps running" : "";
+    return [errors ? "broken" : "waits", words + goesOn];
+  }
+  if (status === "broken") return ["waits", "not running"];
+  if (pending) return ["held", "held"];
+  if (patch) return ["waits", patch];
+  return ["runs", status === "running" ? "runs" : "applied"];
 }
 
 /** Offer the bundled programs while the text is empty. */

@@ -59,14 +59,7 @@ function statusLine(lab: Lab): HTMLElement {
   const line = h("span", { class: "lrp-status" }, dot, words);
   store.watch(["status", "tick", "time", "link", "reason"], () => {
     const { status, tick, time, link, reason } = store.state;
-    const word =
-      link === "busy"
-        ? "kernel busy"
-        : link === "lost"
-          ? "no answer"
-          : link === "dead"
-            ? "no kernel"
-            : status;
+    const word = { busy: "kernel busy", lost: "no answer", dead: "no kernel" }[link as string] ?? status;
     setAttribute(dot, "data-status", link === "live" || link === "connecting" ? status : link);
     setText(words, `${word} · tick ${tick.toLocaleString("en")} · ${time.toFixed(1)} s`);
     setAttribute(line, "title", unmarked(reason));
