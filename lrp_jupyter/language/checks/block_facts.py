@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
+from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks.names_in_blocks import Use, Uses
 from lrp_jupyter.language.checks.misreadings import misreadings
 from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned
@@ -68,15 +69,14 @@ class Remark(NamedTuple):
 class Inner(NamedTuple):
     """A name that a function in the block assigns for itself only.
 
-    `lost`: the function never reads it; else it reads it before it has a value. `start` and `text` are
-    those of the `nonlocal` that is missing.
+    `lost`: the function never reads it; else it reads it before it has a value.
+    `edit`: inserts the `nonlocal` that is missing.
     """
 
     name: str
     span: Span
     lost: bool
-    start: int
-    text: str
+    edit: Edit
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +131,7 @@ def facts_of(text: str) -> Facts:
     unbound = [use for use in free if not use.writes and use.name not in block.bound]
     declared = {(use.scope, use.name): use for use in reversed(unbound) if use.name in use.scope.outer_names}
     written = block.bound - {word.name for word in augmented}
+    others = {use.name for use in free if use.writes and use.start not in values.numbers[use.name]}
     return Facts(
         reads=tuple(_word(use, places) for use in unbound if use.name not in use.scope.outer_names),
         nonlocals=tuple(_word(use, places) for use in declared.values()),
@@ -143,7 +144,7 @@ def facts_of(text: str) -> Facts:
         literal=values.literal(),
         test=values.test(),
         texts=tuple(values.texts),
-        numbers=frozenset(values.numbers) - _others(values, free, places),
+        numbers=frozenset(values.numbers) - others,
         misread=misreadings(tree, places, places.shift),
         inner=tuple(_inner(values.functions, found, places)),
         unread=tuple(_unread(tree.body, free, found, places)),
@@ -198,13 +199,9 @@ def _inner(
             itself = [at for at in reads if places.start_of(statement) < at < places.end_of(statement)]
             changes |= bool(itself) and min(writes) == use.start and min(reads) == itself[0]
             if changes or not (reads or isinstance(statement, ast.AugAssign)):
-                text = f"nonlocal {use.name}{after}"
-                yield Inner(use.name, _word(use, places).span, not changes, start + places.shift, text)
-
-
-def _others(values: _Values, free: list[Use], places: ScannedBlock) -> set[str]:
-    """Return the names that a block binds to something that may not be a number."""
-    return {use.name for use in free if use.writes and use.start not in values.numbers[use.name]}
+                at = start + places.shift
+                edit = Edit(at, at, f"nonlocal {use.name}{after}")
+                yield Inner(use.name, _word(use, places).span, not changes, edit)
 
 
 def _statements(body: list[ast.stmt]) -> Iterator[ast.AST]:
@@ -292,17 +289,14 @@ class _Values:
             written = SIGNS.get(type(node.ops[index]))
             for name, text in ((before, operand), (operand, before)):
                 if written and isinstance(name, ast.Name) and _kind(text) == "a string":
-                    self.texts.append((name.id, self._text(written, text)))
+                    value = text.value if isinstance(text, ast.Constant) else None
+                    self.texts.append((name.id, Other(written, "text", self.places.span(text), value)))
             if isinstance(operand, ast.BinOp) and isinstance(operand.left, ast.Constant):
                 sign = {ast.BitAnd: "&", ast.BitOr: "|"}.get(type(operand.op))
                 if sign and not self.places.between(before, "(", operand):
                     edit = self.places.between(operand.left, sign, operand.right)
                     self.bitwise.append(Remark(self.places.span(node), edit, sign))
             before = operand
-
-    def _text(self, sign: str, node: ast.expr) -> Other:
-        value = node.value if isinstance(node, ast.Constant) else None
-        return Other(sign, "text", self.places.span(node), value)
 
     def valueless(self) -> Remark | None:
         """Return the last statement, if the block's value is None for certain."""

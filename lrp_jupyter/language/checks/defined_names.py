@@ -39,18 +39,14 @@ def check_names(report: Reporter, names: Resolution) -> None:
 def _hiding(report: Reporter, scope: Scope, variable: Variable) -> None:
     name = variable.name
     outer = scope.outer.visible.get(name) if scope.outer else None
-    if name in _PROVIDED:
-        message = f"The variable `{name}` hides {_PROVIDED[name]} from all blocks here. Give it another name."
-        report.add("LRP203", name.span, message)
-    elif outer:
+    if outer and name not in _PROVIDED:
         line = report.line(outer.variables[name].name.span)
         message = f"The variable `{name}` hides the `{name}` in line {line}. Give one of them another name."
         report.add("LRP202", name.span, message)
-    elif name in BUILTINS:
-        message = (
-            f"The variable `{name}` hides Python's own `{name}` from all blocks here. Give it another name."
-        )
-        report.add("LRP204", name.span, message)
+    elif name in BUILTINS or name in _PROVIDED:
+        what = _PROVIDED.get(name, f"Python's own `{name}`")
+        message = f"The variable `{name}` hides {what} from all blocks here. Give it another name."
+        report.add("LRP203" if name in _PROVIDED else "LRP204", name.span, message)
 
 
 def _colliding(report: Reporter, scope: Scope) -> None:

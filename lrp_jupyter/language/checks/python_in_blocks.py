@@ -110,20 +110,18 @@ class _Python:
                 self._unknown("LRP503", place, name, span, problem, chain(visible, facts.binds))
         for inner in facts.inner:
             if inner.name in visible or inner.name in facts.binds:
-                what = ", so the variable does not change" if inner.lost else " and has no value"
-                message = f"`{inner.name}` is local to this function{what}. "
-                message += f"Write `nonlocal {inner.name}` first."
-                start = place.block.span.start + 1 + inner.start
-                fix = Fix(f"Insert `nonlocal {inner.name}`", (Edit(start, start, inner.text),))
                 code = "LRP529" if inner.lost else "LRP503"
-                self.report.add(code, place.block.at(inner.span), message, fix)
+                what = ", so the variable does not change" if inner.lost else " and has no value"
+                word = f"nonlocal {inner.name}"
+                message = f"`{inner.name}` is local to this function{what}. Write `{word}` first."
+                fix = Fix(f"Insert `{word}`", (inner.edit,))
+                self._remedied(place, Remedied(code, inner.span, message, fix))
         if place.purpose == "action":
             for name, span, _ in facts.unread:
                 similar = None if name in visible else self.report.nearest(name, visible)
                 if similar and name not in self._undefined:
-                    message = f"`{name}` is a name of this block only, and nothing reads it. "
-                    message += f"Did you mean `{similar}`?"
-                    self._add("LRP530", place, span, message, similar)
+                    problem = f"`{name}` is a name of this block only, and nothing reads it"
+                    self._add("LRP530", place, span, f"{problem}. Did you mean `{similar}`?", similar)
 
     @cached_property
     def _undefined(self) -> set[str]:
@@ -139,20 +137,16 @@ class _Python:
         self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
     ) -> None:
         """Report an unknown name, with a remedy."""
-        if (
-            place.scope.event(name)
-            and place.element.kind == "transition"
-            and place.block.text.strip() == name
-        ):
+        is_whole = place.element.kind == "transition" and place.block.text.strip() == name
+        if is_whole and place.scope.event(name):
             message = f"`{name}` is an event, not Python. Write it without brackets."
             self.report.add(code, place.block.at(span), message, replace(place.block.span, name))
             return
         elsewhere = self._elsewhere(place, name)
         groups = [tuple(names) for names in known]
         prefix = any(each.startswith(name) for names in groups for each in names)
-        meant = _SPELT.get(name) or next(
-            filter(None, (self.report.nearest(name, names) for names in groups)), None
-        )
+        similar = (self.report.nearest(name, names) for names in groups)
+        meant = _SPELT.get(name) or next(filter(None, similar), None)
         if meant in BUILTINS and meant[:1].lower() != name[:1].lower():
             meant = None  # of that many names, one is always a little similar
         remedy = f"{problem}. Declare `(var {name} := [value])`."
@@ -202,16 +196,12 @@ class _Python:
     def _values(self, place: PlacedBlock, facts: Facts, wrong: set[Span]) -> None:
         used = place.purpose != "action"
         for diagnosis in facts.misread:
-            start = place.block.span.start + 1
-            span = Span(diagnosis.start + start, diagnosis.end + start)
-            self.report.add(diagnosis.code, span, diagnosis.message, diagnosis.shifted(start).fix)
+            where = Span(diagnosis.start, diagnosis.end)
+            self._remedied(place, Remedied(diagnosis.code, where, diagnosis.message, diagnosis.fix))
         for remark in facts.comparisons:
             if not (used and remark.last):
-                fix = (
-                    "="
-                    if remark.edit and (remark.name in place.visible or remark.name not in self.known)
-                    else None
-                )
+                is_name = remark.name in place.visible or remark.name not in self.known
+                fix = "=" if remark.edit and is_name else None
                 remedy = "Write `=` to assign" if remark.edit else "Use its result, or remove it"
                 message = f"This only compares, and the result is not used. {remedy}."
                 self._add("LRP504", place, remark.span, message, fix, remark.edit)
@@ -219,9 +209,8 @@ class _Python:
             if not (used and remark.last) and remark.span not in wrong:
                 text = place.block.text[slice(*remark.span)]
                 end = Span(remark.span.end, remark.span.end)
-                message = (
-                    f"This only names `{text}` and does nothing. Write `{text}()` to call it, or remove it."
-                )
+                remedy = f"Write `{text}()` to call it, or remove it"
+                message = f"This only names `{text}` and does nothing. {remedy}."
                 call = "()" if text.count(".") == 1 else None
                 self._add("LRP507", place, remark.span, message, call, end)
         for remark in facts.bitwise:
@@ -252,20 +241,17 @@ class _Python:
                     self._remedied(place, remedied)
         halved = any(diagnosis.code == "LRP518" for diagnosis in facts.misread)
         if facts.literal and place.purpose in _WANTED and not halved:
-            kind, wanted = facts.literal[0], _WANTED[place.purpose]
+            (kind, span), wanted = facts.literal, _WANTED[place.purpose]
             if kind != wanted:
-                message = (
-                    f"A {place.purpose} must be {wanted}, not {kind}. Write an expression that returns one."
-                )
-                self._add("LRP508", place, facts.literal[1], message)
+                problem = f"A {place.purpose} must be {wanted}, not {kind}"
+                self._add("LRP508", place, span, f"{problem}. Write an expression that returns one.")
 
     def _tested_delay(self, place: PlacedBlock, test: Span) -> None:
         """Report a comparison as a delay, with the keyword for conditions as its fix."""
         opening = self.report.program.text.rfind("ontime", 0, place.block.span.start)
         fix = replace(Span(opening, opening + len("ontime")), "on") if opening >= 0 else None
-        message = (
-            "A delay is a number of milliseconds, and this is `True` or `False`. Write `on` for a condition."
-        )
+        problem = "A delay is a number of milliseconds, and this is `True` or `False`"
+        message = f"{problem}. Write `on` for a condition."
         self.report.add("LRP508", place.block.at(test), message, fix)
 
     def _add(

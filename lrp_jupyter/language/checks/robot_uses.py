@@ -168,14 +168,13 @@ def _reading(use: RobotUse, member: RobotMember, is_condition: bool) -> Remedied
         message = f"`{path}` is read from the robot and cannot be assigned. Keep the value in a variable."
         return Remedied("LRP523", use.span, message)
     if use.role == "deleted":
-        return Remedied(
-            "LRP523", use.span, f"`{path}` belongs to the robot and cannot be deleted. Remove the `del`."
-        )
+        message = f"`{path}` belongs to the robot and cannot be deleted. Remove the `del`."
+        return Remedied("LRP523", use.span, message)
     if use.role == "stated":
         return Remedied("LRP507", use.span, f"This only reads `{path}` and does nothing with it. Remove it.")
     if use.role == "value" and is_condition and kind in ("number", "text"):
-        message = f"A condition is `True` or `False`, but `{path}` is {_ARTICLES[kind]}. Compare it with one."
-        message = message.replace("with one", "with a text" if kind == "text" else "with a number")
+        what = _ARTICLES[kind]
+        message = f"A condition is `True` or `False`, but `{path}` is {what}. Compare it with {what}."
         return Remedied("LRP508", use.span, message)
     return compared(path, kind, use.other) if use.other and kind else None
 
@@ -192,9 +191,8 @@ def compared(path: str, kind: str, with_what: Other) -> Remedied | None:
             return Remedied("LRP526", span, f"`{path}` is {what}, never {value!r}. Compare it with `True`.")
         if not is_equality:
             return None
-        return Remedied(
-            "LRP526", span, f"`{path}` is {what}, not `True` or `False`. Compare it with a number."
-        )
+        message = f"`{path}` is {what}, not `True` or `False`. Compare it with a number."
+        return Remedied("LRP526", span, message)
     if kind == other:
         return None
     fix = None
@@ -271,9 +269,8 @@ def _arguments(
         if parameters.names:
             message = f"`{path}` takes `{parameters.text}`. Remove the extra arguments."
         extra = plain[parameters.positional :]
-        removal: Fix | None = None
-        if not parameters.names and len(plain) == len(call.arguments):
-            removal = Fix("Remove the arguments", (Edit(call.brackets.start, call.brackets.end, "()"),))
+        is_all = not parameters.names and len(plain) == len(call.arguments)
+        removal = Fix("Remove the arguments", (Edit(*call.brackets, "()"),)) if is_all else None
         return Remedied("LRP521", Span(extra[0].span.start, extra[-1].span.end), message, removal)
     given = {argument.name for argument in named}
     by_place = parameters.required[len(plain) :] if len(plain) < len(parameters.required) else ()
@@ -318,10 +315,8 @@ def _by_position(
     if len(plain) < 2 and not numbers and not (plain and len(call.arguments) > 1):
         return None
     free = [name for name in parameters.names if all(argument.name != name for argument in call.arguments)]
-    edits = [
-        Edit(argument.span.start, argument.span.start, f"{name}=")
-        for argument, name in zip(plain, free, strict=False)
-    ]
+    starts = [argument.span.start for argument in plain]
+    edits = [Edit(start, start, f"{name}=") for start, name in zip(starts, free, strict=False)]
     example = ", ".join(f"{name}=…" for name in parameters.names)
     message = f"The arguments of `{path}` need names. Write `{path}({example})`."
     fix = Fix(f"Insert `{edits[0].text}`", tuple(edits)) if len(edits) == len(plain) else None

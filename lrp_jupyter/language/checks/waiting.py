@@ -75,9 +75,8 @@ class _Waits:
 
     def found(self) -> Iterator[_Wait]:
         """Yield the places where the block waits, in what runs when the block runs."""
-        nodes: list[tuple[ast.AST, bool]] = [
-            (statement, False) for statement in reversed(self._block.tree.body)
-        ]
+        body = reversed(self._block.tree.body)
+        nodes: list[tuple[ast.AST, bool]] = [(statement, False) for statement in body]
         while nodes:
             node, caught = nodes.pop()
             if isinstance(node, _FUNCTIONS) and getattr(node, "name", "") not in self._called:
