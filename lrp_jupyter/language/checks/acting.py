@@ -10,9 +10,8 @@ import ast
 from collections.abc import Iterator
 from functools import lru_cache
 
-from lrp_jupyter.language.checks.imports import called, imported, whole_name
 from lrp_jupyter.language.checks.report import Reporter
-from lrp_jupyter.language.checks.scanned import scanned
+from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned, whole_name
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.resolution import Resolution
 
@@ -47,17 +46,17 @@ def _acts(text: str) -> tuple[tuple[Span, str, str], ...]:
     if block is None:
         return ()
     found = []
-    for node, whole, outside in _places(block.nodes, imported(block.nodes)):
+    for node, whole, outside in _places(block):
         acting = next((name for name in _ACTING if f"{whole}.".startswith(f"{name}.")), None)
         if acting is not None and outside not in block.stored:
             found.append((block.span(node), acting, outside))
     return tuple(sorted(found))
 
 
-def _places(nodes: list[ast.AST], known: dict[str, str]) -> Iterator[tuple[ast.expr | ast.alias, str, str]]:
-    for node in nodes:
+def _places(block: ScannedBlock) -> Iterator[tuple[ast.expr | ast.alias, str, str]]:
+    for node in block.nodes:
         if isinstance(node, ast.Import | ast.ImportFrom):
             for alias in node.names:
                 yield alias, whole_name(node, alias), ""
         elif isinstance(node, ast.Call):
-            yield node.func, *called(node, known)
+            yield node.func, *block.called(node)

@@ -173,10 +173,9 @@ def _untested(report: Reporter, scope: Scope, arrows: list[MeantArrow]) -> None:
         key = _key(arrow)
         found = [earlier[state].found(key) for state in sources]
         if transition.wildcard and not sources and transition.destination in scope.states:
-            message = (
-                f"`{transition.source_text}` matches no state here, so this transition is never tested. "
-            )
-            report.add("LRP406", transition.span, message + "Add a state that it can leave, or remove it.")
+            problem = f"`{transition.source_text}` matches no state here, so this transition is never tested"
+            message = f"{problem}. Add a state that it can leave, or remove it."
+            report.add("LRP406", transition.span, message)
         elif found and all(found) and found[0]:
             reason, first = found[0]
             message = (

@@ -1,4 +1,4 @@
-"""A block's tree, with the places of its nodes in the text of the block."""
+"""A block's tree, with the places of its nodes in the text of the block, and what it imports and calls."""
 
 from __future__ import annotations
 
@@ -30,6 +30,22 @@ class ScannedBlock(Offsets):
         names = [node for node in self.nodes if isinstance(node, ast.Name)]
         return frozenset(name.id for name in names if isinstance(name.ctx, ast.Store))
 
+    @cached_property
+    def imported(self) -> dict[str, str]:
+        """The names that it imports, each with what it stands for: ``{"sleep": "time.sleep"}``."""
+        found = {}
+        for node in self.nodes:
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                for alias in node.names:
+                    found[alias.asname or alias.name] = whole_name(node, alias)
+        return found
+
+    def called(self, call: ast.Call) -> tuple[str, str]:
+        """Return the whole name of what is called, and the name outside the block on which that depends."""
+        name = ast.unparse(call.func) if isinstance(call.func, ast.Name | ast.Attribute) else ""
+        root, dot, rest = name.partition(".")
+        return self.imported.get(root, root) + dot + rest, "" if root in self.imported else root
+
     def span(self, first: ast.AST, last: ast.AST | None = None) -> Span:
         """Return the range of a node, or from one node to the end of another."""
         return Span(self.start_of(first) + self.shift, self.end_of(last or first) + self.shift)
@@ -38,6 +54,11 @@ class ScannedBlock(Offsets):
         """Return the range of an operator between two expressions."""
         start = self.source.find(sign, self.end_of(first), self.start_of(second)) + self.shift
         return Span(start, start + len(sign)) if start >= self.shift else None
+
+
+def whole_name(node: ast.Import | ast.ImportFrom, alias: ast.alias) -> str:
+    """Return the name of what is imported, with that of its module."""
+    return f"{node.module}.{alias.name}" if isinstance(node, ast.ImportFrom) else alias.name
 
 
 def scanned(text: str, signs: Iterable[str] = ("",)) -> ScannedBlock | None:

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
-from lrp_jupyter.language.checks.imports import called, imported
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned
 from lrp_jupyter.language.program import Span
@@ -71,7 +70,6 @@ class _Waits:
         self._block = block
         calls = [node for node in block.nodes if isinstance(node, ast.Call)]
         self._called = {call.func.id for call in calls if isinstance(call.func, ast.Name)}
-        self._imported = imported(block.nodes)
 
     def found(self) -> Iterator[_Wait]:
         """Yield the places where the block waits, in what runs when the block runs."""
@@ -120,7 +118,7 @@ class _Waits:
         return not any(not isinstance(node, ast.Name) or node.id in read for node in stored)
 
     def _call(self, call: ast.Call) -> Iterator[_Wait]:
-        whole, outside = called(call, self._imported)
+        whole, outside = self._block.called(call)
         if whole == "time.sleep":
             yield _Wait("LRP542", self._block.span(call.func), outside)
         elif whole == "input" and outside not in self._block.stored:
