@@ -31,6 +31,7 @@ from lrp_jupyter.language.program import (
     Variable,
     path_text,
 )
+from lrp_jupyter.language.reading.tokens import ACTIONS
 from lrp_jupyter.language.successors import Successors
 
 _Change = (
@@ -39,7 +40,6 @@ _Change = (
 )
 _Named = TypeVar("_Named", Variable, Event, State, Machine)
 _Key = TypeVar("_Key", bound=Hashable)
-_ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +113,7 @@ def diff(old: Program, new: Program) -> ChangeSet:
 
 
 def _words(element: Element) -> str:
-    if element.kind not in _ACTIONS:
+    if element.kind not in ACTIONS:
         return str(element)
     return f"`{element.kind}`" + (f" of `{path_text(element.path)}`" if element.path else "")
 

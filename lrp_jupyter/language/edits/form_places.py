@@ -16,7 +16,7 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks.block_margins import STEP, reindented
 from lrp_jupyter.language.blocks.names_in_blocks import normal
 from lrp_jupyter.language.python.scanner import LINE_END, strings
-from lrp_jupyter.language.reading.tokens import LEGAL, Token, keyword_of, tokenize
+from lrp_jupyter.language.reading.tokens import ACTIONS, LEGAL, NAMED, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS
 
 _ORDER = ("var", "event", "onentry", "running", "onexit", "onpause", "onresume", "state", "machine", "spawn")
@@ -38,7 +38,7 @@ class WrittenForm:
         kind, self.start, self.head = tokens[0]
         self.keyword = keyword_of(text, tokens[0]) if kind == "OPEN" else "program"
         self.end = tokens[-1][2] if end is None else end
-        if self.keyword in _NAMED and tokens[1][0] == "NAME":
+        if self.keyword in NAMED and tokens[1][0] == "NAME":
             self.head = tokens[1][2]
 
     @cached_property
@@ -180,7 +180,7 @@ class Sheet:
         gone = set(forms)
         for form in list(gone):
             around = self._nesting(form.start)[-2]
-            if around.keyword in _ACTIONS and gone.issuperset(set(around.items)):
+            if around.keyword in ACTIONS and gone.issuperset(set(around.items)):
                 gone.add(around)
         runs: list[list[int]] = []
         for form in sorted(gone, key=lambda form: form.start):
@@ -228,6 +228,4 @@ def _keyword(form: str) -> str:
     return keyword_of(form, tokenize(form)[0])
 
 
-_ACTIONS = frozenset({"onentry", "running", "onexit"})
-_NAMED = frozenset({"machine", "state", "var", "event"})
 assert frozenset().union(*LEGAL.values()) <= _RANKS.keys()

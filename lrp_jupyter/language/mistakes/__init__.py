@@ -27,6 +27,7 @@ from lrp_jupyter.language.mistakes.text_draft import (
     first_wrong,
     given_up,
 )
+from lrp_jupyter.language.reading.tokens import ACTIONS
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.triggers import FORMS
 
@@ -55,10 +56,9 @@ def _rule(
     return Rule(propose, frozenset(parts.split()), frozenset(forms.split()), is_later)
 
 
-_ACTIONS = "onentry running onexit onpause onresume"
 _TRANSITIONS = " ".join(FORMS)
 _NAMING = f"var event machine state spawn {_TRANSITIONS}"
-_PYTHON = f"var event on exit ontime {_ACTIONS}"
+_PYTHON = f"var event on exit ontime {' '.join(ACTIONS)}"
 
 RULES = (
     _rule(words.comments, "COMMENT"),

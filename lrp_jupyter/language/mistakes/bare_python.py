@@ -17,11 +17,10 @@ from lrp_jupyter.language.mistakes.text_draft import (
     is_python,
 )
 from lrp_jupyter.language.python.scanner import brackets, line_end
-from lrp_jupyter.language.reading.tokens import FORM_LINE
+from lrp_jupyter.language.reading.tokens import ACTIONS, FORM_LINE
 from lrp_jupyter.language.spellings import AMOUNT
 from lrp_jupyter.language.triggers import FORMS
 
-ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _HYPHENS = re.compile(r"\w+(?:-\w+)+")
 _DOES = re.compile(r"[=<>(\[]")
@@ -65,21 +64,18 @@ def bracketed(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         return
     inside = text[start + 1 : close]
     names = _WORDS.fullmatch(inside.strip())
-    if which == "{ }" and (
-        (names and form.keyword in FORMS and not iskeyword(names[0]))
-        or (form.keyword == "var" and set(inside) & set(":,"))
-    ):
+    is_source = names and form.keyword in FORMS and not iskeyword(names[0])
+    is_value = form.keyword == "var" and set(inside) & set(":,")
+    if which == "{ }" and (is_source or is_value):
         return
     last = _index(form, close + 1)
     if which == "( ]" and draft.missing > 0 and is_python(inside):
         message = "This block begins with `(` and ends with `]`. Write `[`."
         edit = Edit(start, start + 1, "[")
         yield _block(form, first, None, "LRP115", message, (start, start + 1), (edit,))
-    elif (
-        which != "( ]"
-        and (last is None or last == len(form.items) or form.keyword not in ("var", "event"))
-        and is_python(inside)
-    ):
+    elif which != "( ]" and (last in (None, len(form.items)) or form.keyword not in ("var", "event")):
+        if not is_python(inside):
+            return
         message = f"Python is written in square brackets, not in `{which}`. Write `[…]` here."
         edits = Edit(start, start + 1, "["), Edit(close, close + 1, "]")
         yield _block(form, first, last, "LRP115", message, (start, close + 1), edits)

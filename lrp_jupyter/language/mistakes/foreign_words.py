@@ -102,12 +102,9 @@ def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         return
     parts = [Piece("NAME", start, end)]
     halves = re.split(r"\W+", word)
-    if (
-        form.keyword == "spawn"
-        and len(halves) == 2
-        and halves[0] in draft.defined["machine"]
-        and halves[1] in draft.states
-    ):
+    machines = draft.defined["machine"]
+    is_pair = len(halves) == 2 and halves[0] in machines and halves[1] in draft.states
+    if form.keyword == "spawn" and is_pair:
         name = " ".join(halves)
         parts *= 2
         message = f"The machine and its state are two words. Write `{name}`."

@@ -94,9 +94,8 @@ def sources(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     if len(braces) == 2 or alone or not inside or not draft.states.issuperset(map(draft.word, inside)):
         return
     start, end = inside[0].start, inside[-1].end
-    edits = [Edit(start, start, "{")] * ("LBRACE" not in braces) + [Edit(end, end, "}")] * (
-        "RBRACE" not in braces
-    )
+    edits = [] if "LBRACE" in braces else [Edit(start, start, "{")]
+    edits += [] if "RBRACE" in braces else [Edit(end, end, "}")]
     message = f"Several sources are written in braces. Write `{{{' '.join(map(draft.word, inside))}}}`."
     group = [Piece("LBRACE", start, start), *inside, Piece("RBRACE", end, end)]
     parts = [*form.items[:first], *items[: 2 * starred], *group, *form.items[arrow:]]

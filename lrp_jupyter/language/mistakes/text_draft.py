@@ -12,7 +12,7 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks.block import facts_of
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
 from lrp_jupyter.language.reading.forms import Mistake, shape_of
-from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
+from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL, NAMED, Token, keyword_of, tokenize
 from lrp_jupyter.language.spellings import ARROWS, SIGN
 
 _HYPHENED = re.compile(r"\(\s*event\s+(\w+(?:-\w+)+)")
@@ -107,9 +107,7 @@ class TextDraft:
         kinds = [token[0] for token in self.tokens]
         self.missing = kinds.count("OPEN") - kinds.count("CLOSE")
         self.names: set[str] = set()
-        self.defined: dict[str, set[str]] = {
-            keyword: set() for keyword in ("event", "machine", "state", "var")
-        }
+        self.defined: dict[str, set[str]] = {keyword: set() for keyword in NAMED}
         for index, (kind, start, end) in enumerate(self.tokens):
             if kind == "NAME":
                 self.names.add(text[start:end])
@@ -132,9 +130,8 @@ class TextDraft:
 
     def word(self, item: Item | Token) -> str:
         """Return the text of a part."""
-        return (
-            self.text[item.start : item.end] if isinstance(item, DraftForm) else self.text[item[1] : item[2]]
-        )
+        start, end = (item.start, item.end) if isinstance(item, DraftForm) else item[1:]
+        return self.text[start:end]
 
     def known(self, except_from: int = -1) -> set[str]:
         """Return the names that are used anywhere in the text but in one block, and Python's own."""

@@ -6,10 +6,9 @@ import re
 from itertools import islice
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.mistakes.bare_python import ACTIONS
 from lrp_jupyter.language.mistakes.text_draft import Correction, Corrections, DraftForm, TextDraft, is_python
 from lrp_jupyter.language.python.scanner import LINE_END, block_end, brackets, line_end, strings
-from lrp_jupyter.language.reading.tokens import FORM_LINE
+from lrp_jupyter.language.reading.tokens import ACTIONS, FORM_LINE
 from lrp_jupyter.language.triggers import FORMS
 
 _LONGEST_STRING = 200

@@ -16,12 +16,11 @@ from lrp_jupyter.language.mistakes.text_draft import (
 )
 from lrp_jupyter.language.python.scanner import line_end
 from lrp_jupyter.language.reading.forms import USAGE
-from lrp_jupyter.language.reading.tokens import LEGAL
+from lrp_jupyter.language.reading.tokens import LEGAL, NAMED
 from lrp_jupyter.language.triggers import FORMS
 
 _AFTER_NAME = (("ASSIGN",), ("BLOCK",), ("INVALID",))
 _FIRST_WORD = re.compile(r"\s*([^\W\d]\w*)")
-_NAMED = frozenset({"event", "machine", "state", "var"})
 _CONTAINERS = frozenset({"machine", "state"})
 _BLOCKS = frozenset({"BLOCK", "INVALID"})
 
@@ -116,7 +115,7 @@ def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         yield Correction("LRP110", message, start, end, (Edit(start, end, names),), items)
     if len(inside) > (2 if keyword == "spawn" and not at else 1):
         return
-    if keyword in _NAMED and (at or inside[0] in LEGAL.get(keyword, ())):
+    if keyword in NAMED and (at or inside[0] in LEGAL.get(keyword, ())):
         return
     if keyword in ("var", "event") and item.kind in _BLOCKS and kinds[1:2] not in _AFTER_NAME:
         return

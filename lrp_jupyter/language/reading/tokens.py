@@ -18,6 +18,9 @@ LEGAL: dict[str, frozenset[str]] = {
 """The forms allowed directly in each form; a test keeps it equal to ``grammar.lark``."""
 
 KEYWORDS = frozenset().union(*LEGAL.values())
+NAMED = frozenset({"event", "machine", "state", "var"})
+"""The forms that begin with the name that they define."""
+ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 
 _SKIP = r"[\s\ufeff]*+(?:[;#][^\r\n]*+[\s\ufeff]*+)*+"
 _NAME = (  # ASCII letters, digits and `_`, and all that is beyond ASCII; one set of characters is fast
