@@ -34,7 +34,6 @@ from lrp_jupyter.language.triggers import Purpose
 Definition = Variable | Event | State | Machine
 _Defined = TypeVar("_Defined", Variable, Event, State, Machine)
 
-
 _Unknown = Literal["unknown event", "unknown state", "unknown machine", "unknown variable"]
 _UNKNOWN: dict[str, _Unknown] = {"event": "unknown event", "variable": "unknown variable"}
 
@@ -416,13 +415,8 @@ def _actions(
     items: Sequence[Block | Spawn],
     scope: Scope,
 ) -> None:
-    found[element] = tuple(
-        [
-            PlacedBlock(element, ordinal, item, "action", scope, scope.visible)
-            for ordinal, item in enumerate(items)
-            if isinstance(item, Block)
-        ]
-    )
+    blocks = [(ordinal, item) for ordinal, item in enumerate(items) if isinstance(item, Block)]
+    found[element] = tuple([PlacedBlock(element, *each, "action", scope, scope.visible) for each in blocks])
 
 
 def _define(scope: Scope, noun: Program | Machine, repeats: list[Repeat]) -> None:

@@ -93,10 +93,8 @@ def parameters_of(text: str, fields: Collection[str] = ()) -> Parameters:
     plain = [argument.arg for argument in [*arguments.posonlyargs, *arguments.args]]
     without = len(plain) - len(arguments.defaults)
     by_name = [argument.arg for argument in arguments.kwonlyargs]
-    required = plain[:without]
-    required += [
-        name for name, default in zip(by_name, arguments.kw_defaults, strict=True) if default is None
-    ]
+    defaults = zip(by_name, arguments.kw_defaults, strict=True)
+    required = plain[:without] + [name for name, default in defaults if default is None]
     return Parameters(
         text,
         (*plain[len(arguments.posonlyargs) :], *by_name),

@@ -65,9 +65,7 @@ def _repaired(text: str, starts: list[int], tokens: Sequence[Token]) -> Matching
         column = -1 if before.strip() else len(before)
         if kind == "NAME" and (column < 0 or text[start:end] not in KEYWORDS):
             continue
-        keyword = (
-            keyword_of(text, tokens[index]) if kind == "OPEN" else text[start:end] if kind == "NAME" else ""
-        )
+        keyword = "" if kind == "CLOSE" else keyword_of(text, tokens[index])
         if kind == "OPEN" and keyword not in KEYWORDS:
             keyword = "?"
         indices.append(index)
