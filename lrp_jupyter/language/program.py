@@ -145,6 +145,11 @@ class Transition:
         return str(self.sources[0]) if len(self.sources) == 1 else group
 
     @property
+    def own_states(self) -> tuple[Name, ...]:
+        """The states of its own machine that it names."""
+        return self.sources if self.outward else (*self.sources, self.destination)
+
+    @property
     def trigger_text(self) -> str:
         """The trigger in one word: as the language writes it, ``eps`` for nothing."""
         return str(self.trigger.text) or self.trigger.keyword

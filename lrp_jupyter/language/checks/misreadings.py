@@ -85,15 +85,13 @@ def _halved(node: ast.expr, places: Offsets) -> Iterator[Diagnosis]:
 
 
 def _annotated(node: ast.AnnAssign, places: Offsets) -> Iterator[Diagnosis]:
-    if node.value is None and (_is_literal(node.annotation) or _is_truth(node.annotation)):
+    annotation = node.annotation
+    is_value = isinstance(annotation, ast.Constant) and isinstance(annotation.value, int | float | str)
+    if node.value is None and is_value:
         start, between = _between(node.target, node.annotation, places)
         at = start + between.index(":")
         edit = Edit(start, places.start_of(node.annotation), " = ")
         yield Diagnosis(at, at + 1, "LRP518", "`:` does not assign. Write `=`.", (edit,))
-
-
-def _is_truth(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, bool)
 
 
 def _statement(node: ast.Expr, places: Offsets) -> Iterator[Diagnosis]:

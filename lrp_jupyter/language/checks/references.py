@@ -133,16 +133,16 @@ class _References:
     def _home(self, arrow: Arrow) -> Scope | None:
         """Return the machine to which a transition belongs that is in another one; else None."""
         noun, scope = arrow.noun, arrow.scope
-        names = [*noun.sources, *([] if noun.outward else [noun.destination])]
-        if not noun.sources or noun.wildcard or any(name in scope.states for name in names):
+        names = set(noun.own_states)
+        if not noun.sources or noun.wildcard or not names.isdisjoint(scope.states):
             return None
-        homes = [other for other in self.scopes if all(name in other.states for name in names)]
+        homes = [other for other in self.scopes if names.issubset(other.states)]
         return homes[0] if len(homes) == 1 else None
 
     def _misplaced(self, arrow: Arrow, home: Scope, around: list[Scope]) -> MeantArrow:
         """Report a transition that belongs to another machine; return it as it is meant there."""
         noun, last = arrow.noun, arrow.noun.destination
-        named = dict.fromkeys(f"`{name}`" for name in (*noun.sources, *([] if noun.outward else [last])))
+        named = dict.fromkeys(f"`{name}`" for name in noun.own_states)
         message = (
             f"{' and '.join(named)} {'are states' if len(named) > 1 else 'is a state'} of `{home.name}`, "
             f"not of `{arrow.scope.name}`. Move this transition into `{home.name}`."

@@ -27,6 +27,11 @@ class Members(NamedTuple):
         """The names of its states."""
         return [str(state.name) for state in self.states]
 
+    @property
+    def used(self) -> set[str]:
+        """The states that its transitions name."""
+        return {str(name) for transition in self.transitions for name in transition.own_states}
+
 
 class Stray(NamedTuple):
     """A form in the wrong form, with the index of its finding."""
@@ -54,28 +59,18 @@ def relocated(stray: Stray, machines: Sequence[Members], text: str) -> tuple[Edi
     machines = [machine for machine in machines if not start < machine.span.start < end]
     around = [machine for machine in machines if machine.span.start < start < machine.span.end]
     if isinstance(node, Transition):
-        used = {str(name) for name in (*node.sources, *([] if node.outward else [node.destination]))}
-        homes = [machine for machine in machines if used.issubset(machine.names)]
+        homes = [machine for machine in machines if set(node.own_states).issubset(machine.names)]
         homes = [machine for machine in homes if machine in around][:1] or homes
         if len(homes) != 1 or node.wildcard:
             return ()
         return gone, _among(homes[0], node, moved, text)
     if isinstance(node, State) and not around:
         name = str(node.name)
-        homes = [each for each in machines if name in _used(each) and name not in each.names]
+        homes = [each for each in machines if name in each.used and name not in each.names]
         if len(homes) == 1:
             close = homes[0].span.end - 1
             return Edit(close, close, f" {moved}"), gone
     return ()
-
-
-def _used(machine: Members) -> set[str]:
-    """Return the states that the transitions of a machine name."""
-    return {
-        str(name)
-        for transition in machine.transitions
-        for name in (*transition.sources, *([] if transition.outward else [transition.destination]))
-    }
 
 
 def _among(machine: Members, node: Transition, moved: str, text: str) -> Edit:
