@@ -116,6 +116,11 @@ class _Form:
         self.empty = False  # whether it has an empty block
         self.declared: list[tuple[str, Span]] = []  # names that blocks inside declare `global`
 
+    def add(self, kind: str, part: nodes.Part, token: Token) -> None:
+        self.types.append(kind)
+        self.parts.append(part)
+        self.tokens.append(token)
+
 
 class _Reader:
     """Parses one text; findings are kept as offsets and located only at the end."""
@@ -148,22 +153,18 @@ class _Reader:
         text = self.text
         form = _Form("program", ("", 0, 0))
         forms: list[_Form] = []
-        types, parts, kept = form.types, form.parts, form.tokens
         for index, token in enumerate(tokens):
             kind, start, end = token
             if closing and index in closing:
                 for _ in range(closing[index]):
                     form = self._finish(form, forms, tokens[index - 1][2])
-                types, parts, kept = form.types, form.parts, form.tokens
             if kind == "OPEN" or (lost and index in lost):
                 forms.append(form)
                 form = _Form(keyword_of(text, token), token)
-                types, parts, kept = form.types, form.parts, form.tokens
                 continue
             if kind == "CLOSE":
                 if index not in extra:
                     form = self._finish(form, forms, end)
-                    types, parts, kept = form.types, form.parts, form.tokens
                 continue
             word = text[start:end]
             part: nodes.Part = None
@@ -178,9 +179,7 @@ class _Reader:
                 if kind in _MEANINGLESS:
                     continue
                 kind = "BLOCK"
-            types.append(kind)
-            parts.append(part)
-            kept.append(token)
+            form.add(kind, part, token)
         for _ in range(closing.get(len(tokens), 0)):
             form = self._finish(form, forms, tokens[-1][2])
         self._shape(form, len(text))
@@ -280,9 +279,7 @@ class _Reader:
             if keyword == "machine":
                 self.machines.append(members(form.parts, Span(start, end)))
             kind = _FORM_TYPES[keyword]
-            outer.types.append(kind)
-            outer.parts.append(part)
-            outer.tokens.append((kind, start, end))
+            outer.add(kind, part, (kind, start, end))
         else:
             self._unknown(form, outer.keyword)
         if form.declared:

@@ -15,14 +15,13 @@ namespace. Paper: §5.2, where classes are generated instead.
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import lru_cache
 from types import CellType, CodeType, FunctionType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
-from lrp_jupyter.language.blocks.names_in_blocks import Offsets, Uses, normal, uses
+from lrp_jupyter.language.blocks.names_in_blocks import WORD, Offsets, Uses, normal, uses
 from lrp_jupyter.language.blocks.slips import brief, explain, fault_of
 from lrp_jupyter.language.blocks.smalltalk import smalltalk
 from lrp_jupyter.language.program import Block
@@ -31,7 +30,6 @@ from lrp_jupyter.language.python.python_parser import asked_again, parse_python
 from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.source import Diagnosis
 
-_WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
 _SIMPLE = frozenset(
     {ast.Expr, ast.Assign, ast.AugAssign, ast.If, ast.Pass}
     | {ast.Name, ast.Attribute, ast.Subscript, ast.Slice, ast.Constant, ast.keyword}
@@ -266,7 +264,7 @@ def bind(code: CodeType, namespace: dict[str, Any], cells: Mapping[str, CellType
 
 @lru_cache(maxsize=20_000)
 def _words(text: str) -> frozenset[str]:
-    return frozenset(map(normal, _WORD.findall(text)))
+    return frozenset(map(normal, WORD.findall(text)))
 
 
 @lru_cache(maxsize=20_000)

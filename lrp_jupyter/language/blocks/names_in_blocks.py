@@ -21,8 +21,8 @@ from lrp_jupyter.language.python.scanner import fields, line_end, string_end
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 _Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
-_WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
-_WORD_OR_QUOTE = re.compile(r"(?:\w|[^\x00-\x7f\s])+|['\"#]")
+WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
+_WORD_OR_QUOTE = re.compile(rf"{WORD.pattern}|['\"#]")
 _CONVERSION = re.compile(r"(?:=\s*)?(?:![A-Za-z]\s*)?\Z")
 
 
@@ -137,7 +137,7 @@ class _Visitor(Offsets):
         """Register an occurrence of a name."""
         if writes:
             scope.bound.add(name)
-        match = _WORD.match(self.source, start)
+        match = WORD.match(self.source, start)
         length = len(match[0]) if match else len(name)
         self.found.append(Use(name, start + self.shift, length, writes, scope, imported))
 
