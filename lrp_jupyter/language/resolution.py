@@ -1,9 +1,6 @@
 """Resolution of the names of a program by lexical scope, once per program.
 
-:func:`resolve` builds one :class:`Resolution` per program and caches it with the program: the tree of
-scopes, every spawn and transition with what its names refer to, and every block with the variables in its
-scope. The linker, the checks, renaming, completion and the graphs all use it; none of them resolves names
-itself.
+The linker, the checks, renaming, completion and the graphs all use it; none of them resolves names itself.
 
 Paper: §3.1 (scope of actions, events and spawns), §6.2 (dangling references).
 """

@@ -1,8 +1,4 @@
-"""The known members of the robot that a program is written for, as plain data.
-
-The checks compare the blocks of a program with it. A bridge describes its members itself; the caller, which
-knows both the program and the bridge, converts them to this description.
-"""
+"""The known members of the robot that a program is written for, as plain data, made from its bridge."""
 
 from __future__ import annotations
 

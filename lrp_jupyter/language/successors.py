@@ -1,9 +1,6 @@
 """The map from the elements of a program to those of the program after an edit or a rename.
 
-All state kept per element (issues, counts, a selection, a breakpoint) is carried over by one map,
-:class:`Successors`: from an element of the old program to the element of the new one, or to None.
-
-Paper: §6.1, footnote 5 (identity of transitions).
+All state kept per element is carried over by it: issues, counts, a selection. Paper: §6.1, footnote 5.
 """
 
 from __future__ import annotations

@@ -1,8 +1,4 @@
-"""The triggers of transitions: an event, a condition, a delay, or nothing.
-
-Each kind of trigger is a small frozen class with its source text, its text in a picture, the names it
-refers to and the blocks it contains. The interpreter tests it. Whether a transition leads outward
-(``exit``) is independent of its trigger.
+"""The triggers of transitions: an event, a condition, a delay, or nothing; `exit` is independent of them.
 
 Paper: §3.1 (events, epsilon transitions, timeouts).
 """

@@ -1,9 +1,8 @@
 """Drawing: changes made in a state graph, as edits of the program's text.
 
 Every function returns the edits for one change (a new state, a retargeted transition, …) and leaves all
-other text alone: comments, line ends and the layout of other forms stay, and new forms are indented like
-those around them. A change that would not result in a valid program is refused with a message.
-A new form goes after the last one of its kind: a new transition has the lowest priority.
+other text alone, as in `form_places`. A change that would not result in a valid program is refused with a
+message. A new form goes after the last one of its kind: a new transition has the lowest priority.
 
 Paper: §9 (editing the state graph itself).
 """

@@ -1,7 +1,5 @@
 """Rename and go to definition: finds all positions of a text that name the same element.
 
-A rename changes a definition and every reference to it, and not a single other character.
-
 Paper: §3.1 (scope), §9 ("refactorings that allow renaming … allowing some interpreter restarts to be
 avoided").
 """
