@@ -167,12 +167,11 @@ def _first_accepted(draft: TextDraft, form: DraftForm, at: int, ignored: set[Ite
 
 def _first_alone(draft: TextDraft, form: DraftForm, at: int) -> Correction | None:
     """Return the first guess about a later part that is wrong whatever is wrong before it."""
-    later = (
-        guess
-        for index in range(at + 1, len(form.items))
-        for guess in _proposed(draft, form, index, are_later=True)
-    )
-    return next((guess for guess in later if guess.alone), None)
+    for later in range(at + 1, min(len(form.items), _MOST)):
+        for guess in _proposed(draft, form, later, are_later=True):
+            if guess.alone:
+                return guess
+    return None
 
 
 def _proposed(draft: TextDraft, form: DraftForm, at: int, are_later: bool = False) -> Corrections:

@@ -81,11 +81,9 @@ def bare_form(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
 def doubled(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Round brackets around those of a form."""
     inner = form.items[at]
-    if (
-        not isinstance(inner, DraftForm)
-        or inner.keyword
-        or not any(isinstance(i, DraftForm) for i in inner.items[:1])
-    ):
+    if not isinstance(inner, DraftForm) or inner.keyword or not inner.items:
+        return
+    if not isinstance(inner.items[0], DraftForm):
         return
     start, edit = inner.start, Edit(inner.start, inner.start + 1, "")
     if draft.missing > 0:
