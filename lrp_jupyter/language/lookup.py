@@ -122,9 +122,8 @@ def missing(
     for kind in _KINDS:
         if any(called(program, kind, wanted) for program in programs):
             remedy = (remedies or {}).get(kind) or _listed(noun, names)
-            return UnknownElementError(
-                f"`{text}` is {article(kind)} {kind}, not {article(noun)} {noun}. {remedy}"
-            )
+            problem = f"`{text}` is {article(kind)} {kind}, not {article(noun)} {noun}"
+            return UnknownElementError(f"{problem}. {remedy}")
     spellings = [*names, *map(path_text, known)]
     return UnknownElementError.missing(f"There is no {noun} `{text}`.", text, spellings, _listed(noun, names))
 

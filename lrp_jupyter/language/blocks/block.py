@@ -159,9 +159,7 @@ class Place(NamedTuple):
 class BlockNames(NamedTuple):
     """The names of a block that are not its inner functions' own: they may be variables of the program.
 
-    `reads`, `assigns`: names that the block reads, and those that it assigns on its own level or by
-        `nonlocal`.
-    `places`: every such name, in order of position.
+    `assigns`: on its own level or by `nonlocal`.
     `inner`: names that functions, lambdas, classes and comprehensions in the block bind for themselves.
     """
 
@@ -175,10 +173,8 @@ def block_names(block: Block) -> BlockNames:
     """Return the names of a block, with their positions in the program's text."""
     names = _names(block.text)
     content = block.span.start + 1
-    places = tuple(
-        [place._replace(start=place.start + content, end=place.end + content) for place in names.places]
-    )
-    return names._replace(places=places)
+    places = [each._replace(start=each.start + content, end=each.end + content) for each in names.places]
+    return names._replace(places=tuple(places))
 
 
 @lru_cache(maxsize=20_000)
@@ -276,8 +272,7 @@ def _placed(text: str, before: int, names: frozenset[str], line: int, filename: 
 def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
     """Return a code object with its lines, and those of nested ones, shifted."""
     constants: list[object] = [
-        _moved(constant, lines, filename) if isinstance(constant, CodeType) else constant
-        for constant in code.co_consts
+        _moved(each, lines, filename) if isinstance(each, CodeType) else each for each in code.co_consts
     ]
     if "__qualname__" in code.co_names:  # the body of a class, which names it
         name = code.co_qualname

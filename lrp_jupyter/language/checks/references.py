@@ -23,6 +23,9 @@ _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 """Matches a form from its bracket to its keyword, across comments."""
 
 
+_Targets = list[tuple[Scope, str]]
+
+
 class MeantSpawn(NamedTuple):
     """A spawn as it is probably meant, by a state of `scope` or at the top level; `start`: if it is known."""
 
@@ -45,7 +48,7 @@ class MeantArrow(NamedTuple):
     noun: Transition
     sources: list[str]
     event: Event | None
-    targets: list[tuple[Scope, str]]
+    targets: _Targets
     sound: bool
 
 
@@ -204,9 +207,7 @@ class _References:
         creates = new_variable(self.report, name, 1000)
         self.report.unknown("LRP308", name, problem, scope.visible, remedy, creates)
 
-    def _destination(
-        self, scope: Scope, around: list[Scope], transition: Transition
-    ) -> list[tuple[Scope, str]]:
+    def _destination(self, scope: Scope, around: list[Scope], transition: Transition) -> _Targets:
         name = transition.destination
         outside = [(outer, str(name)) for outer in around if name in outer.states]
         if name in scope.states or not outside:
@@ -219,7 +220,7 @@ class _References:
         self.report.add("LRP303", name.span, message, self._keyword(transition, "exit") if certain else None)
         return outside
 
-    def _exit(self, scope: Scope, around: list[Scope], transition: Transition) -> list[tuple[Scope, str]]:
+    def _exit(self, scope: Scope, around: list[Scope], transition: Transition) -> _Targets:
         name = transition.destination
         inside = [(scope, str(name))] if name in scope.states else []
         fix = self._keyword(transition, transition.trigger.keyword) if inside else None
@@ -230,9 +231,8 @@ class _References:
         targets = [(outer, str(name)) for outer in around if name in outer.states]
         machines = " or ".join(f"`{outer.name}`" for outer in around)
         if inside and not targets:
-            message = (
-                f"`{name}` is in `{scope.name}`, but `exit` leads to a state of {machines}. Write `(on …)`."
-            )
+            problem = f"`{name}` is in `{scope.name}`, but `exit` leads to a state of {machines}"
+            message = f"{problem}. Write `(on …)`."
             self.report.add("LRP306", name.span, message, fix)
             return inside
         if targets:

@@ -210,10 +210,8 @@ def _is_in(path: Path, around: Path) -> bool:
 
 def _is_own(move: _Move, path: Path) -> bool:
     """Return whether a path is that of a transition which leaves the state."""
-    return any(
-        arrow.element.path == path and move.name in arrow.noun.sources
-        for arrow in move.drawing.names.arrows[move.scope]
-    )
+    arrows = move.drawing.names.arrows[move.scope]
+    return any(arrow.element.path == path and move.name in arrow.noun.sources for arrow in arrows)
 
 
 def _refuse_captured(move: _Move, inner: Scope) -> None:

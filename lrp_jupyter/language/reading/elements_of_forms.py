@@ -74,11 +74,9 @@ def _state(types: Sequence[str], parts: Sequence[Any], span: Span) -> State:
 
 
 def _machine(types: Sequence[str], parts: Sequence[Any], span: Span) -> Machine:
-    sorted_parts = _sorted(types, parts)
+    found = _sorted(types, parts)
     transitions = tuple([part for kind, part in zip(types, parts, strict=True) if kind in _TRANSITIONS])
-    variables, events, states = (
-        tuple(sorted_parts[kind]) for kind in ("VAR_FORM", "EVENT_FORM", "STATE_FORM")
-    )
+    variables, events, states = (tuple(found[kind]) for kind in ("VAR_FORM", "EVENT_FORM", "STATE_FORM"))
     return Machine(parts[1], variables, events, states, transitions, span)
 
 

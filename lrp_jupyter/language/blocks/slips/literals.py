@@ -32,10 +32,9 @@ def numbers(code: WrongBlock) -> Guesses:
             message = f"Python knows no units. Write the number alone: `{match[1]}`."
             yield change(token, match[1], "LRP510", message)
         elif match := re.fullmatch(r"(\d+)([A-Za-z_]\w*)", token.text):
-            message = (
-                f"`{token.text}` is neither a number nor a name. Write `{match[1]} * {match[2]}` to multiply."
-            )
-            yield change(token, f"{match[1]} * {match[2]}", "LRP501", message)
+            meant = f"{match[1]} * {match[2]}"
+            message = f"`{token.text}` is neither a number nor a name. Write `{meant}` to multiply."
+            yield change(token, meant, "LRP501", message)
 
 
 _UNITS = {*filter(None, UNITS), "m", "cm", "mm", "rad", "deg", "degrees", "hz", "Hz", "px"}
