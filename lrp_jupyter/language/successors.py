@@ -51,9 +51,8 @@ class Successors:
 
 def is_inside(element: Element, other: Element) -> bool:
     """Return whether an element is the other one or inside it."""
-    return element == other or (
-        other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path
-    )
+    has_parts = other.kind in ("machine", "state")
+    return element == other or (has_parts and element.path[: len(other.path)] == other.path)
 
 
 def after_rename(old: Program, new: Program) -> Successors:

@@ -176,7 +176,7 @@ class _Evaluator:
             case ast.BoolOp(kind, operands):
                 known = [each for each in operands if id(each) in self.known]
                 last = bool(self.known[id(known[-1])]) is isinstance(kind, ast.Or)
-                return self.deciding(known[-1]) if last and known else node
+                return self.deciding(known[-1]) if last else node
             case ast.UnaryOp(ast.Not(), operand):
                 return self.deciding(operand)
         return node
@@ -198,9 +198,8 @@ def _text(node: ast.expr) -> str:
 
 def _binds_less(node: ast.expr, is_or: bool) -> bool:
     """Return whether an operand of `or`, or of `and` and `not`, needs parentheses."""
-    return isinstance(node, (ast.IfExp, ast.Lambda, ast.BoolOp)) and not (
-        is_or and isinstance(node, ast.BoolOp) and isinstance(node.op, ast.And)
-    )
+    is_and = isinstance(node, ast.BoolOp) and isinstance(node.op, ast.And)
+    return isinstance(node, (ast.IfExp, ast.Lambda, ast.BoolOp)) and not (is_or and is_and)
 
 
 def _is_pure(function: object) -> bool:

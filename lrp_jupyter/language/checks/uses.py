@@ -122,9 +122,8 @@ class _Uses:
             return "value" if parent is self.last else "stated"
         if isinstance(parent, ast.Return):
             return "value"
-        if isinstance(parent, ast.BinOp) or (
-            isinstance(parent, ast.UnaryOp) and not isinstance(parent.op, ast.Not)
-        ):
+        is_signed = isinstance(parent, ast.UnaryOp) and not isinstance(parent.op, ast.Not)
+        if is_signed or isinstance(parent, ast.BinOp):
             return "computed"
         if isinstance(parent, ast.BoolOp | ast.UnaryOp | ast.Assert):
             return "tested"

@@ -170,8 +170,7 @@ class Sheet:
 
     def indent(self, offset: int) -> str:
         """Return the white space at the beginning of a line."""
-        found = _BLANKS.match(self.text, self._line_start(offset))
-        return found[0] if found else ""
+        return _BLANKS.match(self.text, self._line_start(offset))[0]  # type: ignore[index]
 
     # -- removed forms -------------------------------------------------------------------------------
 

@@ -82,12 +82,11 @@ def _machine(types: Sequence[str], parts: Sequence[Any], span: Span) -> Machine:
 
 def program(types: Sequence[str], parts: Sequence[Any], text: str, filename: str) -> Program:
     """Return the program made of the top-level forms."""
-    sorted_parts = _sorted(types, parts)
-    variables, events, machines, spawns = (
-        tuple(sorted_parts[kind]) for kind in ("VAR_FORM", "EVENT_FORM", "MACHINE_FORM", "SPAWN_FORM")
-    )
+    found = _sorted(types, parts)
+    kinds = ("VAR_FORM", "EVENT_FORM", "MACHINE_FORM", "SPAWN_FORM")
+    variables, events, machines, spawns = (tuple(found[kind]) for kind in kinds)
     onpause, onresume = (
-        tuple(block for part in sorted_parts[kind] if part is not None for block in part.items)
+        tuple(block for part in found[kind] if part is not None for block in part.items)
         for kind in ("ONPAUSE_FORM", "ONRESUME_FORM")
     )
     return Program(variables, events, machines, spawns, onpause, onresume, text, filename)

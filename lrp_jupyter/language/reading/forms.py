@@ -57,12 +57,8 @@ class _Tokens(Lexer):
             yield Token(kind, index)
 
 
-def _grammar() -> Lark:
-    text = files("lrp_jupyter.language").joinpath("grammar.lark").read_text(encoding="utf-8")
-    return Lark(text, parser="lalr", lexer=_Tokens, start=["form", "program"], maybe_placeholders=True)
-
-
-_LARK = _grammar()
+_GRAMMAR = files("lrp_jupyter.language").joinpath("grammar.lark").read_text(encoding="utf-8")
+_LARK = Lark(_GRAMMAR, parser="lalr", lexer=_Tokens, start=["form", "program"], maybe_placeholders=True)
 _REPEATABLE = frozenset(["BLOCK", *(f"{keyword.upper()}_FORM" for keyword in USAGE)])
 _SINGLE = frozenset({"VAR", "EVENT"})  # forms with one block
 

@@ -117,9 +117,8 @@ def _moved(found: Repair) -> dict[int, tuple[int, int]]:
     moved: dict[int, tuple[int, int]] = {}
     if len(found.extra) != len(found.unclosed) or found.lost:
         return moved
-    for (opened, gap), extra in zip(
-        sorted(found.unclosed, key=lambda each: each[1]), found.extra, strict=True
-    ):
+    unclosed = sorted(found.unclosed, key=lambda each: each[1])
+    for (opened, gap), extra in zip(unclosed, found.extra, strict=True):
         if opened < extra:
             moved[extra] = opened, gap
     return moved

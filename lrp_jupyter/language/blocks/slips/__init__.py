@@ -74,9 +74,8 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
             faults.append(fault._replace(start=origins[fault.start], end=origins[fault.end]))
             break
         edits = [Edit(origins[start], origins[end], new) for start, end, new in best.edits if best.is_certain]
-        faults.append(
-            Diagnosis(origins[best.start], origins[best.end], best.code, best.message, tuple(edits))
-        )
+        start, end = origins[best.start], origins[best.end]
+        faults.append(Diagnosis(start, end, best.code, best.message, tuple(edits)))
         for start, end, new in sorted(best.edits, reverse=True):
             origins[start:end] = [origins[start]] * len(new)
         text = edited(text, best.edits)

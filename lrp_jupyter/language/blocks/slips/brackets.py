@@ -52,9 +52,7 @@ def _unmatched(code: WrongBlock, index: int, opened: list[int]) -> Guesses:
         left, right = code.get(gap), code.get(gap + 1)
         if left.line != token.line or left.text in (";", ":"):
             break
-        if (code.is_gap(gap) and left.kind == "name") or (
-            left.kind == "name" and right.kind in ("string", "number")
-        ):
+        if left.kind == "name" and (code.is_gap(gap) or right.kind in ("string", "number")):
             message = f"A `(` is missing after `{left.text}`. Insert it."
             yield Guess("LRP513", message, left.start, right.end, (Edit(left.end, right.start, opening),))
     before = code.get(index - 1)

@@ -116,9 +116,8 @@ def _assignments(code: WrongBlock) -> Guesses:
 def _is_assigned(code: WrongBlock, index: int) -> bool:
     """Return whether a sign follows what begins a statement, so that it probably assigns."""
     starts = range(max(index - 9, 0), index)
-    return not code.is_condition and any(
-        code.begins(start) and code.chain_end(start) == index for start in starts
-    )
+    follows = any(code.begins(start) and code.chain_end(start) == index for start in starts)
+    return follows and not code.is_condition
 
 
 def characters(code: WrongBlock) -> Guesses:
