@@ -22,6 +22,7 @@ from lrp_jupyter.language.blocks.block import (
     compile_block,
     facts_of,
     faults_of,
+    read,
 )
 from lrp_jupyter.language.blocks.names_in_blocks import Offsets, words
 from lrp_jupyter.language.checks import block_facts as facts
@@ -312,12 +313,11 @@ def test_a_nonlocal_whose_variable_is_gone_is_known_only_when_compiled() -> None
 # Names
 
 
-def names(text: str) -> list[tuple[str, int, bool]]:
-    block = Block(text)
-    found = block_names(block).places
-    for place in found:
-        assert text[place.start - 1 : place.end - 1] == place.name
-    return [(place.name, place.start - 1, place.writes) for place in found]
+def names(text: str) -> list[tuple[str, int]]:
+    found = [(name, start - 1, end - 1) for name, (start, end), _ in block_names(Block(text))]
+    for name, start, end in found:
+        assert text[start:end] == name
+    return [(name, start) for name, start, _ in found]
 
 
 @every(
@@ -362,13 +362,13 @@ def test_every_name_of_a_block_is_found_at_its_place(text: str) -> None:
         if index % 2:
             expected.append((part, len(plain)))
         plain += part
-    assert [(name, start) for name, start, _ in names(plain)] == expected
+    assert names(plain) == expected
 
 
 def test_a_block_nested_as_deeply_as_may_be_is_read_by_all() -> None:
     block = Block("x" + " + 1" * (DEEPEST - 5))
     assert facts_of(block.text).valid
-    assert block_names(block).reads == {"x"}
+    assert [place.name for place in block_names(block)] == ["x"]
     assert block.meaning
     assert run(block.text, x=0)[0] == DEEPEST - 5
 
@@ -378,16 +378,17 @@ def test_words_are_those_of_code() -> None:
 
 
 def test_names_are_known_by_what_is_done_with_them() -> None:
-    found = block_names(Block("a = b; c += 1\ndef f():\n  d = 1\n  [e for e in d]\nimport os.path"))
-    assert found.assigns == {"a", "c", "f", "os"}
-    assert found.reads == {"b"}
-    assert found.inner == {"d", "e"}
-    assert [place.imported for place in found.places if place.imported] == ["os.path"]
+    text = "a = b; c += 1\ndef f():\n  d = 1\n  [e for e in d]\nimport os.path"
+    block, found, _ = read(text).uses
+    own = [use for use in found if use.owner is block]
+    assert {use.name for use in own if use.writes} == {"a", "c", "f", "os"}
+    assert {use.name for use in own if not use.writes} == {"b"}
+    assert {use.name for use in found} - {use.name for use in own} == {"d", "e"}
+    assert [place.imported for place in block_names(Block(text)) if place.imported] == ["os.path"]
 
 
 def test_a_name_in_another_form_of_the_same_letters_is_the_same_name() -> None:
-    (place,) = block_names(Block("\ufb01n")).places
-    assert (place.name, place.end - place.start) == ("fin", 2)
+    assert block_names(Block("\ufb01n")) == [("fin", (1, 3), "")]
 
 
 # -- speed -------------------------------------------------------------------------------------------
@@ -440,7 +441,7 @@ def test_parser_names_and_checks_share_one_reading_of_a_block(monkeypatch):
 
     monkeypatch.setattr(blocks, "parse_suite", counted)
     assert facts_of(text).valid
-    assert block_names(Block(text)).assigns == {"shared"}
+    assert [place.name for place in block_names(Block(text))] == ["shared", "other"]
     assert facts.facts_of(text).binds.keys() == {"shared"}
     assert read == [text]
     compile_block(Block(text), ("shared",), "f")

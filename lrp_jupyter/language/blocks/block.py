@@ -24,7 +24,7 @@ from lrp_jupyter.language.blocks.builtin_names import PROVIDED
 from lrp_jupyter.language.blocks.names_in_blocks import WORD, Offsets, Uses, normal, uses
 from lrp_jupyter.language.blocks.slips import brief, explain, fault_of
 from lrp_jupyter.language.blocks.smalltalk import smalltalk
-from lrp_jupyter.language.program import Block
+from lrp_jupyter.language.program import Block, Span
 from lrp_jupyter.language.python.block_suite import Suite, children, no_warnings, parse_suite
 from lrp_jupyter.language.python.python_parser import asked_again, parse_python
 from lrp_jupyter.language.python.scanner import LINE_END
@@ -141,59 +141,30 @@ def _is_simple(tree: ast.Module, source: str) -> bool:
 
 
 class Place(NamedTuple):
-    """One place, by the characters of the program's text, where a block uses a name.
+    """A place where a block uses a name that is not one of its inner functions: it may be a variable.
 
-    `writes`: whether it is assigned or deleted here.
     `imported`: the module's whole name where it is bound by ``import x.y``, else empty.
-    `hidden`: names that have another meaning at this place, because an inner function binds them.
     """
 
     name: str
-    start: int
-    end: int
-    writes: bool
+    span: Span
     imported: str
-    hidden: frozenset[str]
 
 
-class BlockNames(NamedTuple):
-    """The names of a block that are not its inner functions' own: they may be variables of the program.
-
-    `assigns`: on its own level or by `nonlocal`.
-    `inner`: names that functions, lambdas, classes and comprehensions in the block bind for themselves.
-    """
-
-    reads: frozenset[str]
-    assigns: frozenset[str]
-    places: tuple[Place, ...]
-    inner: frozenset[str]
-
-
-def block_names(block: Block) -> BlockNames:
-    """Return the names of a block, with their positions in the program's text."""
-    names = _names(block.text)
-    content = block.span.start + 1
-    places = [each._replace(start=each.start + content, end=each.end + content) for each in names.places]
-    return names._replace(places=tuple(places))
+def block_names(block: Block) -> list[Place]:
+    """Return the names of a block, in order of their positions in the program's text."""
+    return [place._replace(span=block.at(place.span)) for place in _names(block.text)]
 
 
 @lru_cache(maxsize=20_000)
-def _names(text: str) -> BlockNames:
+def _names(text: str) -> tuple[Place, ...]:
     _, suite, _, (block, found, _) = read(text)
-    shift = suite.shift
     places = []
-    inner = set()
     for use in found:
-        owner = use.owner
-        if owner is block:
-            start = use.start + shift
-            places.append(Place(use.name, start, start + use.length, use.writes, use.imported, use.hidden))
-        elif owner is not None:
-            inner.add(use.name)
-    places.sort(key=lambda place: place.start)
-    reads = frozenset(place.name for place in places if not place.writes)
-    assigns = frozenset(place.name for place in places if place.writes)
-    return BlockNames(reads, assigns, tuple(places), frozenset(inner))
+        if use.owner is block:
+            start = use.start + suite.shift
+            places.append(Place(use.name, Span(start, start + use.length), use.imported))
+    return tuple(sorted(places, key=lambda place: place.span.start))
 
 
 def _check(text: str, names: frozenset[str]) -> None:

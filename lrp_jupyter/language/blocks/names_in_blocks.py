@@ -41,16 +41,6 @@ class Use(NamedTuple):
         """The scope that the name belongs to; None if it is a global of Python."""
         return self.scope.owner(self.name)
 
-    @property
-    def hidden(self) -> frozenset[str]:
-        """The names bound by the scopes around the use, except by the block itself."""
-        names: set[str] = set()
-        scope = self.scope
-        while scope.outer is not None:
-            names |= scope.bound | scope.global_names
-            scope = scope.outer
-        return frozenset(names)
-
 
 @dataclass(eq=False)
 class PythonScope:

@@ -192,7 +192,7 @@ def _names(move: _Move) -> Iterator[tuple[str, str, Scope | None]]:
     for element, codes in names.blocks.items():
         if _is_in(element.path, move.path) or _is_own(move, element.path):
             for code in codes:
-                for place in block_names(code.block).places:
+                for place in block_names(code.block):
                     yield "variable", place.name, code.visible.get(place.name)
     for arrow in chain.from_iterable(names.arrows.values()):
         is_inside = _is_in(arrow.element.path, move.path) or _is_own(move, arrow.element.path)

@@ -83,9 +83,8 @@ def _mentions(names: Resolution) -> Iterator[tuple[str, str, Span, Scope | None,
                 yield kind, str(name), name.span, scope, ""
     for codes in names.blocks.values():
         for code in codes:
-            for place in block_names(code.block).places:
-                span = Span(place.start, place.end)
-                yield "variable", place.name, span, code.visible.get(place.name), place.imported
+            for word, span, imported in block_names(code.block):
+                yield "variable", word, span, code.visible.get(word), imported
 
 
 def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
