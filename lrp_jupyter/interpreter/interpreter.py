@@ -173,7 +173,7 @@ class Interpreter:
     @property
     def active(self) -> tuple[Path, ...]:
         """The paths of the innermost active states, as spawned."""
-        return tuple(path for root in self._run.roots for path in root.leaves())
+        return tuple(act.full_path for act in self._run.walk() if not act.children)
 
     @property
     def variables(self) -> VariableMapping:
@@ -529,10 +529,7 @@ class Interpreter:
             Whatever the expression raises; the variable keeps its value.
         """
         value = evaluate(self._run, path, expression)
-        self._advance(now)  # not before it has succeeded: a failure is not part of the run
-        assign(self._run, path, value)
-        self._note("assigned", path_text(as_path(path)))
-        self._done()
+        self.assign(path, value, now)  # not before: a failure of the expression is not part of the run
 
     def assign(self, path: Path | str, value: object, now: float | None = None) -> None:
         """Assign a value to a variable.

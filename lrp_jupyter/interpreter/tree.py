@@ -124,13 +124,6 @@ class Activation(Environment):
                 edge = edge.next
         self.rows.clear()
 
-    def leaves(self) -> Iterator[Path]:
-        """Paths of the innermost active states."""
-        if not self.children:
-            yield self.full_path
-        for child in self.children:
-            yield from child.leaves()
-
     def walk(self) -> Iterator[Activation]:
         """Yield itself, then the nested activations, in the order of spawning."""
         yield self
