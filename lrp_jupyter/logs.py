@@ -37,7 +37,6 @@ class _Log(io.TextIOWrapper):
         self._path, self._failed, self._flushed = path, False, float("-inf")
 
     def write(self, text: str, /) -> int:
-        """Write a line."""
         with self._naming():
             count = super().write(text)
         if monotonic() > self._flushed + _KEPT:
@@ -46,12 +45,10 @@ class _Log(io.TextIOWrapper):
         return count
 
     def flush(self) -> None:
-        """Write what is kept back."""
         with self._naming():
             super().flush()
 
     def close(self) -> None:
-        """Write the rest, and close the file."""
         is_told = self._failed
         try:
             with self._naming():

@@ -90,8 +90,6 @@ def layout(
 
 
 class _Edge:
-    """One arrow to draw."""
-
     def __init__(self, id_: str, label: str, transition: Transition, source: str, broken: str | None) -> None:
         self.id = id_
         self.label = label
@@ -327,7 +325,6 @@ def _state_size(name: str, state: State | None, nested_in: Nested | None) -> tup
 
 
 def _source_text(transition: Transition) -> str:
-    """Return the source text of a transition in one line."""
     words: list[str] = [transition.kind]
     if transition.trigger.text:
         words.append(transition.trigger.text)

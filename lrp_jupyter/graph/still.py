@@ -211,7 +211,6 @@ def _panel(drawing: Layout, active: set[str], fired: set[str], others: Mapping[s
 
 
 def _inside(shape: StateShape, active: set[str], fired: set[str], others: Mapping[str, Layout]) -> str:
-    """Draw the machines inside a state."""
     drawn = ""
     for inner in shape["inside"]:
         at = f"translate({number(shape['x'] + inner['x'])} {number(shape['y'] + inner['y'])})"
@@ -303,7 +302,6 @@ def _legend(styles: Collection[str], top: float) -> tuple[str, float]:
 
 
 def _description(drawing: Layout, active: set[str], fired: set[str]) -> str:
-    """Return a description of the picture in words."""
     words = [f"{drawing['name']}:"]
     states = [shape for shape in drawing["states"] if shape["kind"] == "state"]
     words.append(f"{len(states)} state" + ("" if len(states) == 1 else "s") + ".")

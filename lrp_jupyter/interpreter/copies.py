@@ -62,7 +62,6 @@ def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[ob
 def _is_packed(
     value: object, cells: Mapping[int, int], known: Callable[[object], object], refused: dict[int, object]
 ) -> bool:
-    """Return whether a value can be packed on its own."""
     with suppress(Exception):
         return bool(_Packer(cells, known, refused).pack([value]))
     return False

@@ -83,8 +83,6 @@ class FrameNames(MutableMapping[str, object]):
 
 
 class _Place(NamedTuple):
-    """Where a frame is, and its names."""
-
     function: str
     filename: str
     line: int

@@ -129,7 +129,6 @@ class _Writer:
         self.items(opening, dict.items(mapping), dict.__len__(mapping), closing, depth, _Writer.pair)
 
     def pair(self, pair: tuple[Any, Any], depth: int) -> None:
-        """Write a key and its value."""
         self.write(pair[0], depth)
         self.put(": ")
         self.write(pair[1], depth)

@@ -170,7 +170,6 @@ def _fill(
     cells: list[CellType],
     outer: Mapping[str, Slot],
 ) -> None:
-    """Give an environment its variables."""
     environment.own, environment.visible = {}, dict(outer)
     for name, number, leaked in own:
         environment.visible[name] = environment.own[name] = Slot(cells[number], leaked=leaked)

@@ -391,7 +391,6 @@ def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
 
 
 def _test(run: Host, act: Activation, edge: EdgePlan) -> Call:
-    """Return the callable that tests whether a transition is enabled."""
     if isinstance(edge.test, Broken):
         return broken(edge.test)
     return _TESTS[type(edge.noun.trigger)](run, act, edge)

@@ -94,8 +94,6 @@ class _Thing:
 
 @dataclass(slots=True)
 class _Senses:
-    """What a robot sensed."""
-
     robot: SimRobot
     place: _Series = field(default_factory=_Series)
     turn: _Series = field(default_factory=_Series)
@@ -131,7 +129,6 @@ class _Film:
         self.times: list[float] = []
 
     def add(self, simulation: Simulation) -> None:
-        """Add what a simulation is now."""
         time = simulation.time
         if not self.times:
             self.begin = time
@@ -178,7 +175,6 @@ class _Film:
     # -- drawing --------------------------------------------------------------------------------
 
     def svg(self, width: int) -> str:
-        """Return the picture."""
         world = self.simulation.world
         tall, scale = scaled(world, width)
         solids = [thing for thing in self.things.values() if thing.place.times]

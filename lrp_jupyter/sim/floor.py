@@ -72,7 +72,6 @@ class _Arc:
     sweep: float  # … over this angle, 0 to a full turn
 
     def distance(self, x: float, y: float) -> float:
-        """Return the distance of a point, in m."""
         x -= self.x
         y -= self.y
         turned = (math.atan2(y, x) - self.first) % (2 * math.pi)
