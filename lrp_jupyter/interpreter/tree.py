@@ -280,8 +280,7 @@ def broken(reason: Broken) -> Call:
 
 def bind_code(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
     """Bind a compiled block to variables; the cells that it writes are logged before it runs."""
-    call, cell = _bind(run, code, visible)
-    return call if cell is None else _logged(run, cell, call)
+    return _logged(run, *_bind(run, code, visible))
 
 
 def _bind(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
@@ -301,8 +300,7 @@ def _bind(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call,
     cell = None
     for name in own:
         if not visible[name].leaked:
-            if cell is not None:
-                call = _logged(run, cell, call)
+            call = _logged(run, call, cell)
             cell = visible[name].cell
     return call, cell
 
@@ -317,7 +315,10 @@ def _with_degrees(namespace: Mapping[str, Any], cell: CellType, call: Call) -> C
     return block
 
 
-def _logged(run: Host, cell: CellType, call: Call) -> Call:
+def _logged(run: Host, call: Call, cell: CellType | None) -> Call:
+    if cell is None:
+        return call
+
     def block() -> object:
         run.log_cell(cell)
         return call()
@@ -327,8 +328,7 @@ def _logged(run: Host, cell: CellType, call: Call) -> Call:
 
 def bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
     """Bind a block outside a state's actions; the cells that it writes are logged before it runs."""
-    call, cell = _bind_block(run, plan, visible)
-    return call if cell is None else _logged(run, cell, call)
+    return _logged(run, *_bind_block(run, plan, visible))
 
 
 def _bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
@@ -336,7 +336,7 @@ def _bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tupl
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
     call, cell = _bind(run, plan.code, visible)
-    return (watched(run, plan.site, call) if plan.site[:2] in run.issues.open_blocks else call), cell
+    return watched(run, plan.site, call), cell
 
 
 def _bind_actions(run: Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan, ...]) -> Action | None:
@@ -351,7 +351,9 @@ def _bind_actions(run: Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan
 
 
 def watched(run: Host, site: Site, call: Call) -> Call:
-    """Wrap a call whose site has an open issue: a run without a fault resolves it."""
+    """Wrap a call if its site has an open issue: a run without a fault resolves it."""
+    if site[:2] not in run.issues.open_blocks:
+        return call
 
     def again() -> object:
         value = call()
@@ -433,9 +435,7 @@ def _is_due(run: Host, act: Activation, edge: EdgePlan) -> Call:
             raise Fault("not a delay", f"A delay must be a number of milliseconds, not {short(delay)}.")
         return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)
 
-    return (
-        watched(run, edge.site, due_when_read) if edge.site[:2] in run.issues.open_blocks else due_when_read
-    )
+    return watched(run, edge.site, due_when_read)
 
 
 def _always(run: Host, act: Activation, edge: EdgePlan) -> Call:

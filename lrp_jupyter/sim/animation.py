@@ -242,24 +242,22 @@ class _Film:
             seen = [(begin, True), (end, end == self.end)]
             for paint, points, steps in joined(marks):
                 way = _Series([step / STEPS_PER_SECOND for step in steps], [*points])
-                growing = self._growing(way.simplified(WITHIN))
-                if growing is not None:
+                if (growing := self._growing(way.simplified(WITHIN))) is not None:
                     extra, points, moving = growing
                     drawn = shapes.ink(paint, points, extra, moving)
                     yield drawn if seen[1][1] else _group(self._visible(seen), drawn)
 
     def _track(self, senses: _Senses) -> Iterator[str]:
         """Draw the way of a robot as it came about, in the same key frames as the robot."""
-        place, piece = senses.place.simplified(WITHIN), _Series()
-        for time, value in zip([*place.times, None], [*place.values, None], strict=True):
-            if time is None or value is None or (piece.times and piece.times[-1] == time):
-                growing = self._growing(piece)
-                if growing is not None:
-                    extra, points, moving = growing
-                    yield shapes.track(points, senses.robot.index, extra, moving)
-                piece = _Series()
-            if time is not None and value is not None:
-                piece.add(time, *value)
+        place, pieces = senses.place.simplified(WITHIN), [_Series()]
+        for time, value in zip(place.times, place.values, strict=True):
+            if pieces[-1].times and pieces[-1].times[-1] == time:  # a jump
+                pieces.append(_Series())
+            pieces[-1].add(time, *value)
+        for piece in pieces:
+            if (growing := self._growing(piece)) is not None:
+                extra, points, moving = growing
+                yield shapes.track(points, senses.robot.index, extra, moving)
 
     def _growing(self, way: _Series) -> tuple[str, list[Point], str] | None:
         """Return the dashes with which a line grows, its points, and how the dashes move; None for a dot."""
