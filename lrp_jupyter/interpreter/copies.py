@@ -75,10 +75,9 @@ def unpack(packed: Packed, cells: list[CellType], find: Callable[[object], objec
     Raises ValueError: the code of a value, such as its `__setstate__`, fails.
     """
     try:
-        values: list[Any] = _Unpacker(packed, cells, find).load()
+        return list(_Unpacker(packed, cells, find).load())
     except Exception as error:
         raise ValueError(f"The values of the program cannot be copied. {sentence_of(error)}") from error
-    return values
 
 
 class _Packer(pickle.Pickler):

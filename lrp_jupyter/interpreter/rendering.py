@@ -144,9 +144,9 @@ def _cut(text: str, most: int) -> str:
 
 def _ends(value: Any, read: Callable[[Any, slice], Any], length: int) -> Any:
     """Return the visible parts of a long text, joined."""
-    return (
-        value if length <= 2 * _STRING else read(value, slice(_STRING)) + read(value, slice(-_STRING, None))
-    )
+    if length <= 2 * _STRING:
+        return value
+    return read(value, slice(_STRING)) + read(value, slice(-_STRING, None))
 
 
 def _str(writer: _Writer, value: str, depth: int) -> None:

@@ -19,6 +19,9 @@ from lrp_jupyter.interpreter.tree import Activation, Count, Environment
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
 
+_Own = tuple[tuple[str, int, bool], ...]
+"""Variables: the name of each, the number of its cell, and whether it leaks."""
+
 
 class _Machine(NamedTuple):
     """A running machine: its active state, and the numbers of its variables."""
@@ -27,7 +30,7 @@ class _Machine(NamedTuple):
     place: Path  # of the active state, by definition
     entered: float
     spawn: tuple[str, str] | None
-    own: tuple[tuple[str, int, bool], ...]  # name, number of the cell, and whether it leaks
+    own: _Own
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +48,7 @@ class Snapshot:
     now: float
     started: bool
     pending: frozenset[tuple[str, str]]
-    own: tuple[tuple[str, int, bool], ...]
+    own: _Own
     machines: tuple[_Machine, ...]
     counts: Mapping[Element, tuple[int, int]]
     issues: IssueLog
@@ -85,7 +88,7 @@ def take(
     """
     cells: list[CellType] = []
 
-    def numbered(environment: Environment) -> tuple[tuple[str, int, bool], ...]:
+    def numbered(environment: Environment) -> _Own:
         first = len(cells)
         cells.extend(slot.cell for slot in environment.own.values())
         items = environment.own.items()
@@ -95,13 +98,7 @@ def take(
     acts = [*run.walk()]
     numbers = {id(act): number for number, act in enumerate(acts)}
     machines = tuple(
-        _Machine(
-            None if act.parent is None else numbers[id(act.parent)],
-            act.place,
-            act.entered,
-            act.spawn,
-            numbered(act),
-        )
+        _Machine(numbers.get(id(act.parent)), act.place, act.entered, act.spawn, numbered(act))
         for act in acts
     )
     run.add_firings()
@@ -164,12 +161,7 @@ def _count(snapshot: Snapshot) -> int:
     return len(snapshot.own) + sum(len(machine.own) for machine in snapshot.machines)
 
 
-def _fill(
-    environment: Environment,
-    own: tuple[tuple[str, int, bool], ...],
-    cells: list[CellType],
-    outer: Mapping[str, Slot],
-) -> None:
+def _fill(environment: Environment, own: _Own, cells: list[CellType], outer: Mapping[str, Slot]) -> None:
     environment.own, environment.visible = {}, dict(outer)
     for name, number, leaked in own:
         environment.visible[name] = environment.own[name] = Slot(cells[number], leaked=leaked)

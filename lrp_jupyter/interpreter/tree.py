@@ -140,7 +140,7 @@ class Edge:
     # fmt: on
 
     def __init__(
-        self, run: Host, act: Activation, state: StatePlan, plan: EdgePlan, following: Edge | None
+        self, run: _Host, act: Activation, state: StatePlan, plan: EdgePlan, following: Edge | None
     ) -> None:
         self.plan = plan
         self.path = act.path
@@ -240,7 +240,7 @@ def not_boolean(value: object) -> str:
     return f"A condition must be True or False, not {short(value)}. Compare it with something."
 
 
-class Host(Protocol):
+class _Host(Protocol):
     """What bound blocks and conditions use of a run."""
 
     namespace: dict[str, Any]
@@ -250,23 +250,12 @@ class Host(Protocol):
     event_values: dict[Path, bool | None] | None
     live: dict[Path, Environment]
 
-    def count(self, element: Element) -> Count:
-        """Return the count of a state or transition."""
-
-    def firing(self, transition: Element, state: Element) -> Count:
-        """Return the count of firings of a transition that lead to a state."""
-
-    def spawn(self, parent: Activation | None, plan: SpawnPlan) -> Activation | None:
-        """Execute a spawn; return the machine."""
-
-    def recovered(self, site: Site, value: object) -> None:
-        """Resolve the issues of a site that has just run without a fault."""
-
-    def leak(self, slot: Slot) -> None:
-        """Compare a variable after every tick."""
-
-    def log_cell(self, cell: CellType) -> None:
-        """Log the content of a cell before it is written."""
+    def count(self, element: Element) -> Count: ...
+    def firing(self, transition: Element, state: Element) -> Count: ...
+    def spawn(self, parent: Activation | None, plan: SpawnPlan) -> Activation | None: ...
+    def recovered(self, site: Site, value: object) -> None: ...
+    def leak(self, slot: Slot) -> None: ...
+    def log_cell(self, cell: CellType) -> None: ...
 
 
 def broken(reason: Broken) -> Call:
@@ -278,12 +267,12 @@ def broken(reason: Broken) -> Call:
     return fail
 
 
-def bind_code(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
+def bind_code(run: _Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
     """Bind a compiled block to variables; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind(run, code, visible))
 
 
-def _bind(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
+def _bind(run: _Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
     """Bind a compiled block to variables; return it, and a cell that it writes without logging it."""
     cells = {name: visible[name].cell for name in code.co_freevars if name in visible}
     is_provided = len(cells) < len(code.co_freevars)
@@ -315,7 +304,7 @@ def _with_degrees(namespace: Mapping[str, Any], cell: CellType, call: Call) -> C
     return block
 
 
-def _logged(run: Host, call: Call, cell: CellType | None) -> Call:
+def _logged(run: _Host, call: Call, cell: CellType | None) -> Call:
     if cell is None:
         return call
 
@@ -326,12 +315,12 @@ def _logged(run: Host, call: Call, cell: CellType | None) -> Call:
     return block
 
 
-def bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
+def bind_block(run: _Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
     """Bind a block outside a state's actions; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind_block(run, plan, visible))
 
 
-def _bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
+def _bind_block(run: _Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
     """Bind a block to variables; if it has an open issue, the next run without a fault resolves it."""
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
@@ -339,7 +328,7 @@ def _bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tupl
     return watched(run, plan.site, call), cell
 
 
-def _bind_actions(run: Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan, ...]) -> Action | None:
+def _bind_actions(run: _Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan, ...]) -> Action | None:
     first = None
     for plan in reversed(plans):
         if isinstance(plan, SpawnPlan):
@@ -350,7 +339,7 @@ def _bind_actions(run: Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan
     return first
 
 
-def watched(run: Host, site: Site, call: Call) -> Call:
+def watched(run: _Host, site: Site, call: Call) -> Call:
     """Wrap a call if its site has an open issue: a run without a fault resolves it."""
     if site[:2] not in run.issues.open_blocks:
         return call
@@ -363,7 +352,7 @@ def watched(run: Host, site: Site, call: Call) -> Call:
     return again
 
 
-def bind_row(run: Host, act: Activation, state: StatePlan) -> Row:
+def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
     """Bind the blocks and transitions of `state` to `act`."""
     edge = None
     for plan in reversed(state.edges):
@@ -392,13 +381,13 @@ def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
     return test
 
 
-def _test(run: Host, act: Activation, edge: EdgePlan) -> Call:
+def _test(run: _Host, act: Activation, edge: EdgePlan) -> Call:
     if isinstance(edge.test, Broken):
         return broken(edge.test)
     return _TESTS[type(edge.noun.trigger)](run, act, edge)
 
 
-def _occurs(run: Host, act: Activation, edge: EdgePlan) -> Call:
+def _occurs(run: _Host, act: Activation, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, EventPlan)
     event = edge.test
     call = bind_block(run, event.block, run.live[event.owner].visible)
@@ -406,12 +395,12 @@ def _occurs(run: Host, act: Activation, edge: EdgePlan) -> Call:
     return call if values is None else noted(values, event.block.site.element.path, call)
 
 
-def _holds(run: Host, act: Activation, edge: EdgePlan) -> Call:
+def _holds(run: _Host, act: Activation, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, BlockPlan)
     return bind_block(run, edge.test, act.visible)
 
 
-def _is_due(run: Host, act: Activation, edge: EdgePlan) -> Call:
+def _is_due(run: _Host, act: Activation, edge: EdgePlan) -> Call:
     trigger = edge.noun.trigger
     assert isinstance(trigger, Delay)
     amount = trigger.amount
@@ -438,11 +427,11 @@ def _is_due(run: Host, act: Activation, edge: EdgePlan) -> Call:
     return watched(run, edge.site, due_when_read)
 
 
-def _always(run: Host, act: Activation, edge: EdgePlan) -> Call:
+def _always(run: _Host, act: Activation, edge: EdgePlan) -> Call:
     return lambda: True
 
 
-_TESTS: dict[type[Trigger], Callable[[Host, Activation, EdgePlan], Call]] = {
+_TESTS: dict[type[Trigger], Callable[[_Host, Activation, EdgePlan], Call]] = {
     Occurrence: _occurs,
     Condition: _holds,
     Delay: _is_due,

@@ -29,8 +29,9 @@ def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[
     picture = [["·" if dark else " " for dark in row] for row in _lines(simulation, columns, rows)]
     cell = (cell_x, cell_y)
     for thing in simulation.solids:
-        x, y, _ = thing.pose
-        reach = _reach(thing.spec) + max(cell) / 2
+        (x, y, _), spec = thing.pose, thing.spec
+        sign = "▓" if spec.patrol is not None else "#" if spec.push is None else "▒"
+        reach = _reach(spec) + max(cell) / 2
         for row in range(max(0, math.floor((depth - y - reach) / cell_y)), rows):
             up = (rows - row - 0.5) * cell_y
             if up < y - reach:
@@ -40,9 +41,7 @@ def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[
                 if across > x + reach:
                     break
                 if _covers(thing, across, up, cell):
-                    picture[row][column] = (
-                        "▓" if thing.spec.patrol is not None else "#" if thing.spec.push is None else "▒"
-                    )
+                    picture[row][column] = sign
     for robot in simulation.robots:
         x, y, heading = robot.pose
         row, column = rows - 1 - math.floor(y / cell_y), math.floor(x / cell_x)
