@@ -18,29 +18,18 @@ from lrp_jupyter.graph.geometry import Point, Rect, Size
 from lrp_jupyter.graph.state_graph import ANY
 
 Link = tuple[str, str]
-Node = tuple[int, int]
-"""Number of a name and 0, or number of an edge (from -1 down) and the layer that it passes."""
+Node = tuple[int, int]  # number of a name and 0, or of an edge (from -1 down) and the layer that it passes
 
-GAP_X, GAP_Y = 76.0, 60.0
-"""Least room between two states, so that an arrow and its label fit, in px."""
-LAYER = 108.0
-"""From the middle of one layer to the middle of the next, in px."""
-LABEL_GAP = 124.0
-"""Room between two layers beside each other, for an arrow and its label, in px."""
-AROUND = 90.0
-"""Width and height of what is around the states: frame, name and labels, in px."""
-LEGIBLE = 0.87
-"""Scale below which letters could not be read: what is larger is scrolled."""
-CLEARLY = 1.1
-"""How much larger layers beside each other must be shown than layers below each other."""
-TALL = 13
-"""Layers above which an arrangement is folded into columns in any panel."""
-SMALL = 12
-"""States up to which swapping neighbours is tried."""
-SWEEPS, FEW_SWEEPS = 12, 4
-"""How often the order inside the layers is improved, and how often where there are over PASSED places."""
-PASSED = 2_000
-"""Places that edges over several layers may have in the layers that they pass; longer edges have none."""
+GAP_X, GAP_Y = 76.0, 60.0  # px: least room between two states, so that an arrow and its label fit
+LAYER = 108.0  # px: from the middle of one layer to the middle of the next
+LABEL_GAP = 124.0  # px: room between two layers beside each other, for an arrow and its label
+AROUND = 90.0  # px: width and height of what is around the states: frame, name and labels
+LEGIBLE = 0.87  # scale below which letters could not be read: what is larger is scrolled
+CLEARLY = 1.1  # how much larger layers beside each other must be shown than layers below each other
+TALL = 13  # layers above which an arrangement is folded into columns in any panel
+SMALL = 12  # states up to which swapping neighbours is tried
+SWEEPS, FEW_SWEEPS = 12, 4  # that improve the order in the layers; few for over PASSED places
+PASSED = 2_000  # places that edges may have in the layers that they pass; longer edges have none
 
 
 def is_dense(names: Sequence[str], links: Sequence[Link]) -> bool:

@@ -10,8 +10,7 @@ from typing import NamedTuple
 Point = tuple[float, float]
 Size = tuple[float, float]
 
-CELL = 96.0
-"""Width of a cell, about that of a state, in px."""
+CELL = 96.0  # px: width of a cell, about that of a state
 
 
 class Rect(NamedTuple):

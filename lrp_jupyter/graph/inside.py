@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from lrp_jupyter.graph.geometry import Point, Rect
 from lrp_jupyter.graph.layout_parts import Inside, Layout
 
-NAME = 26.0
-"""Height of the state's name, above the machines, in px."""
-BORDER = 8.0
-"""Room around the machines and between them, in px."""
+NAME = 26.0  # px: height of the state's name, above the machines
+BORDER = 8.0  # px: room around the machines and between them
 
 
 @dataclass(frozen=True)

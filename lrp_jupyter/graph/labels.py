@@ -16,10 +16,8 @@ from itertools import accumulate, pairwise, takewhile
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
 
-GAP = 5.0
-"""Room between a line and its label, in px."""
-POINTS = 40_000
-"""Points of arrows that labels avoid, about: one every 11 px, but farther apart in large pictures."""
+GAP = 5.0  # px: room between a line and its label
+POINTS = 40_000  # of arrows that labels avoid, about: one every 11 px, but farther apart in large pictures
 
 
 class _Obstacles(Cells):

@@ -49,12 +49,10 @@ from lrp_jupyter.graph.state_graph import (
 from lrp_jupyter.graph.state_places import keep_positions
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 
-STATE_FONT, LABEL_FONT = 13.0, 11.5
-"""Font sizes of states' names, and of everything else, in px."""
+STATE_FONT, LABEL_FONT = 13.0, 11.5  # px: font sizes of states' names, and of everything else
 HEIGHT, NESTED_HEIGHT = 36.0, 52.0
 WIDEST_NAME, WIDEST_LABEL = 150.0, 150.0
-PLAIN = 1_000
-"""Arrows above which neither they nor their labels avoid anything: that would take many seconds."""
+PLAIN = 1_000  # arrows above which neither they nor their labels avoid anything: that would take many seconds
 MARGIN = 22.0
 TITLE = 18.0
 

@@ -14,18 +14,13 @@ from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect
 Pair = tuple[str, str]
 Chord = tuple[Point, Point]
 
-OPPOSITE, PARALLEL = 22.0, 26.0
-"""Distance between the middles of opposite and of parallel arrows, in px."""
-TIP = 9.0
-"""Length of an arrow's head, in px."""
-CLEAR = 7.0
-"""Distance of an arrow from states that it passes, in px."""
+OPPOSITE, PARALLEL = 22.0, 26.0  # px: distance between the middles of opposite and of parallel arrows
+TIP = 9.0  # px: length of an arrow's head
+CLEAR = 7.0  # px: distance of an arrow from states that it passes
 DETOURS = (0.0, 28.0, -28.0, 52.0, -52.0, 84.0, -84.0, 124.0, -124.0, 176.0, -176.0, 240.0, -240.0)
-PORT = 5.5
-"""Distance of an arrow's end from the middle of a port, in px."""
+PORT = 5.5  # px: distance of an arrow's end from the middle of a port
 SAMPLES = 16
-STEP = 36.0
-"""Distance in px of the points at which an arrow is tested, at most: no state lies between two of them."""
+STEP = 36.0  # px, at most, between the points at which an arrow is tested: no state fits between two
 
 
 @dataclass

@@ -25,10 +25,8 @@ if TYPE_CHECKING:
 
     StateGraph = nx.MultiDiGraph[Path]
 
-ANY = "*"
-"""Name of the fictional state that wildcards leave; not a valid name of a real state."""
-PROGRAM: Path = ()
-"""The node of the program itself."""
+ANY = "*"  # name of the fictional state that wildcards leave; not a valid name of a real state
+PROGRAM: Path = ()  # the node of the program itself
 
 
 def find_machine(program: Program, path: str | Path) -> Machine:

@@ -18,20 +18,13 @@ from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
 from lrp_jupyter.graph.layout_parts import Layout, Position
 from lrp_jupyter.graph.state_graph import ANY
 
-RESERVED = 30.0
-"""Time for which the position of a removed state stays free, in seconds."""
-USUAL: Size = (80.0, 36.0)
-"""Size reserved for a removed state, in px."""
-GRID = 20.0
-"""Distance between the positions that are tried for a new state, in px."""
-ROOM = 30.0
-"""Room between a state that grows and its neighbours, in px."""
-ROUNDS = 40
-"""How often states are moved apart, at most."""
-STRETCH = 2.0
-"""How much nearer the longer direction of a panel is, at most."""
-EFFORT = 200_000
-"""How many nodes and edges are compared, at most, to find free positions for new nodes."""
+RESERVED = 30.0  # s: time for which the position of a removed state stays free
+USUAL: Size = (80.0, 36.0)  # px: size reserved for a removed state
+GRID = 20.0  # px: distance between the positions that are tried for a new state
+ROOM = 30.0  # px: room between a state that grows and its neighbours
+ROUNDS = 40  # how often states are moved apart, at most
+STRETCH = 2.0  # how much nearer the longer direction of a panel is, at most
+EFFORT = 200_000  # how many nodes and edges are compared, at most, to find free positions for new nodes
 
 Line = tuple[Point, Point]
 

@@ -49,8 +49,7 @@ _DASHES = {"eps": "1.5 4", "ontime": "7 4", "wildcard": "11 3 2 3", "exit": "15 
 _WORDS = {"on": "event", "eps": "epsilon", "ontime": "timeout", "wildcard": "any state", "exit": "exit"}
 _FONT = "system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue','DejaVu Sans',sans-serif"
 SPACE = 12.0
-WIDE = 900.0
-"""Panels are placed side by side up to this width, in px."""
+WIDE = 900.0  # px: panels are placed side by side up to this width
 
 
 def svg(

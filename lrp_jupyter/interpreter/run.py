@@ -62,47 +62,36 @@ class Run:
         self.base = {"robot": Slot(CellType(robot)), "print": Slot(CellType(output or builtins.print))}
         self.journal = None if journal == 0 else Journal(journal)
         self.log: Log | None = self.journal.log if self.journal is not None else None
-        self.full = 0
-        """The tick after which the journal is trimmed next."""
+        self.full = 0  # the tick after which the journal is trimmed next
         self.counts: dict[Element, Count] = {}
         self.firings: dict[tuple[Element, Element], Count] = {}
         """How often a transition has led to a state since the last update of `counts`: a firing increases one
         number instead of two."""
-        self._undone: tuple[str, str] | Program | None = None
-        """The `source` restored by the journal, not yet parsed."""
-        self.epoch = 0
-        """The number of times that ticks were undone."""
-        self.kept = sys.maxsize
-        """The tick up to which nothing was ever undone."""
+        self._undone: tuple[str, str] | Program | None = None  # the restored `source`, not yet parsed
+        self.epoch = 0  # the number of times that ticks were undone
+        self.kept = sys.maxsize  # the tick up to which nothing was ever undone
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
         self.interrupted: BaseException | None = None
         self.event_values: dict[Path, bool | None] | None = None
-        self.unmeant: Element | None = None
-        """The element in which the user is typing; its faults are not reported."""
-        self.faulted = False
-        """Whether an issue has occurred, for the first time or again, since the last tick or command."""
+        self.unmeant: Element | None = None  # where the user is typing; its faults are not reported
+        self.faulted = False  # whether an issue has occurred, even again, since the last tick or command
         self.stale = False
         self.leaking = False
-        self.assigned = 0
-        """The number of values assigned by hand."""
-        self.watched = False
-        """Whether any variable is compared after a tick: it leaks, or there are observers."""
-        self.attention = False
-        """Whether there is anything to do after a tick besides logging its end."""
+        self.assigned = 0  # the number of values assigned by hand
+        self.watched = False  # whether variables are compared after a tick: they leak, or are observed
+        self.attention = False  # whether there is anything to do after a tick besides logging its end
         self.clear()
 
     def clear(self) -> None:
         """Discard all activations and variables."""
         self.roots: tuple[Activation, ...] = ()
-        self.first: Activation | None = None
-        """The first activation in the order of a tick; the others are linked by `next`."""
+        self.first: Activation | None = None  # in the order of a tick; the others are linked by `next`
         self.unordered = False
         self.pending: frozenset[tuple[str, str]] = frozenset()
         self.started = False
         self.globals = Environment((), dict(self.base))
-        self.live: dict[Path, Environment] = {(): self.globals}
-        """The environments of the globals and of the running machines, by path of definition."""
+        self.live: dict[Path, Environment] = {(): self.globals}  # every environment, by path of definition
 
     # ---- the tick ---------------------------------------------------------------------------
 

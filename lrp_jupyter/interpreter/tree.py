@@ -87,13 +87,11 @@ class Activation(Environment):
         self.parent = parent
         self.outer = outer
         self.spawn = spawn
-        self.place = state.path
-        """The path of definition of the active state, which the journal keeps because it suits any plan."""
+        self.place = state.path  # of definition: the journal keeps it, because it suits any plan
         self.row: Row
         self.rows: dict[str, Row] = {}
         self.entered = 0.0
-        self.next: Activation | None = None
-        """The next activation in the order of a tick."""
+        self.next: Activation | None = None  # the next activation in the order of a tick
         self.children: tuple[Activation, ...] = ()
 
     @property
@@ -147,14 +145,10 @@ class Edge:
         self.source = state
         self.test = _test(run, act, plan)
         self.next = following
-        self.row: Row | None = None
-        """The row of the destination, once it has fired."""
-        self.actions: Action | None = None
-        """The actions of its firing: the onexit actions of the source, then the onentry actions of `row`."""
-        self.fact: Fired | None = None
-        """The fact that the journal keeps when it fires."""
-        self.enabled: Enabled | None = None
-        """The fact that the journal keeps if it was enabled in the tick in which its source was entered."""
+        self.row: Row | None = None  # the row of the destination, once it has fired
+        self.actions: Action | None = None  # of its firing: onexit of the source, then onentry of `row`
+        self.fact: Fired | None = None  # the fact that the journal keeps when it fires
+        self.enabled: Enabled | None = None  # what it keeps if enabled in the tick that entered the source
         home = act.parent if plan.noun.outward else act
         self.home = home or act  # the activation whose state it changes
         self.target = home.machine.states.get(str(plan.noun.destination)) if home else None
