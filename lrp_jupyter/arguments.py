@@ -9,8 +9,7 @@ from typing import Any
 
 from lrp_jupyter.errors import did_you_mean
 
-A_PROGRAM = "a Program, which `parse(text)` makes of a text"
-"""What a program is, for :func:`check_type`."""
+A_PROGRAM = "a Program, which `parse(text)` makes of a text"  # what a program is, for `check_type`
 
 
 def check_type(name: str, value: object, kind: type | tuple[type, ...], what: str) -> None:

@@ -20,8 +20,7 @@ from lrp_jupyter.errors import FileError, LRPError, ended, printable, sentence_o
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-LARGEST = 32_000_000
-"""Bytes of a text that are read."""
+LARGEST = 32_000_000  # bytes of a text that are read
 _WAITS = (0.01, 0.03, 0.1, 0.3)  # s
 _OPEN_ELSEWHERE = (5, 32)  # what Windows calls it: denied, or shared
 

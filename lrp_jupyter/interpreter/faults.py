@@ -16,8 +16,7 @@ from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.interpreter.linker import Site, show_in_tracebacks
 from lrp_jupyter.language.program import Program
 
-_LONGEST, _LONGEST_TRACE = 1_000, 20_000
-"""Maximum number of characters of a message and of a traceback."""
+_LONGEST, _LONGEST_TRACE = 1_000, 20_000  # maximum number of characters of a message and of a traceback
 
 
 class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter only)

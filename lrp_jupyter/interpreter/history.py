@@ -77,8 +77,7 @@ class PastState:
     program: Program
     machines: tuple[PastMachine, ...]
     cells: dict[str, CellType]
-    values: dict[int, object] = field(repr=False)
-    """The values of the cells, by id of the cell."""
+    values: dict[int, object] = field(repr=False)  # the values of the cells, by id of the cell
 
     def value(self, cell: CellType) -> object:
         """Return the value that a cell had, or UNSET."""
@@ -321,8 +320,7 @@ class _View:
     def __init__(self) -> None:
         self._attributes: dict[tuple[int, str], Any] = {}
         self._cells: dict[int, object] = {}
-        self.written = set[int]()
-        """The ids of the cells for which a write was undone."""
+        self.written = set[int]()  # the ids of the cells for which a write was undone
         self.is_other = True
         """Whether the machines or their visible variables may have changed since this was set to False."""
 

@@ -86,8 +86,7 @@ class Issue:
         return f"{self.line}:{self.column}: {self.code} {self.message}{times}"
 
 
-Key = tuple[Element, int, str]
-"""The element, the ordinal of the block within it, and the kind."""
+Key = tuple[Element, int, str]  # the element, the ordinal of the block within it, and the kind
 
 
 class IssueLog(Sequence[Issue]):

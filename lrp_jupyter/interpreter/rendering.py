@@ -17,8 +17,7 @@ from typing import Any
 
 from lrp_jupyter.errors import name_of
 
-LONGEST = 400
-"""Maximum number of characters of a rendered value."""
+LONGEST = 400  # maximum number of characters of a rendered value
 _DEEPEST, _ITEMS = 3, 12
 _STRING, _NUMBER = 160, 60  # maximum characters of one text or object, and of one integer
 _BITS = 4096  # of the largest integer whose digits are computed

@@ -55,8 +55,7 @@ class Snapshot:
     unmeant: Element | None
     values: Packed
     beside: tuple[str, ...] = ()
-    settings: Mapping[str, Any] = field(default_factory=dict)
-    """Attributes of the interpreter."""
+    settings: Mapping[str, Any] = field(default_factory=dict)  # attributes of the interpreter
 
     @property
     def program(self) -> Program:

@@ -31,8 +31,7 @@ class _Unset:
         return "<unset>"
 
 
-UNSET = _Unset()
-"""Stands for the missing value of a variable."""
+UNSET = _Unset()  # stands for the missing value of a variable
 
 
 class TraceEvent(NamedTuple):

@@ -17,8 +17,7 @@ from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.python.python_parser import parse_python
 
-EXPRESSION = "<expression>"
-"""The file name, in tracebacks, of an expression that is assigned."""
+EXPRESSION = "<expression>"  # the file name, in tracebacks, of an expression that is assigned
 
 
 class VariableMapping(Mapping[Path, object]):

@@ -18,8 +18,7 @@ from lrp_jupyter.site.runtime import LOCK, RUNTIME, Pyodide
 
 _MARK = ".lrp-site"
 _STATIC = Path(__file__).parents[1] / "static"
-_PACKAGES = ("lark", "pymunk")
-"""What the lab itself needs; what notebooks need besides is not loaded here."""
+_PACKAGES = ("lark", "pymunk")  # what the lab itself needs; what notebooks need besides is not loaded here
 
 
 def build_site(

@@ -10,12 +10,10 @@ from urllib.request import urlopen
 
 from lrp_jupyter.errors import LRPError
 
-VERSION = "314.0.7"
-"""The version of Pyodide; its Python is 3.14."""
+VERSION = "314.0.7"  # the version of Pyodide; its Python is 3.14
 RUNTIME = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip")
 """The files of the runtime itself."""
-LOCK = "pyodide-lock.json"
-"""The list of its packages, with their versions and hashes."""
+LOCK = "pyodide-lock.json"  # the list of its packages, with their versions and hashes
 
 _TIMEOUT = 60.0  # s without an answer
 
@@ -26,8 +24,7 @@ class Pyodide:
     `folder`: a folder that contains files of it; what it lacks is downloaded.
     """
 
-    url = f"https://cdn.jsdelivr.net/pyodide/v{VERSION}/full/"
-    """Where it is published."""
+    url = f"https://cdn.jsdelivr.net/pyodide/v{VERSION}/full/"  # where it is published
 
     def __init__(self, folder: Path | None = None) -> None:
         self._folder = folder
