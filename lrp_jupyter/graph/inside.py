@@ -17,17 +17,12 @@ BORDER = 8.0  # px: room around the machines and between them
 
 @dataclass(frozen=True)
 class Nested:
-    """Machines inside one state.
+    """Machines inside one state, whose size is `width` by `height` px."""
 
-    `layouts`: at least one.
-    `width`, `height`: size of the state around them, in px.
-    `centre`: centre of that state, in the coordinates of the first machine, in px.
-    """
-
-    layouts: Sequence[Layout]
+    layouts: Sequence[Layout]  # at least one
     width: float
     height: float
-    centre: Point
+    centre: Point  # px: of that state, in the coordinates of the first machine
 
     def placed(self, box: Rect) -> list[Inside]:
         """Return where each machine is drawn in a state of this size or a wider one."""

@@ -25,23 +25,15 @@ STEP = 36.0  # px, at most, between the points at which an arrow is tested: no s
 
 @dataclass
 class Route:
-    """The path of one arrow.
+    """The path of one arrow; `d`, `head` and `mark` are SVG path data."""
 
-    `d`, `head`: SVG path data of the shaft and of the head.
-    `points`: points along the shaft, evenly by parameter, from source to target.
-    `side`: the better side for its label: 1 is the right hand (of a walker, y grows downwards), -1 the left.
-    `mark`: SVG path data of the cross on a broken arrow, else empty.
-    `obstacles`: what of it no label may cover.
-    `middle`: the parameter of the best place for its label.
-    """
-
-    d: str
+    d: str  # of the shaft
     head: str
-    points: list[Point]
-    side: int = 1
-    mark: str = ""
-    obstacles: list[Rect] = field(default_factory=list)
-    middle: float = 0.5
+    points: list[Point]  # along the shaft, evenly by parameter, from source to target
+    side: int = 1  # better for its label: 1 is the right hand (of a walker, y grows downwards), -1 the left
+    mark: str = ""  # the cross on a broken arrow
+    obstacles: list[Rect] = field(default_factory=list)  # what of it no label may cover
+    middle: float = 0.5  # parameter of the best place for its label
 
 
 def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:

@@ -21,15 +21,13 @@ from lrp_jupyter.interpreter.trace_events import UNSET
 class Slot:
     """An existing variable: its cell, and its value when it was last compared.
 
-    `last`: up to date only if values are compared: the variable is `leaked`, or the run has observers.
-    `leaked`: whether a function defined in a block can write it, even long after that block has returned.
     `computed`, `assigned`: when its initialiser ran, and when a value was assigned by hand: the time in
         seconds, and the number of assignments in the run until then, because time may stand still.
     """
 
     cell: CellType
-    last: object = UNSET
-    leaked: bool = False
+    last: object = UNSET  # up to date only if it is compared: it is leaked, or the run has observers
+    leaked: bool = False  # whether a function defined in a block can write it, even after that block's end
     computed: tuple[float, int] = (-inf, 0)
     assigned: tuple[float, int] = (-inf, 0)
 
@@ -57,14 +55,10 @@ def put(cell: CellType, value: object) -> None:
 
 
 class Writes(NamedTuple):
-    """The free variables that a code object writes.
+    """The free variables that a code object writes."""
 
-    `own`: the variables that it writes itself while it runs.
-    `inner`: the variables that functions, classes and comprehensions inside it write, possibly later.
-    """
-
-    own: tuple[str, ...]
-    inner: frozenset[str]
+    own: tuple[str, ...]  # that it writes itself while it runs
+    inner: frozenset[str]  # that functions, classes and comprehensions inside it write, possibly later
 
 
 _EXTENDED = dis.opmap["EXTENDED_ARG"]

@@ -29,15 +29,11 @@ _PLAIN = frozenset(
 
 @weightless
 class Packed(NamedTuple):
-    """Values packed for copying.
-
-    `shared`: the objects that are not copied.
-    `uncopied`: the type names of shared objects that could not be copied.
-    """
+    """Values packed for copying."""
 
     data: bytes
-    shared: tuple[object, ...]
-    uncopied: tuple[str, ...]
+    shared: tuple[object, ...]  # the objects that are not copied
+    uncopied: tuple[str, ...]  # type names of shared objects that could not be copied
 
 
 def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[object], object]) -> Packed:

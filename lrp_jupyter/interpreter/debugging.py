@@ -21,16 +21,11 @@ Assign = Callable[[str, Slot, object], object]
 
 
 class Raised(NamedTuple):
-    """The data kept of the last occurrence of an issue.
+    """The data kept of the last occurrence of an issue."""
 
-    `error`: the exception, or the fault that the interpreter found.
-    `visible`: the variables in scope, with `robot` and `print`.
-    `state`: the path, as spawned, of the state whose block or transition failed; empty outside machines.
-    """
-
-    error: BaseException
-    visible: Mapping[str, Slot]
-    state: Path
+    error: BaseException  # the exception, or the fault that the interpreter found
+    visible: Mapping[str, Slot]  # the variables in scope, with `robot` and `print`
+    state: Path  # of which a block or a transition failed, as spawned; empty outside machines
 
 
 class FrameNames(MutableMapping[str, object]):

@@ -14,21 +14,14 @@ from lrp_jupyter.language.program import Element, Path
 
 @weightless
 class Fired(NamedTuple):
-    """A transition fired, and its destination was entered.
-
-    `label`: how the transition is displayed.
-    `machine`: its machine, as spawned.
-    `source`: the name of the state that was left.
-    `state`: the state that was entered, by path of definition.
-    `path`: the same state, as spawned; in the outer machine if the transition is an ``exit``.
-    """
+    """A transition fired, and its destination was entered."""
 
     transition: Element
-    label: str
-    machine: Path
-    source: str
-    state: Path
-    path: Path
+    label: str  # how it is displayed
+    machine: Path  # its own, as spawned
+    source: str  # name of the state that was left
+    state: Path  # that was entered, by path of definition
+    path: Path  # of the same state, as spawned; in the outer machine if the transition is an `exit`
 
     @property
     def destination(self) -> str:
@@ -38,31 +31,21 @@ class Fired(NamedTuple):
 
 @weightless
 class Enabled(NamedTuple):
-    """A transition was enabled in the tick in which its source was entered, which therefore did not act.
-
-    `label`: how the transition is displayed.
-    `machine`: its machine, as spawned.
-    `state`: its source state, by path of definition.
-    """
+    """A transition was enabled in the tick in which its source was entered, which therefore did not act."""
 
     transition: Element
-    label: str
-    machine: Path
-    state: Path
+    label: str  # how it is displayed
+    machine: Path  # its own, as spawned
+    state: Path  # its source, by path of definition
 
 
 @weightless
 class Spawned(NamedTuple):
-    """A machine was spawned.
+    """A machine was spawned."""
 
-    `machine`: its path as spawned.
-    `by`: the state whose ``onentry`` spawned it, as spawned; empty for a top-level spawn.
-    `defined`: the machine, by path of definition.
-    """
-
-    machine: Path
-    by: Path
-    defined: Path
+    machine: Path  # as spawned
+    by: Path  # the state whose `onentry` spawned it, as spawned; empty for a top-level spawn
+    defined: Path  # the machine, by path of definition
 
 
 @weightless
@@ -83,35 +66,23 @@ class Discarded(NamedTuple):
 
 @weightless
 class Faulted(NamedTuple):
-    """A block raised, or something else was at fault.
-
-    `ordinal`: index of the block within the element.
-    `kind`: one of the kinds of issues.
-    `machine`: the machine of the tested transition, if any, as spawned.
-    `transition`: the tested transition.
-    """
+    """A block raised, or something else was at fault."""
 
     element: Element
-    ordinal: int
-    kind: str
+    ordinal: int  # of the block within the element
+    kind: str  # of the issue
     message: str
-    machine: Path = ()
-    transition: Element | None = None
+    machine: Path = ()  # of the tested transition, if any, as spawned
+    transition: Element | None = None  # the tested one
 
 
 @weightless
 class Commanded(NamedTuple):
-    """A command was applied between two ticks; the facts of its effects precede it.
+    """A command was applied between two ticks; the facts of its effects precede it."""
 
-    `kind`: ``patched``, ``renamed``, ``restarted``, ``forced``, ``assigned``, ``paused`` or ``resumed``.
-    `text`: the reason of a restart, ``transition``, ``teleport`` or ``fire``, the variable that was assigned,
-        …
-    `state`: the state that was forced, by path of definition.
-    """
-
-    kind: str
-    text: str = ""
-    state: Path = ()
+    kind: str  # patched, renamed, restarted, forced, assigned, paused or resumed
+    text: str = ""  # the reason of a restart, how a state was forced, the variable that was assigned, …
+    state: Path = ()  # that was forced, by path of definition
 
 
 Fact = Fired | Enabled | Spawned | Entered | Discarded | Faulted | Commanded

@@ -41,22 +41,14 @@ class Dated(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class PastMachine:
-    """A machine that ran.
+    """A machine that ran."""
 
-    `path`: its path as spawned.
-    `state`: its active state, by path of definition.
-    `entered`: when the active state was entered, in seconds.
-    `cells`: the variables that its blocks can access.
-    `own`: its own variables among them.
-    `inside`: the machines that the active state had spawned, in order.
-    """
-
-    path: Path
-    state: Path
-    entered: float
-    cells: dict[str, CellType]
-    own: tuple[str, ...]
-    inside: tuple[PastMachine, ...]
+    path: Path  # as spawned
+    state: Path  # that was active, by path of definition
+    entered: float  # s: when the active state was entered
+    cells: dict[str, CellType]  # the variables that its blocks can access
+    own: tuple[str, ...]  # its own variables among them
+    inside: tuple[PastMachine, ...]  # what the active state had spawned, in order
 
     @property
     def full_path(self) -> Path:

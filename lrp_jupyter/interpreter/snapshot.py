@@ -35,17 +35,11 @@ class _Machine(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The state of a run between two ticks.
+    """The state of a run between two ticks."""
 
-    `source`: the text of the program and its file name; the program itself if it has no text.
-    `now`: seconds.
-    `values`: the contents of the variables, and the values beside them.
-    `beside`: the names of the values beside the variables.
-    """
-
-    source: tuple[str, str] | Program
+    source: tuple[str, str] | Program  # text and file name; the program itself if it has no text
     tick: int
-    now: float
+    now: float  # s
     started: bool
     pending: frozenset[tuple[str, str]]
     own: _Own
@@ -53,8 +47,8 @@ class Snapshot:
     counts: Mapping[Element, tuple[int, int]]
     issues: IssueLog
     unmeant: Element | None
-    values: Packed
-    beside: tuple[str, ...] = ()
+    values: Packed  # the contents of the variables, and the values beside them
+    beside: tuple[str, ...] = ()  # the names of the latter
     settings: Mapping[str, Any] = field(default_factory=dict)  # attributes of the interpreter
 
     @property

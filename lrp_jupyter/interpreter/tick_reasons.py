@@ -47,13 +47,12 @@ _OF_FAULTS: Mapping[str, ReasonCode] = {
 class Cause:
     """Why a transition fired in a tick, or did not, in terms of the tick.
 
-    `machine`: the machine of the transition when the tick began, if it was running.
     `fact`: the firing of it, or of the one that prevented it; or the fault; or the entry of its source in
         this tick.
     """
 
     code: ReasonCode
-    machine: PastMachine | None = None
+    machine: PastMachine | None = None  # its own when the tick began, if it was running
     fact: Fired | Entered | Faulted | None = None
 
 
