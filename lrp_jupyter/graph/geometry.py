@@ -60,8 +60,7 @@ class Rect(NamedTuple):
 class Cells:
     """Rectangles by the cells of a square grid; each is registered in every cell that it reaches into.
 
-    `size`: width and height of a cell, in px.
-    `margin`: rectangles are registered as if they were so much larger on every side, in px.
+    px: `size` of a cell; `margin` by which rectangles count as larger on every side.
     """
 
     def __init__(self, size: float, margin: float = 0.0) -> None:

@@ -39,7 +39,7 @@ class Packed(NamedTuple):
 def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[object], object]) -> Packed:
     """Pack values; they are read now, and can be unpacked any number of times.
 
-    `values`: the values; one that cannot be copied, for example because it is nested too deeply, is shared.
+    `values`: one that cannot be copied, for example because it is nested too deeply, is shared.
     `cells`: the numbers of the program's variables, by id of the cell.
     `known`: returns a token for an object that is specific to each copy, such as `robot`; None for any other.
     """

@@ -200,12 +200,7 @@ def carry_issues(
     successors: Successors = Successors(),  # noqa: B008  (a frozen value)
     changed: tuple[Element, ...] = (),
 ) -> None:
-    """Resolve issues of removed, changed or repaired elements; move the others with the text. Paper: §6.2.
-
-    `before`, `program`: the programs before and after the edit.
-    `successors`: the map from elements of the old program to those of the new one.
-    `changed`: the elements whose content differs.
-    """
+    """Resolve issues of removed, changed or repaired elements; move the others with the text. Paper: §6.2."""
     old, plan = link(before), link(program)
     twice = {site.element: site.offset for site in plan.duplicates}
 

@@ -73,11 +73,9 @@ class Snapshot:
 def take(
     run: Run, known: Callable[[object], object], beside: Mapping[str, object] = MappingProxyType({})
 ) -> Snapshot:
-    """Take a snapshot of a run, between two ticks.
+    """Take a snapshot of a run, between two ticks, with the values `beside` its variables.
 
-    `known`: returns a token for an object that is specific to each run, such as its robot; None for any
-        other.
-    `beside`: values that are copied together with the variables.
+    `known`: returns a token for an object that is specific to each run, such as its robot, else None.
     """
     cells: list[CellType] = []
 

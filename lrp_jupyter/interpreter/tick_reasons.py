@@ -57,12 +57,7 @@ class Cause:
 
 
 def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause:
-    """Return why a transition fired in a tick, or did not.
-
-    `state`: the state of the run when the tick began.
-    `facts`: the facts of the tick.
-    `element`: the transition, by path of definition.
-    """
+    """Return why a transition, by path of definition, fired in a tick that began in `state`, or did not."""
     names = resolve(state.program)
     arrow = names.arrow(element)
     if arrow is None:

@@ -16,10 +16,7 @@ _CERTAIN = 5  # steps in a row; pymunk forgets ended contacts after 3
 
 
 class Rest:
-    """Detects that a space is at rest, and keeps up the contacts of its robots meanwhile.
-
-    `solids`: in a space that was just built.
-    """
+    """Detects that a space, which was just built, is at rest, and keeps up its robots' contacts meanwhile."""
 
     def __init__(self, robots: tuple[SimRobot, ...], solids: tuple[SimSolid, ...]) -> None:
         self._robots = robots

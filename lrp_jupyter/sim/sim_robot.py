@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from random import Random
 
@@ -124,10 +124,6 @@ class Memory:
     pen_at: Point = (0.0, 0.0)
     lamp: bool = False
     blind: int = 0  # ticks for which the distance sensors still see nothing
-
-    def copy(self) -> Memory:
-        """Return a snapshot."""
-        return replace(self)
 
 
 class SimRobot:

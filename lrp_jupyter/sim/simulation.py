@@ -480,7 +480,7 @@ class Simulation:
             moment=self.moment,
             world=self.world,
             base=self._base,
-            robots=[(robot.body.motion(), robot.memory.copy()) for robot in self.robots],
+            robots=[(robot.body.motion(), replace(robot.memory)) for robot in self.robots],
             solids=[thing.body.motion() for thing in self.solids] if solids is None else solids,
             random=packed(self._random),
             marks=self.floor.marks,
@@ -500,7 +500,7 @@ class Simulation:
         self.floor = LiveFloor(self.world.floor, checkpoint.marks)
         unpack(self._random, checkpoint.random)
         for robot, spec, (_, memory) in zip(self.robots, self.world.robots, checkpoint.robots, strict=True):
-            robot.spec, robot.memory = spec, memory.copy()
+            robot.spec, robot.memory = spec, replace(memory)
         while self.track and self.track[-1][0] > self.steps:
             self.track.pop()
         self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -69,7 +70,7 @@ def drive_and_stop(world, seed):
             simulation.step(random.randint(1, 10))
             memory = simulation.robot.memory
             solids = [solid.body.motion() for solid in simulation.solids]
-            seen.append((readings, memory.copy(), simulation.robot.body.motion(), solids))
+            seen.append((readings, replace(memory), simulation.robot.body.motion(), solids))
     return seen
 
 
