@@ -27,8 +27,7 @@ from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 
-_Record = tuple[Any, list[Any]]
-"""A function that undoes a change, and its values; or None, and the time at which a tick ended."""
+_Record = tuple[Any, list[Any]]  # a function that undoes a change, and its values; or None, and a tick's end
 _when = itemgetter(0)
 
 
@@ -313,8 +312,7 @@ class _View:
         self._attributes: dict[tuple[int, str], Any] = {}
         self._cells: dict[int, object] = {}
         self.written = set[int]()  # the ids of the cells for which a write was undone
-        self.is_other = True
-        """Whether the machines or their visible variables may have changed since this was set to False."""
+        self.is_other = True  # whether machines or visible variables may have changed since it was False
 
     def get(self, part: object, name: str) -> Any:
         key = id(part), name

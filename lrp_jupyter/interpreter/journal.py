@@ -26,10 +26,7 @@ from lrp_jupyter.interpreter.cells import content, put
 
 Kind = TypeVar("Kind")
 
-
-Log = list[Any]
-"""A stack of records: values and the function that pops them; or the end of a tick, in seconds."""
-
+Log = list[Any]  # stacked records: values and the function that pops them; or the end of a tick, in seconds
 Undo = Callable[[Log], None]
 _VALUES: dict[Undo, int] = {}
 
@@ -69,14 +66,10 @@ def values_of(item: object) -> int | None:
     return _VALUES.get(item)  # type: ignore[call-overload, no-any-return]
 
 
-TICKS, SECONDS = 10_000, 600.0
-"""Minimum number of ticks and of seconds to keep, unless another number of ticks is requested."""
-EDITS = 3_000
-"""Maximum number of saved states: each holds a whole run, and people type for hours."""
-MOST = 100_000_000
-"""Maximum number of bytes of values and texts, roughly; beyond it the older half is dropped."""
-LONGEST = 8_000_000
-"""Maximum number of items of the log; beyond it fewer ticks are kept."""
+TICKS, SECONDS = 10_000, 600.0  # fewest to keep, unless another number of ticks is requested
+EDITS = 3_000  # maximum number of saved states: each holds a whole run, and people type for hours
+MOST = 100_000_000  # maximum bytes of values and texts, roughly; beyond it the older half is dropped
+LONGEST = 8_000_000  # maximum number of items of the log; beyond it fewer ticks are kept
 
 _TICK = 30  # items of the log that take as much memory as the data that a session keeps of each tick
 _MARKS = 8  # places where the log can be cut, if the fewest ticks are kept

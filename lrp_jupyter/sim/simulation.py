@@ -97,8 +97,7 @@ class Simulation:
         self._clock = StepCount()
         self._random = Random(self.world.seed)
         self._queue: deque[Input] = deque()
-        self.drained: Callable[[Input], object] | None = None
-        """Called with every queued input that is applied."""
+        self.drained: Callable[[Input], object] | None = None  # called with each queued input when applied
         self._inputs = 0
         self._base = 0
         self._log = InputLog()

@@ -14,8 +14,7 @@ from lrp_jupyter.errors import LRPError
 from lrp_jupyter.process import python_of
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-STORAGE = "lrp-notebooks"
-"""The storage of the notebooks in a browser; the plain page writes notebooks into it, too."""
+STORAGE = "lrp-notebooks"  # of the notebooks in a browser; the plain page writes notebooks into it, too
 _KERNEL = "@jupyterlite/pyodide-kernel-extension"
 _PRELOADED = ("micropip", "piplite", "ipykernel", "comm", "pyodide-kernel", "jedi", "ipython", "lrp-jupyter")
 

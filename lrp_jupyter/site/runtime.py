@@ -11,8 +11,7 @@ from urllib.request import urlopen
 from lrp_jupyter.errors import LRPError
 
 VERSION = "314.0.7"  # the version of Pyodide; its Python is 3.14
-RUNTIME = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip")
-"""The files of the runtime itself."""
+RUNTIME = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip")  # its files
 LOCK = "pyodide-lock.json"  # the list of its packages, with their versions and hashes
 
 _TIMEOUT = 60.0  # s without an answer
