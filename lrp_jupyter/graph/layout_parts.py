@@ -47,24 +47,19 @@ class Inside(TypedDict):
 
 
 class StateShape(TypedDict):
-    """One state; `x`, `y` is its centre, in px.
+    """One state; `x`, `y` is its centre, in px."""
 
-    `kind` is ``state``, ``any`` (the ``*``) or ``missing``. `id` is the path as text. `machines` holds
-    the names of the nested machines, `nested` the text shown for them below the state's name, `inside` the
-    layouts of those that are drawn inside instead.
-    """
-
-    id: str
+    id: str  # its path as text
     name: str
-    kind: str
+    kind: str  # state, any (the `*`) or missing
     x: float
     y: float
     width: float
     height: float
     label: str
-    nested: str
-    machines: list[str]
-    inside: list[Inside]
+    nested: str  # the text below its name for the nested machines
+    machines: list[str]  # the names of these
+    inside: list[Inside]  # those that are drawn inside instead
     title: str
     start: Start | None
 
@@ -74,24 +69,20 @@ class TransitionShape(TypedDict):
 
     `id` is the machine's path and the transition's id, which survives an edit of its condition or delay,
     unlike its label `name`.
-
-    `kind` is the kind of transition; `style` selects how it is drawn: as its kind, or ``wildcard``.
-    `d`, `head`, `mark` are SVG path data of the shaft, the head and the cross on a broken arrow; `broken`
-    is the reason why it can never fire, or None.
     """
 
     id: str
     name: str
     kind: str
-    style: str
+    style: str  # how it is drawn: as its kind, or as a wildcard
     source: str
     destination: str
-    d: str
+    d: str  # SVG path data of the shaft, as of the head and of the cross (`mark`) on a broken arrow
     head: str
     mark: str
     label: Label
     title: str
-    broken: str | None
+    broken: str | None  # why it can never fire
 
 
 class Port(TypedDict):
