@@ -16,7 +16,7 @@ from lrp_jupyter.live.recording import VERSION, RunStart
 from lrp_jupyter.live.running.checkpoints import COPIED
 from lrp_jupyter.live.running.inputs import EndRun, Input
 from lrp_jupyter.live.running.loop import Loop
-from lrp_jupyter.live.running.randomness import random_module
+from lrp_jupyter.live.running.notebook_names import random_module
 from lrp_jupyter.live.stored.input_lines import input_line, literal
 from lrp_jupyter.live.stored.json_values import plain
 from lrp_jupyter.live.stored.looked_at import Look

@@ -29,8 +29,7 @@ from lrp_jupyter.live.past.leftovers import differ
 from lrp_jupyter.live.past.replay import Entry, Ticked, merged
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.running.loop import Loop
-from lrp_jupyter.live.running.notebook_names import ChangeNames
-from lrp_jupyter.live.running.randomness import random_module
+from lrp_jupyter.live.running.notebook_names import ChangeNames, random_module
 
 
 class ForkStart(NamedTuple):

@@ -7,8 +7,10 @@ the name had then.
 
 from __future__ import annotations
 
+import builtins
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from types import ModuleType
 from typing import Any
 
 from lrp_jupyter.live.running.checkpoints import COPIED, PLAIN
@@ -99,6 +101,14 @@ class WatchedNames:
             if name in change.before or name in change.after:
                 return change.before.get(name, ABSENT)
         return self.values.get(name, self._namespace.get(name, ABSENT))
+
+
+def random_module(namespace: Mapping[str, Any]) -> ModuleType:
+    """Return the module that `import random` gives to the blocks of a namespace."""
+    own = namespace.get("__builtins__")
+    find = own.get("__import__", __import__) if isinstance(own, dict) else builtins.__import__
+    module: ModuleType = find("random")
+    return module
 
 
 def _before(changes: Iterable[ChangeNames]) -> dict[str, object]:
