@@ -703,8 +703,7 @@ class Session(Runner):
         what : str or path
             A state (``"looking"``) or a command of the robot (``"robot.move"``).
         at : int or float, optional
-            A tick; or a time in seconds, as a float: then the last tick that was not after it. By default
-            the last tick.
+            As in :meth:`why_not`.
 
         Returns
         -------
@@ -728,18 +727,11 @@ class Session(Runner):
         name : str or path
             A transition; if there is none of that name, a state or ``robot.`` and a command.
         at : int or float, optional
-            A tick; or a time in seconds, as a float. By default the last tick.
+            As in :meth:`why_not`, whose errors it raises, too.
 
         Returns
         -------
         Reason
-
-        Raises
-        ------
-        UnknownElementError
-            There is no such transition, state or command, or there are several.
-        ValueError
-            The tick is not, or no longer, recorded.
         """
         return questions.answer(self, "explain", name, at)
 
@@ -757,7 +749,8 @@ class Session(Runner):
         Parameters
         ----------
         at : int or float, optional
-            A tick; or a time in seconds, as a float. By default now.
+            A tick, or 0 for the beginning, with what was done before the first tick; or a time in seconds, as
+            a float. By default now.
         program : str or Program, optional
             Another program, applied at once as an edit is.
         inputs : bool

@@ -45,6 +45,16 @@ def test_a_fork_is_as_a_tick_ended_though_a_checkpoint_was_taken_later_before_th
             assert fork.frame.values["n"] == session.frame.values["n"] == 1005
 
 
+def test_a_fork_of_the_beginning_is_as_the_first_tick_began():
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.edit(COUNTER.replace("n += 1", "n += 7"))
+        session.run(0.5)
+        with session.fork(0) as fork, session.fork(0, inputs=True) as repeated:
+            for each in (fork, repeated):
+                each.run(0.5)
+                assert each.frame.values == session.frame.values
+
+
 def test_a_fork_after_a_rewind_to_the_beginning_has_the_program_of_the_session():
     with Session(COUNTER, clock=VirtualClock()) as session:
         session.edit(COUNTER.replace("n += 1", "n += 7"))
