@@ -17,7 +17,6 @@ from lrp_jupyter.arguments import check_type
 LAG = 0.25
 """Wall seconds by which a host may fall behind before pacing restarts from the present."""
 
-
 _LONGEST = 3600.0  # wall seconds of a single wait: an extreme speed would exceed what a timer accepts
 _FASTEST = 1e9  # above it, the time per wall second is no longer exact
 

@@ -81,11 +81,8 @@ def reproduce(
         A block does not return.
     """
     start, entries = recording.start, deque(recording.entries)
-    first = parse(start.text, start.filename)
-    if isinstance(program, str):
-        first = parse(program, start.filename)
-    elif program is not None:
-        first = program
+    wanted = start.text if program is None else program
+    first = parse(wanted, start.filename) if isinstance(wanted, str) else wanted
     if prepared is not None and start.initials:
         first = prepared(first, start.initials)
     if program is not None:

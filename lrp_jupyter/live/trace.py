@@ -87,19 +87,17 @@ def _details(event: TraceEvent) -> dict[str, Any]:
                 "destination": data.destination,
             }
         case "issue":
-            element = path_text(data.element.shown)
             return {
                 "code": data.code,
-                "element": element,
+                "element": path_text(data.element.shown),
                 "line": data.line,
                 "message": _steady(data.message),
             }
         case "commanded":
             _, block, row = data.origin
-            arguments = plain(data.arguments)
             return {
                 "command": data.name,
-                "arguments": arguments,
+                "arguments": plain(data.arguments),
                 "sent": data.sent,
                 "block": block,
                 "line": row,

@@ -235,9 +235,8 @@ def _compared(program: Program, name: str) -> Iterator[_Compared]:
         if tree is None or not (is_reading or _means(scope, path)):
             continue
         for other in _others(tree, written):
-            variables = {
-                each: (*scope.visible[each].path, each) for each in names_in(other) if each in scope.visible
-            }
+            visible = scope.visible
+            variables = {each: (*visible[each].path, each) for each in names_in(other) if each in visible}
             key = ast.unparse(other), tuple(sorted(variables.items()))
             if key not in seen and len(seen) < _MOST:
                 seen.add(key)

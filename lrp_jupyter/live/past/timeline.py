@@ -1,8 +1,4 @@
-"""The timeline: the events of a run in order, as they are drawn.
-
-It is read on demand from the journal, the inputs and the log of commands. A caller that has a part of it
-requests the rest.
-"""
+"""The timeline: the events of a run in order, read on demand from journal, inputs and the log of commands."""
 
 from __future__ import annotations
 
@@ -135,9 +131,8 @@ def timeline_of(
 
 
 def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> list[Happening]:
-    """Return what happened after a tick, in order; called between two ticks.
+    """Return what happened after a tick, in order; by default with the states active at the beginning.
 
-    `after`: the tick; by default the whole recorded run, including the states active at its beginning.
     `gap`: whether to include what was done between this tick and the next.
     """
     history = loop.interpreter.history

@@ -73,9 +73,8 @@ class Trials(Sequence[Trial]):
             if self.awaited:
                 row.append("not reached" if trial.reached is None else f"{trial.reached:.1f} s")
             if "outcome" in rows[0]:
-                row.append(
-                    f"{trial.outcome:.6g}" if isinstance(trial.outcome, float) else short(trial.outcome)
-                )
+                outcome = trial.outcome
+                row.append(f"{outcome:.6g}" if isinstance(outcome, float) else short(outcome))
             row += [", ".join(map(path_text, trial.active)) or "nothing", str(trial.issues)]
             if "driven" in rows[0]:
                 row.append(f"{trial.driven:.2f} m")

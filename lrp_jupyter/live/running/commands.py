@@ -32,8 +32,7 @@ _ANYTHING = (BaseException,)  # the caller's code runs
 class ReplaceProgram(Command, recorded=True, interrupts=True, newest_wins=True):
     """Continue with another program. Of several queued in a row the newest wins. Paper: §6.1.
 
-    `is_text`: whether only the texts of the programs are kept, to be parsed again: a thousandth of the
-        objects.
+    `is_text`: whether only texts are kept, to be parsed again: a thousandth of the objects.
     """
 
     program: Program

@@ -6,9 +6,6 @@ command is applied
 * by the driver's thread if there is one; the caller waits, for at most a few seconds;
 * by the caller if nothing else drives the loop;
 * after the tick, without waiting, if the call comes from a block of the program.
-
-Every driver alternates between a turn of the loop and waiting until the time that the turn returns. They
-differ in how they wait.
 """
 
 from __future__ import annotations

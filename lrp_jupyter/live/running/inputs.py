@@ -114,11 +114,8 @@ class Inputs:
             while self._all and self._all[0][0].number <= number:
                 self._letters -= self._all.popleft()[1]
 
-    def undo(self, tick: int, stays: Callable[[object], bool] = lambda what: False) -> list[Input]:
-        """Drop the inputs after a tick, except those before the next tick for which `stays` is true.
-
-        Return the dropped inputs, in order.
-        """
+    def undo(self, tick: int, stays: Callable[[object], bool]) -> list[Input]:
+        """Drop, and return in order, the inputs after a tick, except those before the next one that stay."""
         kept: list[tuple[Input, int]] = []
         dropped = []
         with self.lock:

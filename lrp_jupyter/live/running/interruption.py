@@ -70,9 +70,8 @@ def running_block(
         return None
     if name:
         return RunningBlock(name, line, foreign)
-    by_session = (
-        foreign.f_back is not None and _module(foreign.f_back) == "lrp_jupyter.live.running.foreign_code"
-    )
+    caller = foreign.f_back
+    by_session = caller is not None and _module(caller) == "lrp_jupyter.live.running.foreign_code"
     return RunningBlock("an observer" if by_session else other, 0, foreign)
 
 
@@ -158,16 +157,13 @@ def ending_calls() -> Iterator[None]:
 
 
 def interrupt_call(thread: int) -> None:
-    """End a C call by a KeyboardInterrupt, in :func:`ending_calls`; elsewhere do nothing.
-
-    The signal is ignored by default. The Ctrl-C signal would be ignored in the background of a shell.
-    """
+    """End a C call by a KeyboardInterrupt, in :func:`ending_calls`; elsewhere do nothing."""
     if not hasattr(signal, "pthread_kill"):
         return
     if thread == threading.main_thread().ident and callable(signal.getsignal(signal.SIGURG)):
         ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None)  # not both of them
         _requested.pop(thread, None)
-        signal.pthread_kill(thread, signal.SIGURG)
+        signal.pthread_kill(thread, signal.SIGURG)  # SIGINT is ignored in the background of a shell
 
 
 class Interruption(Interrupted):

@@ -515,9 +515,8 @@ class Loop:
 
     def _origin(self) -> Origin:
         """Return the calling block, if it belongs to the running program."""
-        interpreter, frame = self.interpreter, sys._getframe(1)
-        filename = interpreter.program.filename
-        block: FrameType | None = frame
+        interpreter, filename = self.interpreter, self.interpreter.program.filename
+        block: FrameType | None = sys._getframe(1)
         while block is not None and block.f_code.co_filename != filename:
             block = block.f_back
         if block is None:

@@ -113,13 +113,8 @@ def input_of(line: Line, program: Callable[[str], Program]) -> object:
             raise FileError("This input cannot be stored in a file, so the recording cannot be replayed.")
         case str(name) if name in INPUTS:
             kind = INPUTS[name]
-            return kind(
-                **{
-                    field.name: _immutable(line[field.name])
-                    for field in fields(kind)
-                    if field.name in line or field.default is MISSING
-                }
-            )
+            given = [each.name for each in fields(kind) if each.name in line or each.default is MISSING]
+            return kind(**{name: _immutable(line[name]) for name in given})
     raise FileError(f"There is no input {short(line['input'])}.")
 
 

@@ -90,9 +90,8 @@ def enabled_in(run: RecordedRun, entered: Fired | Entered, tick: int) -> list[En
     It leaves the state, or an enclosing one that was entered in the same tick.
     """
     enabled = [fact for fact in run.history.facts(tick) if isinstance(fact, Enabled)]
-    return [
-        each for each in enabled if entered.path[: len(each.machine) + 1] == (*each.machine, each.state[-1])
-    ]
+    way = entered.path
+    return [each for each in enabled if way[: len(each.machine) + 1] == (*each.machine, each.state[-1])]
 
 
 def say_whether_it_acted(draft: AnswerDraft, run: RecordedRun, entered: Fired | Entered, when: float) -> None:
@@ -100,10 +99,6 @@ def say_whether_it_acted(draft: AnswerDraft, run: RecordedRun, entered: Fired | 
     tick = int(when)
     for enabled in enabled_in(run, entered, tick) if tick == when else ():
         line = line_of_element(run.program(tick), enabled.transition)
-        left = f"`{enabled.state[-1]}`"
-        what = (
-            "it at once, so it did not act"
-            if enabled.state == entered.state
-            else (f"{left} at once, so nothing in {left} acted")
-        )
+        left, is_own = f"`{enabled.state[-1]}`", enabled.state == entered.state
+        what = "it at once, so it did not act" if is_own else f"{left} at once, so nothing in {left} acted"
         draft.say(f"`{enabled.label}` (line {line}) could leave {what}.", line)

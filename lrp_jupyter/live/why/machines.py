@@ -27,11 +27,8 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
             else:
                 restart = restart_of(run.history.facts(tick - 0.5))
                 by = f"when the program {'restarted' if restart else 'started'}"
-            starts = [
-                each.state[-1]
-                for each in facts
-                if isinstance(each, Entered) and each.path[:-1] == fact.machine
-            ]
+            entered = [each for each in facts if isinstance(each, Entered)]
+            starts = [each.state[-1] for each in entered if each.path[:-1] == fact.machine]
             where = f" in `{starts[0]}`" if starts else ""
             draft.say(f"{so}: `{name}` was spawned{where} in this very tick, {by}.", *lines)
             return

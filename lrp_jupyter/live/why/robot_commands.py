@@ -34,17 +34,16 @@ def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
         return _never_given(run, name, tick)
     last = given[-1]
     origin = last.origin if last.origin.tick <= tick else last.first
+    first = last.first.tick
     where = f"by `{origin.block}` (line {origin.line})" if origin.block else "by hand"
-    since = (
-        f", repeated since {time_text(run.time(last.first.tick))}" if last.first.tick < origin.tick else ""
-    )
+    since = f", repeated since {time_text(run.time(first))}" if first < origin.tick else ""
     draft = AnswerDraft(
         {
             "command": last.name,
             "arguments": given_arguments(last.arguments),
             "block": origin.block,
             "state": origin.block.partition(".")[0],
-            "since": last.first.tick,
+            "since": first,
             "limited": last.limited,
         }
     )

@@ -55,11 +55,9 @@ def _never_entered(run: RecordedRun, state: Path, name: str, tick: int) -> Reaso
         entered = f"`{name}` was entered at {time_text(machine.entered)}."
         draft.say(f"{entered} How is unknown: only ticks from {ticks.start} onward are remembered.", line)
         return draft.reason("never", tick, time)
-    so = (
-        f"`{name}` has not been entered"
-        if tick == ticks[-1]
-        else f"`{name}` had not been entered by {time_text(time)}"
-    )
+    so = f"`{name}` has not been entered"
+    if tick != ticks[-1]:
+        so = f"`{name}` had not been entered by {time_text(time)}"
     if ticks.start > 1:
         so += f" (only ticks from {ticks.start} onward are remembered)"
     if not line:
