@@ -23,10 +23,7 @@ from lrp_jupyter.live.why.earlier_names import Names
 
 
 def frame_at(loop: Loop, tick: int) -> Frame:
-    """Return the frame of a remembered tick.
-
-    Raises ValueError: the tick is not remembered.
-    """
+    """Return the frame of a tick; raise ValueError if it is not remembered."""
     interpreter, bridge = loop.interpreter, loop.bridge
     history = interpreter.history
     least = interpreter.tick - min(len(loop.record.moments), len(history.ticks)) + 1
@@ -83,10 +80,7 @@ def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[],
 
 
 def tick_of(loop: Loop, time: float) -> int:
-    """Return the last recorded tick that was not after a time, in seconds of the run.
-
-    Raises ValueError: the time is negative, later than the run, or no longer remembered.
-    """
+    """Return the last tick that was not after a time of the run; raise ValueError if it is not recorded."""
     if not time >= 0:
         raise ValueError(f"A time is a number of seconds of the run, 0 or more, not {time:g}.")
     if time > loop.timing.now + 1e-9:

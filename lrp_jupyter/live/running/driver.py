@@ -331,10 +331,7 @@ class Driver:
 
     @contextmanager
     def exclusive(self, what: str) -> Iterator[None]:
-        """Drive the loop temporarily on the calling thread; the driver's thread is suspended.
-
-        Raises SessionTimeoutError: the driver's thread does not finish its turn.
-        """
+        """Drive the loop on the calling thread; raise SessionTimeoutError if another does not make way."""
         motor = self._motor
         if motor is not None:
             motor.suspend()

@@ -27,8 +27,8 @@ class Foreign:
 def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> Callable[Arguments, None]:
     """Wrap a subscriber: if it raises, `drop` ends its subscription and the exception is printed on stderr.
 
-    There is no caller to handle the exception. On the main thread a KeyboardInterrupt, which means Ctrl-C, is
-    raised. The subscriber is not notified of its own changes, such as an edit, to prevent endless recursion.
+    On the main thread a KeyboardInterrupt, which means Ctrl-C, is raised. The subscriber is not notified of
+    its own changes, such as an edit, to prevent endless recursion.
     """
     subscribed = True
     thread = 0  # the one that runs it

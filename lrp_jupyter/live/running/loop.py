@@ -287,10 +287,9 @@ class Loop:
     def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:
         """Tick in virtual time, without waiting, for at most this number of seconds.
 
-        Return whether `after_tick` ended the run; a pause also ends it. Afterwards the loop has its earlier
-        status: running if a driver drives it, otherwise paused, without running the pause actions.
-
-        `after_tick`: called after every tick; a true result ends the run. Its exceptions are raised.
+        Return whether `after_tick` ended the run by a true result; its exceptions are raised. A pause also
+        ends it. Afterwards the loop has its earlier status: running if a driver drives it, otherwise paused,
+        without running the pause actions.
         """
         self._check_whole()
         self._driven_by = threading.get_ident()

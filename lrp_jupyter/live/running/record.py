@@ -42,12 +42,10 @@ class Moment(NamedTuple):
 
 
 class Moments:
-    """The moments of the last ticks, in order; or of the last tick only.
+    """The moments of the last ticks, in order; or of the last tick only."""
 
-    `flat`: their parts in one list: the garbage collector would have to visit a tuple for each tick.
-    """
-
-    def __init__(self, *, only_last: bool = False) -> None:
+    def __init__(self, *, only_last: bool) -> None:
+        # Their parts are in one list: the garbage collector would have to visit a tuple for each tick.
         self.flat: list[Any] | deque[Any] = deque(maxlen=3) if only_last else []
         self.add = self.flat.extend
 

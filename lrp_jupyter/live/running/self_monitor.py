@@ -3,9 +3,7 @@
 In a browser nothing runs alongside a block: neither a monitor nor a message from the page. Python therefore
 checks the time whenever the code of a block jumps backward, as every loop does, and raises in it the
 exception that the monitor would raise. The program is then paused, since its next tick would take just as
-long.
-
-Library code is not monitored and has no overhead; a single C call cannot be interrupted.
+long. Library code is not monitored and has no overhead; a single C call cannot be interrupted.
 """
 
 from __future__ import annotations
