@@ -114,8 +114,7 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
     """Return an open copy of a robot or, if it cannot be copied, a robot that repeats its readings."""
     if bridge.simulated is not None:
         return bridge.simulated.fork(moment)
-    is_none = isinstance(bridge, NullBridge)
-    fork = NullBridge() if is_none else RecordedBridge(bridge.nodes.members())
+    fork = NullBridge() if isinstance(bridge, NullBridge) else RecordedBridge(bridge.nodes.members())
     fork.open()
     return fork
 

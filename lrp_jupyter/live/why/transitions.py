@@ -143,19 +143,21 @@ def _last_enabled(case: Case, first: int) -> tuple[int, str] | None:
 
     Its condition was tested then with values in the middle of a tick.
     """
-    run = case.run
+    run, condition = case.run, _condition(case.program, case.element)
     for when, fact in run.backward(case.tick, before=True):
         if when < first:
             break
-        if isinstance(fact, Enabled) and case.tested is not None:
+        if isinstance(fact, Enabled):
             tick = int(when)
             then = run.names(tick).of("transition", case.element.path, case.tick)
-            arrow = resolve(run.program(tick)).arrow(fact.transition)
-            block = None if arrow is None or arrow.tested is None else arrow.tested[0]
-            is_same = block is not None and block.text.strip() == case.tested[0].text.strip()
-            if is_same and fact.transition.path == then:
+            if fact.transition.path == then and _condition(run.program(tick), fact.transition) == condition:
                 return tick, fact.state[-1]
     return None
+
+
+def _condition(program: Program, transition: Element) -> str | None:
+    arrow = resolve(program).arrow(transition)
+    return None if arrow is None or arrow.tested is None else arrow.tested[0].text.strip()
 
 
 def _had_another(case: Case, tick: int) -> bool:
@@ -163,11 +165,9 @@ def _had_another(case: Case, tick: int) -> bool:
     run = case.run
     state = run.state(tick)
     then = Element("transition", run.names(tick).of("transition", case.element.path, case.tick))
-    cause = cause_in(state, run.history.facts(tick), then)
-    arrow = resolve(state.program).arrow(then)
-    if cause.code != "condition-false" or arrow is None or arrow.tested is None or case.tested is None:
+    if cause_in(state, run.history.facts(tick), then).code != "condition-false":
         return False
-    return arrow.tested[0].text.strip() != case.tested[0].text.strip()
+    return _condition(state.program, then) not in (None, _condition(case.program, case.element))
 
 
 def _delay_not_over(draft: AnswerDraft, case: Case) -> None:
