@@ -62,7 +62,7 @@ def plottable(loop: Loop) -> list[str]:
 
 
 def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
-    """Return, between two ticks, a function that computes the samples of names after a tick on any thread."""
+    """Copy the samples of each name after a tick; return a function that plots them, on any thread."""
     if not wanted:
         return list
     program, first = loop.interpreter.program, min(wanted.values())

@@ -64,7 +64,7 @@ class Checkpoints:
         self._rested = 0.0  # earliest wall time of the next one
 
     def add(self, take: Callable[[], SessionCheckpoint], rewound: bool = False) -> SessionCheckpoint | None:
-        """Take a checkpoint and return it, unless the run was not `rewound` and the last is too recent."""
+        """Take a checkpoint and return it, unless the last is too recent and the run was not `rewound`."""
         start = perf_counter()
         if start < self._rested and not rewound:
             self.due += _SPACING

@@ -51,7 +51,10 @@ class Rewound:
 
 
 class Input(NamedTuple):
-    """A command, :class:`Rewound`, or action on the robot or its world; `tick` were completed before it."""
+    """An input of a session: a command, :class:`Rewound`, or an action on the robot or its world.
+
+    `tick`: how many ticks were completed before it.
+    """
 
     number: int
     tick: int

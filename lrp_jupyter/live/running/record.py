@@ -188,7 +188,7 @@ class Record:
         return self.readings_of(self.moments[-1].sensed) if self.moments else {}
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
-        """Return the readings of a tick that had a value or failed, by path, for their token in a moment."""
+        """Return the readings of a tick by path, for their token in a moment; a failed one is its error."""
         world = self._bridge.simulated
         return cast(Mapping[str, object], sensed) if world is None else world.readings_of(sensed)
 

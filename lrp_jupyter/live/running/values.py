@@ -33,7 +33,7 @@ def numbers_of(values: Iterable[tuple[Path, object]]) -> dict[Path, float]:
 
 
 class ValueTexts:
-    """The last text of each variable, and when it may be rendered again, which `calling` gives a context."""
+    """The last text of each variable, and when it may be rendered again; `calling` is the context of that."""
 
     def __init__(self, calling: Callable[[str], AbstractContextManager[None]]) -> None:
         self._calling = calling

@@ -33,7 +33,7 @@ class RecordedRun:
         self._states: dict[int, PastState] = {}
 
     def tick(self, at: int | None) -> int:
-        """Return the tick that a question is about; for None, the last. Raises ValueError: not remembered."""
+        """Return the tick of a question, for None the last; raise ValueError if it is not remembered."""
         ticks = self.history.ticks
         tick = ticks.stop - 1 if at is None else at
         if tick not in ticks:

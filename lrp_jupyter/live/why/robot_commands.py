@@ -22,7 +22,7 @@ from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_tex
 
 
 def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
-    """Return why the robot received its last command of a name, or of any that also sets the velocity.
+    """Return why the robot received its last command of a name, or any that sets the velocity as it does.
 
     `now`: whether to consider events since that tick, too.
     Raises UnknownElementError: the robot has no such command.
