@@ -74,15 +74,14 @@ def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
     )
     samples = _samples(loop, paths, first, reads)
     columns = [_Column(name, after, compared[name]) for name, after in wanted.items()]
-    return lambda: _plots(columns, samples)
 
+    def plots() -> list[Plot]:
+        for sample in samples:  # none is kept, or the garbage collector would visit all again and again
+            for column in columns:
+                column.add(sample)
+        return [column.plot() for column in columns]
 
-def _plots(columns: Sequence[_Column], samples: Iterable[_Sample]) -> list[Plot]:
-    # no sample is kept, or the garbage collector would visit all of them again and again
-    for sample in samples:
-        for column in columns:
-            column.add(sample)
-    return [column.plot() for column in columns]
+    return plots
 
 
 class _Column:

@@ -197,8 +197,10 @@ def _of(fact: Fact, tick: int, time: float) -> Happening | None:
             return Happening(tick, time, "issue", fact.machine, text=fact.message)
         case Commanded("patched" | "renamed"):
             return Happening(tick, time, "edit", text=_EDITED[fact.kind])
+        case Commanded("restarted", "" | "reset"):
+            return Happening(tick, time, "restart", text="The program was reset.")
         case Commanded("restarted", reason):
-            return Happening(tick, time, "restart", text=_restarted(reason))
+            return Happening(tick, time, "restart", text=f"The program restarted: {reason}")
         case Commanded("paused", reason) if reason:
             return Happening(tick, time, "pause", text=reason)
         case Commanded("forced", how, state):
@@ -214,10 +216,6 @@ _FORCED = {
     "teleport": "(Teleport here), without running actions",
     "fire": "(Fire now)",
 }
-
-
-def _restarted(reason: str) -> str:
-    return "The program was reset." if reason in ("", "reset") else f"The program restarted: {reason}"
 
 
 def _commands(history: History, commands: Sequence[CommandRecord], first: int) -> Iterator[Happening]:
