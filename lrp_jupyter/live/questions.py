@@ -107,7 +107,7 @@ def test_again(session: Runner, tick: int, element: Element) -> Evaluation | Exc
 def fork(session: Asked, at: Moment, program: str | Program | None, inputs: bool) -> Asked:
     """Return an independent copy of a session, now or after an earlier tick."""
     other = _parsed(session, program)
-    return _going_on(session, next(_starts(session, at)), other, inputs)
+    return _going_on(session, _start_of(session, at), other, inputs)
 
 
 def _parsed(session: Runner, program: str | Program | None) -> Program | None:
@@ -115,14 +115,20 @@ def _parsed(session: Runner, program: str | Program | None) -> Program | None:
     return parse(program, session.program.filename) if isinstance(program, str) else program
 
 
-def _starts(session: Runner, at: Moment) -> Iterator[ForkStart]:
-    """Yield starts of forks, all from the same moment though the session goes on between them."""
+def _start_of(session: Runner, at: Moment) -> ForkStart:
     if at is not None:
         _check_moment("at", at)
-    start = session._value("fork", lambda loop: fork_start(loop, _tick_of(loop, at)))
-    while True:
-        yield start
-        start = session._value("fork", partial(started_again, start=start))
+    return session._value("fork", lambda loop: fork_start(loop, _tick_of(loop, at)))
+
+
+def _starts(session: Runner, at: Moment) -> Iterator[ForkStart]:
+    """Yield starts of forks, all from the same moment though the session goes on between them."""
+    start = _start_of(session, at)
+    try:
+        while True:
+            yield started_again(start)
+    finally:
+        start.bridge.close()
 
 
 def _going_on(session: Asked, start: ForkStart, program: Program | None, inputs: bool) -> Asked:

@@ -87,9 +87,9 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded, namespace)
 
 
-def started_again(loop: Loop, start: ForkStart) -> ForkStart:
-    """Return the parts of another copy from the same moment, though the session may have gone on."""
-    return start._replace(bridge=_forked(loop.bridge, start.checkpoint.moment))
+def started_again(start: ForkStart) -> ForkStart:
+    """Return the parts of another copy from the same moment, where the robot of these still has to be."""
+    return start._replace(bridge=_forked(start.bridge, start.bridge.moment()))
 
 
 def check_repeated(recorded: PastState, copy: Interpreter) -> None:
