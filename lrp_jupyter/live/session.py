@@ -727,11 +727,16 @@ class Session(Runner):
         name : str or path
             A transition; if there is none of that name, a state or ``robot.`` and a command.
         at : int or float, optional
-            As in :meth:`why_not`, whose errors it raises, too.
+            As in :meth:`why_not`.
 
         Returns
         -------
         Reason
+
+        Raises
+        ------
+        UnknownElementError, ValueError
+            As in :meth:`why_not` and :meth:`why`.
         """
         return questions.answer(self, "explain", name, at)
 
