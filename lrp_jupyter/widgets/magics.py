@@ -164,7 +164,7 @@ class LRPMagics(Magics):
             self._list()
             return None
         if word in ("help", "-h", "--help", "?"):
-            print(_HELP)  # noqa: T201
+            print(_HELP)
             return None
         action = WORDS.get(word)
         if action is not None:
@@ -187,7 +187,7 @@ class LRPMagics(Magics):
             frame = connection.session.frame
             active = ", ".join("/".join(path) for path in frame.active) or "nothing"
             lines.append(f"{connection.name}: {frame.status}, tick {frame.tick}, {active} active")
-        print("\n".join(lines) or "No program is open. `%lrp examples` lists bundled ones.")  # noqa: T201
+        print("\n".join(lines) or "No program is open. `%lrp examples` lists bundled ones.")
 
     # -- the words -------------------------------------------------------------------------------
 
@@ -197,7 +197,9 @@ class LRPMagics(Magics):
 
     def new(self, rest: list[str]) -> Lab:
         """Open a bundled program."""
-        name = _one(rest, "new NAME")
+        if len(rest) != 1:
+            raise UsageError(f"%lrp: Expected one name, not {len(rest)}. Write `%lrp new NAME`.")
+        (name,) = rest
         if name not in programs.names():
             listed = ", ".join(f"`{known}`" for known in programs.names())
             hint = did_you_mean(name, programs.names())
@@ -217,7 +219,7 @@ class LRPMagics(Magics):
         ]
         lines += ["Worlds (`%%lrp NAME --world WORLD`):"]
         lines += [f"  {name:<18} {about}" for name, about in DESCRIPTIONS.items()]
-        print("\n".join(lines))  # noqa: T201
+        print("\n".join(lines))
 
     def pause(self, rest: list[str]) -> None:
         """Pause the program and its robot."""
@@ -243,7 +245,7 @@ class LRPMagics(Magics):
         """Interrupt the block that does not return."""
         connection = _the(rest)
         if not connection.session.interrupt():
-            print(f"No block of `{connection.name}` is running now, so there is nothing to interrupt.")  # noqa: T201
+            print(f"No block of `{connection.name}` is running now, so there is nothing to interrupt.")
 
     def rate(self, rest: list[str]) -> None:
         """Set the ticks per second."""
@@ -270,18 +272,18 @@ class LRPMagics(Magics):
             raise UsageError(
                 f"%lrp why: Write `at` before the seconds, as in `%lrp why {what} at {rest[0]}`."
             )
-        print(_the(rest).session.explain(what, at))  # noqa: T201
+        print(_the(rest).session.explain(what, at))
 
     def explain(self, rest: list[str]) -> None:
         """Explain a code; without one, list the codes."""
         every = [f"{each.code:<30} {each.title}" for each in CODES.values()]
-        print("\n\n\n".join(map(str, explain(" ".join(rest)))) if rest else "\n".join(every))  # noqa: T201
+        print("\n\n\n".join(map(str, explain(" ".join(rest)))) if rest else "\n".join(every))
 
     def check(self, rest: list[str]) -> None:
         """Print the findings of the checks."""
         connection = _the(rest)
         found = connection.session.check(connection.texts.text)
-        print("\n".join(str(finding) for finding in found) or f"`{connection.name}` has no findings.")  # noqa: T201
+        print("\n".join(str(finding) for finding in found) or f"`{connection.name}` has no findings.")
 
     def graph(self, rest: list[str]) -> None:
         """Show the state graph as it is now, as a picture that is stored."""
@@ -301,7 +303,7 @@ class LRPMagics(Magics):
         """List the earlier texts, the newest first."""
         connection = _the(rest)
         lines = [f"{n}: {version}" for n, version in enumerate(connection.texts.versions, 1)]
-        print("\n".join(lines) or f"There are no earlier texts of `{connection.name}`.")  # noqa: T201
+        print("\n".join(lines) or f"There are no earlier texts of `{connection.name}`.")
 
     def version(self, rest: list[str]) -> None:
         """Write an earlier text into a new cell."""
@@ -335,9 +337,9 @@ class LRPMagics(Magics):
         trace = session.traceback_of(issue) if issue else None
         if issue is None or trace is None or self.shell is None:
             known = f" Issues are listed at {', '.join(listed)}." if listed else ""
-            print(f"`{name}` has no issue {f'at `{place}` ' if place else ''}to debug.{known}")  # noqa: T201
+            print(f"`{name}` has no issue {f'at `{place}` ' if place else ''}to debug.{known}")
             return
-        print(  # noqa: T201
+        print(
             f"{issue}\n`{name}` is paused. `p x` prints the variable `x` as it is now; `!x = 1` assigns it; "
             "`p robot` and `p state` work, too. `u` and `d` move through the calls, and `q` ends."
         )
@@ -349,15 +351,9 @@ class LRPMagics(Magics):
         """Switch to another bridge; without a name, list the bridges."""
         if not rest:
             lines = [f"{name}: {offer.origin}" for name, offer in find_bridges().items()]
-            print("\n".join(lines))  # noqa: T201
+            print("\n".join(lines))
             return
         _the(rest[1:]).change_bridge(rest[0])
-
-
-def _one(rest: list[str], usage: str) -> str:
-    if len(rest) != 1:
-        raise UsageError(f"%lrp: Expected one name, not {len(rest)}. Write `%lrp {usage}`.")
-    return rest[0]
 
 
 def _the(rest: list[str]) -> PageConnection:
