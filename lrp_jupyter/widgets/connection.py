@@ -203,7 +203,7 @@ class PageConnection:
             self.name = self._free_name(name)
             self.saver.move(self.name)
             self.session.name = self.name
-            self._publisher.renamed()
+            self._publisher.send_snapshots()  # views keep things under the name of the session
         self.texts.write(text)
 
     def use(self, session: Session) -> None:

@@ -243,8 +243,7 @@ class Publisher:
             self._view_states = ViewStates(session, self._saver, self._layouts, self.goal)
             if self.goal is not None:
                 self.goal.attach(session, self.wake)
-            for view in self._views.values():
-                self._snapshot(view)
+            self.send_snapshots()
 
     def set_goal(self, goal: Goal | None) -> None:
         """Show a challenge from now on."""
@@ -255,11 +254,10 @@ class Publisher:
             if goal is not None:
                 goal.attach(self.session, self.wake)
             self._view_states = ViewStates(self.session, self._saver, self._layouts, goal)
-            for view in self._views.values():
-                self._snapshot(view)
+            self.send_snapshots()
 
-    def renamed(self) -> None:
-        """Send each view a snapshot, because views keep things under the name of the session."""
+    def send_snapshots(self) -> None:
+        """Send every view everything."""
         with self._lock:
             for view in self._views.values():
                 self._snapshot(view)
@@ -389,7 +387,9 @@ class Publisher:
         self._layouts.update(session.frame)
         with self._lock:
             self._drop_the_gone(now)
-            self._send_worlds(now)
+            for view in self._views.values():
+                if view.has_credit:
+                    self._send_world(view, now)
             self._send_frames(now)
         self._saver.save()
         self._refresh(now)
@@ -442,11 +442,6 @@ class Publisher:
             if view.fault:
                 self._report(view.fault)
 
-    def _send_worlds(self, now: float) -> None:
-        for view in self._views.values():
-            if view.has_credit:
-                self._send_world(view, now)
-
     def _send_world(self, view: View, now: float, at_once: bool = False) -> None:
         bridge, picture = self.session.bridge, self._shown().frame.robot
         due = math.inf if at_once else now
@@ -483,11 +478,9 @@ class Publisher:
         view.framed = self._clock()
         texts = self._texts.everything(view.name, view.revision)
         view.revision = texts["revision"]
-        world = (
-            None
-            if view.world is None
-            else view.world.describe(self.session.bridge, self._shown().frame.robot, float("-inf"))
-        )
+        world = None
+        if view.world is not None:
+            world = view.world.describe(self.session.bridge, self._shown().frame.robot, float("-inf"))
         view.send(
             {
                 "type": "snapshot",
