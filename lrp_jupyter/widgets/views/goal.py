@@ -23,9 +23,9 @@ from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.graph.state_graph import DefinedPaths
-from lrp_jupyter.language.program import Path, path_text
+from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, World
+from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, Solid, World, Zone
 from lrp_jupyter.sim.worlds import load
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.protocol import AttemptView, CheckView, CriterionView, GoalView, OutlineView
@@ -254,17 +254,17 @@ class Goal:
 
     def _driven(self, session: Session, begin: float) -> list[tuple[float, float, float, str]]:
         """Return the path driven in the present run, with times of the session."""
-        run = None if self._referee is None else self._referee.run
+        samples = [] if self._referee is None else list(self._referee.run.samples)
         paths = DefinedPaths(session.program)
         return [
-            (round(begin + each.time, 2), round(each.x, 3), round(each.y, 3), _innermost(paths, each.active))
-            for each in ([] if run is None else list(run.samples))
+            (
+                round(begin + each.time, 2),
+                round(each.x, 3),
+                round(each.y, 3),
+                path_text(paths.member(each.active[0])) if each.active else "",
+            )
+            for each in samples
         ]
-
-
-def _innermost(paths: DefinedPaths, active: tuple[Path, ...]) -> str:
-    """Return the first innermost active state, by its path in the text."""
-    return path_text(paths.member(active[0])) if active else ""
 
 
 def _simulated(session: Session) -> SimBridge:
@@ -322,26 +322,21 @@ def _outline(world: World) -> OutlineView:
                 line.append(f"M{x1:.2f},{y1:.2f} A{radius:g},{radius:g} 0 {far} {left} {x2:.2f},{y2:.2f}")
             case CircleStroke(circle=(x, y, radius)):
                 line.append(_ring(x, height - y, radius))
-    solids = [
-        _rectangle(*each.box, each.angle, height)
-        if isinstance(each, BoxSolid)
-        else _ring(each.circle[0], height - each.circle[1], each.circle[2])
-        for each in world.solids
-    ]
-    zones = [
-        _rectangle(*zone.box, 0, height)
-        if isinstance(zone, BoxZone)
-        else _ring(zone.circle[0], height - zone.circle[1], zone.circle[2])
-        for zone in world.zones.values()
-    ]
     return {
         "name": world.name,
         "width": width,
         "height": height,
-        "solids": " ".join(solids),
+        "solids": " ".join(_shape(solid, solid.angle, height) for solid in world.solids),
         "line": " ".join(line),
-        "zones": " ".join(zones),
+        "zones": " ".join(_shape(zone, 0, height) for zone in world.zones.values()),
     }
+
+
+def _shape(each: Solid | Zone, angle: float, height: float) -> str:
+    if isinstance(each, BoxSolid | BoxZone):
+        return _rectangle(*each.box, angle, height)
+    x, y, radius = each.circle
+    return _ring(x, height - y, radius)
 
 
 def _ring(x: float, y: float, radius: float) -> str:
