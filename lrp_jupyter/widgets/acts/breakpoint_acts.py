@@ -30,10 +30,7 @@ def add_breakpoint(
 
 @act()
 def change_breakpoint(
-    opened: OpenProgram,
-    number: int,
-    on: bool | None = None,
-    after: Annotated[int, Between(0, 1_000_000)] = 0,
+    opened: OpenProgram, number: int, on: bool | None = None, after: Annotated[int, Between(0, 1_000_000)] = 0
 ) -> Applied:
     """Switch a breakpoint on or off, or set the first hit at which it pauses; 0 keeps that."""
     return opened.session.ask(do.ChangeBreakpoint(number, on, after or None))

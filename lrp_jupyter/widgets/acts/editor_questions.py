@@ -11,7 +11,6 @@ import inspect
 import keyword
 import re
 from collections.abc import Callable, Iterator
-from itertools import islice
 from typing import Any
 
 from lrp_jupyter import codes
@@ -206,13 +205,10 @@ def save(opened: OpenProgram, name: str, replace: bool) -> bool:
 def _names(session: Session, begun: str) -> list[Option]:
     known: dict[str, object] = {**vars(builtins), "degrees": degrees, **session.namespace}
     names = [name for name in known if name.startswith(begun) and (begun.startswith("_") or name[0] != "_")]
+    names.sort(key=lambda name: (name[:1].isupper(), name))
     words = [word for word in keyword.kwlist if word.startswith(begun)]
-    options = [_option(name, known[name]) for name in islice(sorted(names, key=_by_case), _MOST)]
+    options = [_option(name, known[name]) for name in names[:_MOST]]
     return options + [{"label": word, "kind": "keyword", "detail": "", "info": ""} for word in words]
-
-
-def _by_case(name: str) -> tuple[bool, str]:
-    return name[:1].isupper(), name
 
 
 def _members(value: object, begun: str) -> list[Option]:

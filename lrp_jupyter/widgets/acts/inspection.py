@@ -46,13 +46,13 @@ def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) 
     if isinstance(noun, Machine):
         facets = [_facet("states", ", ".join(str(state.name) for state in noun.states))]
         facets += [_facet(str(t.kind), f"{t.source_text} -> {t.destination}") for t in noun.transitions]
-        return _view(f"machine {noun.name}", "", program, noun.span, facets)
+        return _view(f"machine {noun.name}", program, noun.span, facets)
     if isinstance(noun, Transition):
         return _transition(opened.view_state(), program, element.path, noun)
     if isinstance(noun, State):
         return _state(opened.view_state(), program, element.path, noun)
     assert isinstance(noun, Event)
-    return _view(f"event {noun.name}", "", program, noun.span, [])
+    return _view(f"event {noun.name}", program, noun.span, [])
 
 
 def _state(now: ViewState, program: Program, path: Path, state: State) -> InspectView:
@@ -61,15 +61,14 @@ def _state(now: ViewState, program: Program, path: Path, state: State) -> Inspec
     visits = now["entered"].get(name, (0, 0))
     facets = [_facet("active", "yes" if name in now["lit"] else "no"), _facet("entered", _times(visits))]
     for part in ("onentry", "running", "onexit"):
-        for action in getattr(state, part):
-            facets.append(_facet(part, _action(action)))
+        facets += [_facet(part, _action(action)) for action in getattr(state, part)]
     facets += [_facet("machine", str(inner.name)) for inner in state.machines]
     facets += [
         _facet(label, f"{transition.trigger_text} -> {transition.destination}")
         for label, transition in zip(machine.labels, machine.transitions, strict=True)
         if transition.leaves(str(state.name))
     ]
-    return _view(f"state {state.name}", "", program, state.span, facets)
+    return _view(f"state {state.name}", program, state.span, facets)
 
 
 def _action(action: object) -> str:
@@ -87,7 +86,7 @@ def _transition(now: ViewState, program: Program, path: Path, transition: Transi
         _facet("to", str(transition.destination)),
         _facet("fired", _times(fired)),
     ]
-    return _view(f"transition {transition.label}", "", program, transition.span, facets)
+    return _view(f"transition {transition.label}", program, transition.span, facets)
 
 
 def _times(seen: CountAndTick) -> str:
@@ -182,11 +181,11 @@ def _facet(label: str, text: str, kind: str = "") -> Facet:
     return {"step": "", "label": label, "type": kind, "text": text, "deep": False}
 
 
-def _view(title: str, text: str, program: Program, span: Span, facets: list[Facet]) -> InspectView:
+def _view(title: str, program: Program, span: Span, facets: list[Facet]) -> InspectView:
     return {
         "title": title,
         "type": "",
-        "text": text,
+        "text": "",
         "source": program.text[slice(*span)],
         "facets": facets[:_MOST],
         "more": max(0, len(facets) - _MOST),

@@ -27,13 +27,7 @@ from lrp_jupyter.widgets.text.document import Document, Update
 from lrp_jupyter.widgets.text.finding_views import difference_view, finding_view
 from lrp_jupyter.widgets.text.kept import Version, newest
 from lrp_jupyter.widgets.wire.changes import TextChanges
-from lrp_jupyter.widgets.wire.protocol import (
-    ConflictView,
-    Difference,
-    FindingView,
-    HandView,
-    UpdateView,
-)
+from lrp_jupyter.widgets.wire.protocol import ConflictView, Difference, FindingView, HandView, UpdateView
 
 Selection = tuple[int, int]
 """The anchor and the head of a selection, in UTF-16 units."""
@@ -214,11 +208,7 @@ class Texts:
             self._offer(at_once=True)
 
     def _offer(
-        self,
-        view: str = "",
-        seq: int = 0,
-        rename: Rename | None = None,
-        at_once: bool = False,
+        self, view: str = "", seq: int = 0, rename: Rename | None = None, at_once: bool = False
     ) -> None:
         """Offer the text, unless held or half typed, or `at_once`; answer when the session has decided."""
         answer: Future[Any] = Future()
