@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable
 
 from rich.cells import cell_len
 from rich.text import Text
 
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.codes import style_of
+from lrp_jupyter.errors import Severity
 from lrp_jupyter.language.program import Finding, line_starts
 from lrp_jupyter.live.running.frame import Frame
 
-COLOURS = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
+COLOURS: dict[Severity, str] = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
 _TAB = 4
 _WIDEST = 120  # characters of a line that are shown
 
@@ -86,13 +88,6 @@ def ran(name: str, frame: Frame) -> str:
 
 def summary(findings: Iterable[Finding]) -> str:
     """Return the number of findings in words: ``2 errors, 1 warning``."""
-    counted = {"error": 0, "warning": 0, "hint": 0}
-    for finding in findings:
-        counted[finding.severity] += 1
-    return ", ".join(_counts(counted)) or "no findings"
-
-
-def _counts(counted: dict[str, int]) -> Iterator[str]:
-    for word, count in counted.items():
-        if count:
-            yield f"{count} {word}" + ("" if count == 1 else "s")
+    counts = Counter(finding.severity for finding in findings)
+    words = [f"{counts[word]} {word}{'' if counts[word] == 1 else 's'}" for word in COLOURS if counts[word]]
+    return ", ".join(words) or "no findings"

@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -45,7 +46,7 @@ def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, a
         robot = RosSide(topic or "/cmd_vel", type_, backend=backend, host=host)
     output = Writer()
     try:
-        watch(robot, after, lambda sentence: output(_say, sentence), threading.Event())
+        watch(robot, after, partial(output, _say), threading.Event())
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
     finally:

@@ -43,7 +43,11 @@ class Source(NamedTuple):
 def read_source(what: str) -> Source:
     """Read a file, a bundled program, or (``-``) standard input."""
     if what == "-":
-        return Source("<stdin>", _typed())
+        try:
+            data = whole(sys.stdin.buffer)
+        except OSError as error:
+            raise FileError(f"Standard input cannot be read: {ended(str(error))}") from None
+        return Source("<stdin>", decoded(data, "Standard input"))
     path = Path(what)
     if path.exists():
         return Source(what, read_text(path), path)
@@ -53,15 +57,6 @@ def read_source(what: str) -> Source:
     hint = did_you_mean(what, known) or did_you_mean(path.stem, known)
     hint = hint or f" Bundled programs: {', '.join(programs.names())}."
     raise FileError(f"`{what}` is neither a file nor a bundled program.{hint}")
-
-
-def _typed() -> str:
-    """Return the text of standard input."""
-    try:
-        data = whole(sys.stdin.buffer)
-    except OSError as error:
-        raise FileError(f"Standard input cannot be read: {ended(str(error))}") from None
-    return decoded(data, "Standard input")
 
 
 _DEBOUNCE = 50  # ms without a change: editors write in several steps

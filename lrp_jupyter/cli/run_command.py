@@ -416,14 +416,12 @@ class _Run:
             self._notices.add(status.sentence)  # the notice of a loss is its status
             style = "bold red" if status.state in _BAD else "yellow"
             self.print(Text(f"{frame.time:8.1f} s  robot: {status.sentence}", style))
+        says_it = status.state in (ConnectionState.STALE, ConnectionState.WAITING)
         for notice in notices:
-            if notice.text not in self._notices:
-                self._notices.add(notice.text)
-                if notice.kind == "stale" and status.state in (
-                    ConnectionState.STALE,
-                    ConnectionState.WAITING,
-                ):
-                    continue  # the status has said it
+            if notice.text in self._notices:
+                continue
+            self._notices.add(notice.text)
+            if not (notice.kind == "stale" and says_it):
                 self.print(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
 
     def _print_hang(self, frame: Frame) -> None:

@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from queue import SimpleQueue
-from types import TracebackType
 from typing import Any, Self
 
 try:
@@ -52,9 +51,7 @@ class Keys:
                     self._descriptor = descriptor
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._descriptor is not None:
             with suppress(*_GONE):
                 termios.tcsetattr(self._descriptor, termios.TCSANOW, self._before)
