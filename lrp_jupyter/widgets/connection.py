@@ -76,13 +76,11 @@ class PageConnection:
         self.saver = saver
         self.layouts = Layouts()
         self.looking = Looking()
-        self.log: FilePath | None = None
-        """The file that was named for the recording of its sessions."""
+        self.log: FilePath | None = None  # that was named for the recording of its sessions
         self.options = dict(options or {})
         self._reopen = reopen
         self._free_name = free_name
-        self.fault = ""
-        """The last traceback of the lab itself, or an empty text."""
+        self.fault = ""  # the last traceback of the lab itself
         self.closed = False
         self._clock = clock
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is

@@ -19,10 +19,7 @@ Hits = Annotated[int, Between(1, 1_000_000)]
 def add_breakpoint(
     opened: OpenProgram, kind: BreakpointKind, path: str = "", expression: str = "", after: Hits = 1
 ) -> Applied:
-    """Pause from now on when something happens to the element with this path, or a condition becomes True.
-
-    `expression` is the condition.
-    """
+    """Pause from now on when something happens to the element with this path, or a condition becomes True."""
     session, noun = opened.session, noun_of(kind)
     wanted = path_of(noun, path) if noun else expression
     return session.ask(do.AddBreakpoint(breakpoint_of(session.program, kind, wanted, after=after)))

@@ -58,14 +58,11 @@ class OpenProgram(Protocol):
 
 @dataclass(frozen=True)
 class PageMessage:
-    """Base class of the messages of a page. `view` is the sending view's own name.
-
-    `frame`: the number of the newest frame that has arrived; it acknowledges that and all before it. 0: none
-    since the last message.
-    """
+    """Base class of the messages of a page. `view` is the sending view's own name."""
 
     view: str
     frame: int = field(default=0, kw_only=True)
+    """The newest frame that has arrived, acknowledged with all before it. 0: none since the last message."""
 
     types: ClassVar[dict[str, type[PageMessage]]] = {}
 
@@ -94,43 +91,32 @@ class ByeMessage(PageMessage, type="bye"):
 
 @dataclass(frozen=True)
 class TextMessage(PageMessage, type="text"):
-    """What was typed: changes, one after the other, to the text of the revision `base`.
+    """What was typed: changes, one after the other, to the text of the revision `base`."""
 
-    `seq` is its number; a view sends the next one when this one is answered. `selection` is where its anchor
-    and head are then, in UTF-16 units. Unless it is `meant`, the word at the head is still being typed.
-    `rename`: the changes are the rename of an element of this kind and path.
-    """
-
-    seq: int
+    seq: int  # a view sends the next one when this one is answered
     base: int
     updates: list[Sections]
-    selection: tuple[int, int] | None = None
-    meant: bool = True
-    rename: tuple[ElementKind, str, str] | None = None
+    selection: tuple[int, int] | None = None  # where its anchor and head are then, in UTF-16 units
+    meant: bool = True  # the word at the head is finished, not still being typed
+    rename: tuple[ElementKind, str, str] | None = None  # kind and path of what these changes rename, and how
 
 
 @dataclass(frozen=True)
 class CursorMessage(PageMessage, type="cursor"):
-    """The cursor moved, the editor was left, or the word at the cursor is finished. Not answered.
+    """The cursor moved, the editor was left, or the word at the cursor is finished. Not answered."""
 
-    `seq` is the number of the last text of the view, and `revision` what `selection` refers to.
-    """
-
-    seq: int
-    revision: int
+    seq: int  # of the last text of the view
+    revision: int  # that the selection refers to
     selection: tuple[int, int] | None
     meant: bool
 
 
 @dataclass(frozen=True)
 class LookedMessage(PageMessage, type="looked"):
-    """A person begins, or ends, to look at something; sent only while that is recorded. Not answered.
-
-    `about`: the element, the panel; empty: the page itself, which may be in the background.
-    """
+    """A person begins, or ends, to look at something; sent only while that is recorded. Not answered."""
 
     what: Looked
-    about: str
+    about: str  # the element, the panel; empty: the page itself, which may be in the background
     on: bool
 
 

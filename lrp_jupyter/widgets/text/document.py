@@ -34,15 +34,11 @@ class Document:
     """See the module's docstring."""
 
     def __init__(self, text: str = "") -> None:
-        self.name = token_hex(8)
-        """An identifier that distinguishes this document from that of another kernel."""
+        self.name = token_hex(8)  # distinguishes this document from that of another kernel
         self.revision = 1
-        self.text = text
-        """The text as the program has it: in characters, with its own line ends."""
-        self.units = to_units(text)
-        """The text as the editor has it."""
-        self.told = 1
-        """The revision that all views have been sent; the updates after it are always kept."""
+        self.text = text  # as the program has it: in characters, with its own line ends
+        self.units = to_units(text)  # as the editor has it
+        self.told = 1  # the revision that all views have been sent; the updates after it are always kept
         self._line_end = _line_end(text) or "\n"
         self._updates: deque[Update] = deque()
         self._characters = 0

@@ -33,7 +33,6 @@ def finding_view(finding: Finding, text: str) -> FindingView:
 
 
 def _fix_view(fix: Fix | None, text: str) -> QuickFix | None:
-    """Return a fix of a text, as pages show it."""
     return None if fix is None else {"title": fix.title, "edits": edits_view(text, fix.edits)}
 
 

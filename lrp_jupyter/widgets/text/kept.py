@@ -106,8 +106,7 @@ class Kept:
     def __init__(self, folder: str | os.PathLike[str], name: str) -> None:
         self.folder = Path(folder)
         self.name = name
-        self.home = os.path.realpath(self.folder / name)
-        """An identifier that distinguishes this program from one of the same name in another folder."""
+        self.home = os.path.realpath(self.folder / name)  # not that of a program of the same name elsewhere
         self._known: dict[str, tuple[_Signature | None, str]] = {}  # by suffix: as last read or written here
 
     def file(self, ending: str) -> Path:

@@ -29,10 +29,8 @@ class Saver:
     def __init__(self, texts: Texts, kept: Kept | None = None, home: str = "") -> None:
         self.texts = texts
         self.kept = kept
-        self.problem = ""
-        """Why the texts cannot be kept at the moment; empty if they are."""
-        self.home = home if kept is None else kept.home
-        """An identifier that distinguishes this program from one of the same name elsewhere; may be empty."""
+        self.problem = ""  # why the texts cannot be kept at the moment; empty if they are
+        self.home = home if kept is None else kept.home  # not that of a program of the same name elsewhere
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
         self._looked = self._again = float("-inf")
@@ -41,7 +39,6 @@ class Saver:
         self._remembered = Remembered() if kept is None else kept.remembered()
         texts.cell, texts.versions = self._remembered.cell, self._remembered.versions
         self.hung = self._remembered.hung
-        """The text of the program that hung, until it has run well."""
 
     def save_as(self, path: str, replace: bool) -> bool:
         """Write the text to a file of the user's choice; return False if another file would be replaced."""

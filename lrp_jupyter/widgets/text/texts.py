@@ -52,9 +52,7 @@ class Written:
     answer: Future[Any]
     deadline: float
     number: int = 0
-    """Of the answer; every view gets all of them."""
     updates: list[UpdateView] = field(default_factory=list)
-    """Those after the revision of the answer before."""
     applied: bool = False
     reason: str = ""
     running: str | None = None

@@ -127,8 +127,7 @@ class _SectionReader:
         self.is_done = section is None
         self.left, self.text = section or (0, None)
         self.is_whole = True
-        self.is_written = False
-        """Whether the text was written, and only the rest of what it replaces is to be deleted."""
+        self.is_written = False  # whether only the rest of what the text replaces is to be deleted
 
     def skip(self, length: int) -> None:
         """Read a piece of the present section, or all of it."""

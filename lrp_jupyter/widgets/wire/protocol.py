@@ -478,75 +478,58 @@ class FrameMessage(ViewState, total=False):
     """What changed in the view state since the last frame sent to this view.
 
     A field that is missing has not changed. Of an object only the changed entries are sent, None for one
-    that is gone (see `difference` in `view_state`); other fields are sent in full. `ink` are new trails of
-    pens. If something moved in the world, one buffer comes with it: where everything is
-    now, made by `pack_poses`; 36 bytes for one robot. `asks`: it is to be acknowledged at once, and not by
-    what the page says next.
+    that is gone (see `difference` in `view_state`); other fields are sent in full. If something moved in the
+    world, one buffer comes with it: where everything is now, made by `pack_poses`; 36 bytes for one robot.
     """
 
     type: Required[Literal["frame"]]
     view: Required[str]
     frame: Required[int]
-    asks: bool
-    ink: InkView
+    asks: bool  # it is to be acknowledged at once, and not by what the page says next
+    ink: InkView  # new trails of pens
 
 
 class AnswerMessage(TypedDict):
-    """The answer to a text that the session has read; all views get all of them, numbered from 1.
-
-    `updates` lead to the text's `revision` from that of the answer before. `seq` is that of the receiver's
-    own text, or 0. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
-    restarted. `half_typed`: something waits, or is not marked, until a word at a cursor is meant or left.
-    `running` is the running text where that is neither this text nor an earlier one. `pending` is what a held
-    text would change.
-    """
+    """The answer to a text that the session has read; all views get all of them, numbered from 1."""
 
     type: Literal["answer"]
     view: str
     number: int
-    seq: int
+    seq: int  # of the receiver's own text, or 0
     revision: int
-    updates: list[UpdateView]
+    updates: list[UpdateView]  # lead to the text's revision from that of the answer before
     findings: list[FindingView]
-    accepted: bool
-    applied: bool
-    reason: str
-    half_typed: bool
-    running: str | None
-    pending: Difference | None
+    accepted: bool  # it is a program
+    applied: bool  # it runs now
+    reason: str  # why it does not run, or why it restarted
+    half_typed: bool  # something waits, or is not marked, until a word at a cursor is meant or left
+    running: str | None  # the running text where that is neither this text nor an earlier one
+    pending: Difference | None  # what a held text would change
 
 
 class SnapshotMessage(TypedDict):
-    """Everything, for a view that has just opened, or lost its connection.
-
-    `running` is the running text, `text` the editor's; `accepted`: it is a program. `updates` lead to it from
-    the revision that the view knows; None if they are not known. Answers up to `number` are contained in it,
-    and texts of the view up to `seq`, apart from those that never arrived. `home` distinguishes programs of
-    the same name, `document` texts of other kernels. `tab_only`: the kernel keeps no text, so what the page
-    keeps ends with its tab. `debugger` begins the command that debugs an issue in a cell; it is empty where
-    there are no cells. `half_typed`: as in an answer. Its frame is acknowledged like any other.
-    """
+    """Everything, for a view that has just opened, or lost its connection."""
 
     type: Literal["snapshot"]
     view: str
     name: str
-    home: str
-    tab_only: bool
-    debugger: str
-    document: str
-    number: int
-    seq: int
-    text: str
+    home: str  # distinguishes programs of the same name
+    tab_only: bool  # the kernel keeps no text, so what the page keeps ends with its tab
+    debugger: str  # begins the command that debugs an issue in a cell; empty where there are no cells
+    document: str  # distinguishes texts of other kernels
+    number: int  # answers up to this one are contained in it
+    seq: int  # texts of the view up to this one are contained in it, apart from those that never arrived
+    text: str  # the editor's
     revision: int
-    updates: list[UpdateView] | None
-    running: str
+    updates: list[UpdateView] | None  # lead to it from the revision that the view knows; None: not known
+    running: str  # the running text
     findings: list[FindingView]
-    accepted: bool
-    half_typed: bool
+    accepted: bool  # the text is a program
+    half_typed: bool  # as in an answer
     pending: Difference | None
     choices: ChoicesView
     world: WorldView | None
-    frame: FrameMessage
+    frame: FrameMessage  # acknowledged like any other
 
 
 class WorldMessage(TypedDict):
