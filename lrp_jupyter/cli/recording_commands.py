@@ -115,7 +115,6 @@ def looks_file(file: str, out: Path | None) -> int:
 
 
 def _read(file: str, trusted: bool) -> Recording:
-    """Read a recording; ask before the program of another person runs."""
     recording = read_recording(file, prepared)
     if trusted or recording.is_own:
         return recording

@@ -153,7 +153,6 @@ def _is_same_file(one: FilePath, other: FilePath) -> bool:
 
 
 def _pause_when(session: Session, what: str) -> None:
-    """Set a breakpoint that was given on the command line."""
     word, _, rest = what.strip().partition(" ")
     rest = rest.strip()
     try:
@@ -244,7 +243,6 @@ class _Run:
         self._where = where(session.bridge, wanted.world or source.world)
 
     def _fire_at(self, name: str, seconds: float) -> None:
-        """Have a transition fired after the tick at this time."""
         session = self.session
         try:
             path = find(session.program, "transition", name).path
@@ -512,7 +510,6 @@ class _Run:
             self._apply(saved)
 
     def _apply(self, text: str) -> None:
-        """Patch the running program and print the effect."""
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
         self._differs = "" if program else "The file on disk is not what runs: it has errors."
@@ -531,7 +528,6 @@ class _Run:
             self._print_edit(*self._edits.popleft())
 
     def _print_refused_fires(self) -> None:
-        """Print which transitions could not be fired by hand."""
         while self._fires and self._fires[0][1].done():
             head, answer = self._fires.popleft()
             if not answer.cancelled() and (error := answer.exception()) is not None:

@@ -413,7 +413,6 @@ def _runs_cells_again() -> bool:
 
 
 def _notebook() -> dict[str, Any] | None:
-    """Return the notebook's namespace; None outside of one."""
     from IPython.core.getipython import get_ipython
 
     shell = get_ipython()
@@ -464,7 +463,6 @@ def _world(connection: PageConnection) -> str:
 
 
 def _stacked(upper: str, lower: str) -> str:
-    """Put one picture above the other."""
     sizes = [_SIZE.search(picture) for picture in (upper, lower)]
     if not upper or not lower or not all(sizes):
         return upper or lower

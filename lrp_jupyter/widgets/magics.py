@@ -103,7 +103,6 @@ _OPTIONS = [f"--{name}" for name in (*_VALUES, *_SWITCHES)]
 
 
 def _value(key: str, value: str) -> object:
-    """Return the value of an option."""
     if key == "rate":
         return _hertz(value, "%%lrp: `--rate`")
     if key in CHOICES:

@@ -449,7 +449,6 @@ class Publisher:
             view.send({"type": "world", "world": view.world.describe(bridge, picture, now)})
 
     def _shown(self) -> MomentShown:
-        """Return what views show of the session now."""
         return self._looking.shown(self.session)
 
     def _send_frames(self, now: float) -> None:

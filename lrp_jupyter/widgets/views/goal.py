@@ -175,7 +175,6 @@ class Goal:
         self._wake()
 
     def _run(self, check: _Check) -> None:
-        """Make the runs, and show each in the views."""
         with _ending(check, self._wake):
             for index, made in run_jobs(check.jobs, _HOW, halt=check.halted):
                 made.check()
@@ -308,7 +307,6 @@ def _attempt_view(task: Challenge, worlds: Sequence[World], job: Job, made: Atte
 
 
 def _outline(world: World) -> OutlineView:
-    """Draw the contents of a world as SVG paths."""
     width, height = world.size
     line = []
     for stroke in world.floor.strokes:
