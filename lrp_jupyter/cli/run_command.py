@@ -256,10 +256,6 @@ class _Run:
 
         end = session.on_tick(after_tick)
 
-    @property
-    def _bridge(self) -> Bridge:
-        return self.session.bridge
-
     def print(self, what: RenderableType) -> None:
         """Print a line that stays."""
         self._output((self._board or self._printer).print, what)
@@ -407,8 +403,8 @@ class _Run:
 
     def _print_robot(self, frame: Frame) -> None:
         """Print what happened to the connection, each time, and to the safety, once."""
-        notices = self._bridge.safety.notices  # first: what they are about is then in the status
-        status = self._bridge.status
+        notices = self.session.bridge.safety.notices  # first: what they are about is then in the status
+        status = self.session.bridge.status
         if status.state not in (self._connection, ConnectionState.DISCONNECTED):
             self._connection = status.state
             self._notices.add(status.sentence)  # the notice of a loss is its status
@@ -440,7 +436,7 @@ class _Run:
         self._values = values
         readings = [
             (member.name.removesuffix(".data"), member.absence or _short(member.value))
-            for member in self._bridge.members()
+            for member in self.session.bridge.members()
             if member.kind == "variable" and (member.stale or member.value is not None)
         ]
         return BoardState(
@@ -454,7 +450,7 @@ class _Run:
             changed=changed,
             keys=self._keys is not None,
             differs=self._differs,
-            trouble=status.sentence if (status := self._bridge.status).state in _BAD else "",
+            trouble=status.sentence if (status := self.session.bridge.status).state in _BAD else "",
         )
 
     def _drawn(self, frame: Frame) -> list[str]:

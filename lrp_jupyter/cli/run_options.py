@@ -1,8 +1,4 @@
-"""Options of ``lrp run``, parsed and checked before anything moves.
-
-``--set search=0.5`` replaces the initialiser of a variable: the program runs as if its text had that value,
-while the text and every position in it stay the same.
-"""
+"""Options of ``lrp run``, parsed and checked before anything moves."""
 
 from __future__ import annotations
 
@@ -135,7 +131,7 @@ class Assignment(NamedTuple):
 
 
 def with_initials(program: Program, assignments: Sequence[Assignment]) -> Program:
-    """Return the program with its initialisers replaced by the assigned expressions."""
+    """Return the program with its initialisers replaced by the assigned expressions; its text stays."""
     for variable, expression in assignments:
         try:
             found = definition_of(program, find(program, "variable", variable))

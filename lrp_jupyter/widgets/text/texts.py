@@ -26,7 +26,7 @@ from lrp_jupyter.widgets.text.conflicts import Conflict
 from lrp_jupyter.widgets.text.document import Document, Update
 from lrp_jupyter.widgets.text.finding_views import difference_view, finding_view
 from lrp_jupyter.widgets.text.kept import Version, newest
-from lrp_jupyter.widgets.wire.changes import TextChanges
+from lrp_jupyter.widgets.wire.changes import TextChanges, with_line_feeds
 from lrp_jupyter.widgets.wire.protocol import ConflictView, Difference, FindingView, HandView, UpdateView
 
 Selection = tuple[int, int]
@@ -311,7 +311,7 @@ class Texts:
                 if program.text == written.text:
                     self.running_revision = written.revision
                 elif program is not self._answered:
-                    self.running_revision, written.running = written.revision, _plain(program.text)
+                    self.running_revision, written.running = written.revision, with_line_feeds(program.text)
                 written.pending = self._pending(written.text, written.judgement.program, program)
                 self._answered, self._reason = program, written.reason
             return ready
@@ -386,10 +386,10 @@ class Texts:
                 "document": self.document.name,
                 "number": self._number,
                 "seq": self._hands[view].seq if view in self._hands else 0,
-                "text": _plain(self.text),
+                "text": with_line_feeds(self.text),
                 "revision": self.revision,
                 "updates": updates,
-                "running": _plain(running.text),
+                "running": with_line_feeds(running.text),
                 "findings": [finding_view(finding, self.text) for finding in judgement.findings],
                 "accepted": judgement.program is not None,
                 "half_typed": judgement.half_typed,
@@ -464,11 +464,6 @@ class Texts:
 def are_alike(text: str, other: str | None) -> bool:
     """Return whether two texts are equal except for line ends: a cell has its own, and a final newline."""
     return other is not None and text.splitlines() == other.splitlines()
-
-
-def _plain(text: str) -> str:
-    """Return a text with the line ends of a page."""
-    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 
 def _update_view(update: Update) -> UpdateView:

@@ -197,10 +197,14 @@ def difference(old: str, new: str) -> TextChanges:
 # -- between characters and units --------------------------------------------------------------------
 
 
+def with_line_feeds(text: str) -> str:
+    """Return a text with the line ends of a page."""
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
 def to_units(text: str) -> str:
     r"""Return a text as the editor has it: UTF-16 units, ``\n`` at the end of a line."""
-    if "\r" in text:
-        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    text = with_line_feeds(text)
     return text if text.isascii() else _ASTRAL.sub(_split, text)
 
 
