@@ -6,7 +6,6 @@ import pydoc
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import NoReturn
 
 import typer
 from rich.text import Text
@@ -18,7 +17,7 @@ from lrp_jupyter.cli.program_source import read_source
 from lrp_jupyter.cli.run_options import Assignment, check_outputs, with_initials
 from lrp_jupyter.errors import LRPError, UnknownElementError, printable
 from lrp_jupyter.files import write_file
-from lrp_jupyter.interpreter.trace_events import TraceEvent
+from lrp_jupyter.interpreter.trace_events import Observer, TraceEvent
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.recording import Recording, read_recording
@@ -43,7 +42,7 @@ def prepared(program: Program, initials: Mapping[str, str]) -> Program:
 def replay_file(file: str, program: str | None, begin: float, end: float | None, trusted: bool) -> int:
     """Run a recording again, print its events and the first difference; return the exit code."""
     if end is not None and begin > end:
-        _refuse(
+        raise typer.BadParameter(
             f"--from {begin:g} is after --until {end:g}, so nothing would be printed. Choose an earlier one."
         )
     recording = _read(file, trusted)
@@ -74,7 +73,9 @@ def why_file(file: str, name: str, at: float | None, program: str | None, truste
     """Run a recording again up to a time, and print why something happened there or did not."""
     recording = _read(file, trusted)
     if at is not None and at > recording.seconds + _ROUNDING:
-        _refuse(f"`{recording.name}` ends at {recording.seconds:.1f} s. Ask about an earlier time.")
+        raise typer.BadParameter(
+            f"`{recording.name}` ends at {recording.seconds:.1f} s. Ask about an earlier time."
+        )
     text = _other_program(program)
     again = _run_again(recording, at, text)
     with again.session as session:
@@ -158,19 +159,15 @@ def _other_program(program: str | None) -> str | None:
 
 
 def _run_again(
-    recording: Recording, until: float | None, text: str | None, show: object = None
+    recording: Recording, until: float | None, text: str | None, show: Observer | None = None
 ) -> Reproduction:
     if recording.start.names:
         listed = ", ".join(f"`{name}`" for name in recording.start.names)
-        _refuse(
+        raise typer.BadParameter(
             f"`{recording.name}` was recorded in a notebook, and its blocks use names defined there "
             f"({listed}). "
             "Replay it in that notebook: `from lrp_jupyter.live.recording import read_recording`, "
             "`from lrp_jupyter.live.reproduction import reproduce`, "
             "`reproduce(read_recording(…), namespace=globals())`."
         )
-    return reproduce(recording, until, text, show, prepared=prepared)  # type: ignore[arg-type]
-
-
-def _refuse(sentence: str) -> NoReturn:
-    raise typer.BadParameter(sentence)
+    return reproduce(recording, until, text, show, prepared=prepared)
