@@ -196,9 +196,9 @@ def world_animation(opened: OpenProgram) -> str:
     return opened.session.animation()
 
 
-def saved_worlds(folder: str | os.PathLike[str] = ".") -> list[str]:
-    """Return the names of the files in a folder that the page offers as worlds."""
+def saved_worlds() -> list[str]:
+    """Return the names of the files in the current folder that the page offers as worlds."""
     try:
-        return sorted(name for name in os.listdir(folder) if name.endswith(WORLD_FILE))
+        return sorted(name for name in os.listdir() if name.endswith(WORLD_FILE))
     except OSError:
         return []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Hashable, Mapping
 from threading import Lock
 from time import monotonic
 
@@ -23,10 +23,9 @@ class Layouts:
     compare them by identity.
     """
 
-    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+    def __init__(self) -> None:
         self.current: tuple[Frame, Mapping[str, Layout]] = Frame(), {}
         """The first frame of the program laid out last, and the layouts by machine path; one value."""
-        self._clock = clock
         self._computing = Lock()
         self._lock = Lock()  # of the input of the next computation
         self._arranged: set[str] = set()
@@ -110,7 +109,7 @@ class Layouts:
                         program=program,
                         path=path,
                         moved=pinned.get(name),
-                        now=self._clock(),
+                        now=monotonic(),
                         panel=panel,
                         inside=inside,
                     )
