@@ -91,9 +91,8 @@ class Goal:
         if samples and now <= samples[-1].time:
             referee.go_back(now)
             self._is_over = False
-        if not self._is_over and (
-            samples or now < 1
-        ):  # a run that began before it was watched cannot be judged
+        # a run that began before it was watched cannot be judged
+        if not self._is_over and (samples or now < 1):
             self._is_over = referee.see(bridge, session.interpreter)
 
     # -- what is shown: on the publisher's thread -----------------------------------------------------
