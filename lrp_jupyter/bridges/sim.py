@@ -30,8 +30,11 @@ from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, Solid, World, WorldError, can_move
 from lrp_jupyter.sim.world_edits import Become, Draw, Edition, PutSolid, WorldEdit, WorldHistory, is_edit
 from lrp_jupyter.sim.world_inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
+from lrp_jupyter.sim.worlds import load
 
 __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
+
+WorldSource = str | os.PathLike[str] | Mapping[str, object] | World
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +111,7 @@ class SimBridge(Bridge, SimulatedWorld):
 
     def __init__(
         self,
-        world: str | os.PathLike[str] | Mapping[str, object] | World = "line",
+        world: WorldSource = "line",
         seed: int | None = None,
         noise: Noise | Mapping[str, float] | None = None,
     ) -> None:
@@ -122,16 +125,13 @@ class SimBridge(Bridge, SimulatedWorld):
         self._history = WorldHistory()
         self.simulation = self._simulate(world, seed)
 
-    def _simulate(
-        self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None
-    ) -> Simulation:
+    def _simulate(self, world: WorldSource, seed: int | None) -> Simulation:
         try:
-            simulation = Simulation(world, seed, self._history)
+            description = load(world)
             if self._noise is not None:
-                robots = tuple(replace(robot, noise=self._noise) for robot in simulation.world.robots)
-                noisy = replace(simulation.world, robots=robots)
-                simulation.close()
-                simulation = Simulation(noisy, seed, self._history)
+                robots = tuple(replace(robot, noise=self._noise) for robot in description.robots)
+                description = replace(description, robots=robots)
+            simulation = Simulation(description, seed, self._history)
         except (WorldError, TypeError) as error:
             raise BridgeError(str(error)) from error
         simulation.drained = self._note
@@ -414,9 +414,7 @@ class SimBridge(Bridge, SimulatedWorld):
             raise BridgeError(str(error)) from error
         return lambda: animated(run)
 
-    def load_world(
-        self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None = None
-    ) -> None:
+    def load_world(self, world: WorldSource, seed: int | None = None) -> None:
         """Load another world. On the interpreter's thread, between two ticks.
 
         Raises
