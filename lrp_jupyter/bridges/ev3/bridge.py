@@ -162,36 +162,26 @@ class EV3Bridge(Bridge):
 
     def add_members(self) -> None:
         """Add the motors, the sensors and what the brick itself offers."""
-
-        def variable(
-            name: str,
-            getter: Callable[[], object],
-            doc: str,
-            unit: str,
-            kind: type | str,
-            stale_after: float | None = None,
-        ) -> None:
-            self.add_variable(name, getter, doc, unit, type=kind, age=self._age, stale_after=stale_after)
-
+        add = partial(self.add_variable, age=self._age)
         for motor in self.motors:
             for command in (motor.start_at_speed, motor.start_at_power, motor.stop):
                 self.add_method(f"{motor.name}.{command.__name__}", command, mover=motor.name)
             self.add_method(f"{motor.name}.run_for", motor.run_for)
             self.add_method(f"{motor.name}.reset_count", motor.reset_count)
-            variable(f"{motor.name}.count", motor.count, "angle turned since the count was 0", "deg", int)
-            variable(f"{motor.name}.speed", motor.speed, "speed that it turns with now", "%", int)
-            variable(f"{motor.name}.type", motor.type, "what is plugged in", "", str)
+            add(f"{motor.name}.count", motor.count, "angle turned since the count was 0", "deg", type=int)
+            add(f"{motor.name}.speed", motor.speed, "speed that it turns with now", "%", type=int)
+            add(f"{motor.name}.type", motor.type, "what is plugged in", type=str)
         for sensor in self.sensors:
             self.add_method(f"{sensor.name}.read", sensor.read, command=False)
             self.add_method(f"{sensor.name}.set_mode", sensor.set_mode, command=False)
-            variable(f"{sensor.name}.value", sensor.read, "the same as `read()`", "", "number")
-            variable(f"{sensor.name}.mode", sensor.mode, "what it measures", "", str)
-            variable(f"{sensor.name}.type", sensor.type, "what is plugged in", "", str)
-        for reading in self._readings():
-            variable(*reading, _STALE_AFTER)
+            add(f"{sensor.name}.value", sensor.read, "the same as `read()`", type="number")
+            add(f"{sensor.name}.mode", sensor.mode, "what it measures", type=str)
+            add(f"{sensor.name}.type", sensor.type, "what is plugged in", type=str)
+        for name, getter, doc, unit, kind in self._readings():
+            add(name, getter, doc, unit, type=kind, stale_after=_STALE_AFTER)
         self._add_move()
-        variable("battery", lambda: self.seen().battery, "what is left in it", "%", int)
-        variable("name", lambda: self.link.name or None, "the brick's name", "", str)
+        add("battery", lambda: self.seen().battery, "what is left in it", "%", type=int)
+        add("name", lambda: self.link.name or None, "the brick's name", type=str)
         self.add_method("beep", self.beep)
 
     def _add_move(self) -> None:
