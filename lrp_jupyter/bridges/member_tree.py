@@ -352,10 +352,7 @@ class Nodes:
         self.timed: tuple[RobotVariable, ...] = ()  # the readings that can become stale
 
     def add(self, node: RobotVariable | RobotMethod) -> None:
-        """Add a member; one of the same name is replaced.
-
-        Raises ValueError: the name cannot be written after ``robot.``, or would be both a member and a part.
-        """
+        """Add a member; one of the same name is replaced."""
         name = node.path
         for word in name.split("."):
             if not word.isidentifier() or keyword.iskeyword(word) or word.startswith("_"):
@@ -380,10 +377,7 @@ class Nodes:
         self.table = table
 
     def remove(self, name: str) -> None:
-        """Remove a member, or a part with all its members.
-
-        Raises MemberError: there is no member of that name.
-        """
+        """Remove a member, or a part with all its members."""
         with self._changing:
             if name not in self.table:
                 raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
@@ -402,10 +396,7 @@ class Nodes:
         return (node for node in self.table.values() if isinstance(node, (RobotVariable, RobotMethod)))
 
     def describe(self, path: str) -> Member:
-        """Describe a member, a part, or a field of a reading.
-
-        Raises MemberError: there is no member of that name.
-        """
+        """Describe a member, a part, or a field of a reading."""
         node = self.table.get(path)
         if isinstance(node, (RobotVariable, RobotMethod)):
             return node.describe()

@@ -72,18 +72,8 @@ class Member:
 
     def as_dict(self) -> dict[str, Any]:
         """Return a JSON form; a value without one becomes a short text."""
-        return {
-            "name": self.name,
-            "kind": self.kind,
-            "type": self.type,
-            "unit": self.unit,
-            "doc": self.doc,
-            "age": self.age,
-            "value": _json_value(self.value),
-            "signature": self.signature,
-            "fields": [field.as_dict() for field in self.fields],
-            "stale": self.stale,
-        }
+        form = {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
+        return {**form, "value": _json_value(self.value), "fields": [each.as_dict() for each in self.fields]}
 
 
 def age_text(seconds: float | None) -> str:

@@ -74,14 +74,9 @@ class Robot(NotAValue):
         return f"`{what}` is a part of the robot, not a value. It has {listed}."
 
     def __dir__(self) -> list[str]:
-        start = len(self._prefix)
-        return sorted(
-            {
-                path[start:].partition(".")[0]
-                for path in self._bridge.nodes.table
-                if path.startswith(self._prefix)
-            }
-        )
+        prefix = self._prefix
+        inside = [path[len(prefix) :] for path in self._bridge.nodes.table if path.startswith(prefix)]
+        return sorted({path.partition(".")[0] for path in inside})
 
     def __copy__(self) -> Robot:
         return self

@@ -167,9 +167,8 @@ class SimBridge(Bridge, SimulatedWorld):
             doc = f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach"
             add("distance.data", partial(_nth_distance, 0), doc, "m", float)
         if len(spec.distance) > 1:
-            doc = "to the next solid along each ray: " + ", ".join(
-                _bearing(angle) for angle, _ in spec.distance
-            )
+            bearings = ", ".join(_bearing(angle) for angle, _ in spec.distance)
+            doc = f"to the next solid along each ray: {bearings}"
             add("distance.all", lambda seen: seen.distances, doc, "m", tuple)
         for side, number in ray_directions(spec.distance).items():
             doc = f"to the next solid {_bearing(spec.distance[number][0])}; inf: nothing in reach"
@@ -594,12 +593,11 @@ def _picture(simulation: Simulation) -> SimPicture:
         )
         for robot in simulation.robots
     )
-    solids = tuple(thing.pose for thing in simulation.solids)
     return SimPicture(
         simulation.world,
         simulation.time,
         robots,
-        solids,
+        tuple(thing.pose for thing in simulation.solids),
         tuple(thing.patrol for thing in simulation.solids),
         simulation.revision,
         len(simulation.floor.marks),
