@@ -274,13 +274,10 @@ def _real(name: str) -> Plain:
     return Plain(name, 0.0, check)
 
 
-def _text(name: str) -> Plain:
-    def check(value: object, path: str) -> str:
-        if not isinstance(value, str):
-            raise BridgeError(f"`{path}` must be a string, not {value!r} ({type(value).__name__}).")
-        return str(value)
-
-    return Plain(name, "", check)
+def _text(value: object, path: str) -> str:
+    if not isinstance(value, str):
+        raise BridgeError(f"`{path}` must be a string, not {value!r} ({type(value).__name__}).")
+    return str(value)
 
 
 def _truth(value: object, path: str) -> bool:
@@ -292,7 +289,7 @@ def _truth(value: object, path: str) -> bool:
 _PLAIN = {
     **{name: _integer(name) for name in INTEGERS},
     **{name: _real(name) for name in FLOATS},
-    **{name: _text(name) for name in STRINGS},
+    **{name: Plain(name, "", _text) for name in STRINGS},
     "bool": Plain("bool", False, _truth),
 }
 
