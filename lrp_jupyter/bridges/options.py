@@ -32,17 +32,12 @@ _PLAIN: Mapping[object, str] = {
 
 @dataclass(frozen=True, slots=True)
 class BridgeOption:
-    """One option.
-
-    `kind`: its annotation or, without one, the type of its default value.
-    `default`: `inspect.Parameter.empty` where it must be given.
-    `doc`: the first sentence about it in the docstring of the class.
-    """
+    """One option."""
 
     name: str
-    kind: object
+    kind: object  # its annotation or, without one, the type of its default value
     default: object = inspect.Parameter.empty
-    doc: str = ""
+    doc: str = ""  # the first sentence about it in the docstring of the class
 
     @property
     def is_needed(self) -> bool:

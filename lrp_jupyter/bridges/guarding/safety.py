@@ -244,10 +244,7 @@ class Safety:
         self._refused = ""
 
     def hindrance(self, moves: bool) -> Hindrance | None:
-        """Return why a command may not be sent now; if it may, count it and return None.
-
-        `moves`: whether it may set the robot in motion.
-        """
+        """Return why a command, which `moves` the robot or not, may not be sent now; count one that may."""
         if not self.armed:
             return "disarmed"
         again = self.again

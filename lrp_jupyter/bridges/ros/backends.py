@@ -95,7 +95,6 @@ def make_transport(
 
     `host`, `port`: default: this machine or, with rospy, the value of ``ROS_MASTER_URI``.
     `warn`: called with a sentence for each complaint of the robot's side.
-    `messages`: folders with definitions of message types.
     """
     if backend == "rclpy":
         return RclpyTransport(domain)

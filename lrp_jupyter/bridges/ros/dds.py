@@ -37,12 +37,7 @@ _SETTLE = 1.5  # seconds until what a node has is known; its readers or its writ
 
 
 class DdsTransport(Transport):
-    """A node of ROS 2 in a DDS domain.
-
-    `domain`: default: ``ROS_DOMAIN_ID`` of the environment, or 0.
-    `host`: an address of the robot, which is asked directly too; empty: robots are found by multicast.
-    `folders`: with definitions of message types: ``package/msg/Type.msg``.
-    """
+    """A node of ROS 2 in a DDS domain, where robots are found by multicast; one at a `host` is asked, too."""
 
     period = 0.5
 

@@ -24,10 +24,7 @@ reading = threading.Lock()
 
 
 def command_qos(type_hash: str, node: str = "") -> Qos:
-    """Return what a publisher offers: a new command replaces one that was not delivered yet.
-
-    `node`: the name of the node, if its publishers carry it.
-    """
+    """Return what a publisher offers: a new command replaces one that was not delivered yet."""
     return Qos(
         Policy.Reliability.Reliable(_BLOCKED),
         Policy.Durability.Volatile,
@@ -37,10 +34,7 @@ def command_qos(type_hash: str, node: str = "") -> Qos:
 
 
 def reading_qos(offers: Sequence[Qos], type_hash: str) -> Qos:
-    """Return what a subscription asks for, given what the publishers of its topic offer.
-
-    Without any it asks for the least: it is adapted as soon as there is one.
-    """
+    """Return what a subscription asks for, given what the publishers offer; without any, the least."""
     reliable = _all(offers, Policy.Reliability, Policy.Reliability.Reliable)
     kept = _all(offers, Policy.Durability, *_DURABILITY[1:])
     exclusive = _all(offers, Policy.Ownership, Policy.Ownership.Exclusive)

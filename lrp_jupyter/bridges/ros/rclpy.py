@@ -26,10 +26,7 @@ _JOIN = 1.0  # seconds that ending the thread may take
 
 
 class RclpyTransport(Transport):
-    """A node of ROS 2.
-
-    `domain`: default: ``ROS_DOMAIN_ID`` of the environment, or 0.
-    """
+    """A node of ROS 2, in the domain that ``ROS_DOMAIN_ID`` names unless another one is given."""
 
     period = 0.5
 

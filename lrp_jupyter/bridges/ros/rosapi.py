@@ -138,10 +138,7 @@ class Rosapi:
         self._wake.ring()
 
     def watch(self, topics: Iterable[str], in_need: bool) -> None:
-        """Choose the topics whose publishers are asked for, and how soon.
-
-        `in_need`: whether a topic or a message is missing, so that it is worth asking sooner.
-        """
+        """Choose the topics whose publishers are asked for; sooner if something is missing (`in_need`)."""
         watched = frozenset(topics)
         if watched - self._watched or (in_need and not self._in_need):
             self._wake.ring()

@@ -1,9 +1,6 @@
 """The rosbridge back end: JSON or CBOR over a websocket, without a ROS installation on this side.
 
-This is a separate client of the rosbridge protocol 2.0 because a command to a robot is sent now or never: see
-`lrp_jupyter.bridges.ros.websocket`. Questions to rosapi have their own connection: see
-`lrp_jupyter.bridges.ros.rosapi`.
-
+It is a client of its own of the rosbridge protocol 2.0, because a command is sent now or never (`websocket`).
 ROS 1 and ROS 2 differ in the names of types (`pkg/Type`, `pkg/msg/Type`) and in time stamps; each gets its
 own form.
 """

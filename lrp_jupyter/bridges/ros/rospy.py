@@ -35,10 +35,7 @@ _node_master = ""  # the master that this process's node belongs to
 
 
 class RospyTransport(Transport):
-    """The node of this process.
-
-    `master`: address of the ROS master; empty: ``ROS_MASTER_URI`` of the environment.
-    """
+    """The node of this process, with the master that ``ROS_MASTER_URI`` names unless another one is given."""
 
     period = 0.5
 
