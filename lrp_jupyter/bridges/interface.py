@@ -58,24 +58,6 @@ class Interface:
 
     There is no constructor that a subclass would have to call: what begins with a fixed value is an attribute
     of the class, everything else a `part`.
-
-    Attributes
-    ----------
-    name, hardware, stop_timeout, time_step, robot, safety
-        See :class:`~lrp_jupyter.bridges.bridge.Bridge`.
-    nodes : Nodes
-        The members by their names.
-    fed : FedValues
-        What was fed; its clocks are for tests.
-    latch : int
-        Number of the tick that readings are latched for; 0 between ticks.
-    readings : dict of str to object
-        What was read in this tick, by path; the error where a reading failed.
-    origin : callable
-        Returns the :class:`~lrp_jupyter.bridges.guarding.safety.Origin` of a command that is given now.
-    outside : callable
-        Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.interventions`
-        or inputs of a simulated world, and with whether it was certainly not the program that did it.
     """
 
     name: ClassVar[str]
@@ -83,8 +65,8 @@ class Interface:
     stop_timeout: ClassVar[float | None] = 1.0
     time_step: ClassVar[float | None] = None
 
-    latch = 0
-    origin: Callable[[], Origin] = Origin
+    latch = 0  # number of the tick that readings are latched for; 0 between ticks
+    origin: Callable[[], Origin] = Origin  # returns that of a command that is given now
     is_closed = False
     """Whether it was closed, or not opened after all; what arrives then is of a connection that is gone."""
     _is_open = False
@@ -95,8 +77,10 @@ class Interface:
     fed = part(lambda bridge: FedValues(None if bridge.time_step is None else lambda: bridge.safety.now))
     safety = part(lambda bridge: Safety(armed=not type(bridge).hardware))
     robot = part(Robot)
-    readings = part[dict[str, object]](lambda bridge: {})
+    readings = part[dict[str, object]](lambda bridge: {})  # of this tick, by path; the error where one failed
     outside = part[Callable[[object, bool], object]](lambda bridge: lambda what, surely: None)
+    """Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.interventions`
+    or inputs of a simulated world, and with whether it was certainly not the program that did it."""
     _guard = part(Guard)
 
     @property

@@ -40,22 +40,14 @@ _SECTIONS: Mapping[str, Direction] = {"subscriptions": "subscription", "publishe
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """A variable of the robot and the topic it is wired to.
+    """A variable of the robot and the topic it is wired to."""
 
-    `variable`: the name after ``robot.``
-    `topic`: absolute: ``odom`` becomes ``/odom``.
-    `type`: in the form ``package/Type``; empty: that of the live topic.
-    `limits`: of a publisher: ``{"linear": 0.5}`` keeps that field within -0.5 ... 0.5.
-    `stale_after`: of a subscription: seconds after which its last message is too old to drive by; None: it
-        never is.
-    """
-
-    variable: str
+    variable: str  # the name after `robot.`
     direction: Direction
-    topic: str
-    type: str = ""
-    limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)
-    stale_after: float | None = None
+    topic: str  # absolute: `odom` becomes `/odom`
+    type: str = ""  # `package/Type`; empty: that of the live topic
+    limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)  # of a publisher
+    stale_after: float | None = None  # s after which a subscription's last message is too old to drive by
 
     def __post_init__(self) -> None:
         parts = self.variable.split(".")
