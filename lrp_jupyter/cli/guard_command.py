@@ -22,8 +22,8 @@ import typer
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros import RosBridge, backends
+from lrp_jupyter.bridges.ros.address import parse_address
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
-from lrp_jupyter.bridges.ros.setup import parse_address
 from lrp_jupyter.cli.terminal import Writer
 from lrp_jupyter.errors import BridgeError
 

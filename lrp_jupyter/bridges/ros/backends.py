@@ -12,12 +12,11 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 
-from lrp_jupyter.bridges.ros.domain import domain_number
+from lrp_jupyter.bridges.ros.address import domain_number, parse_address
 from lrp_jupyter.bridges.ros.link import Transport
 from lrp_jupyter.bridges.ros.rclpy import RclpyTransport
 from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
 from lrp_jupyter.bridges.ros.rospy import RospyTransport
-from lrp_jupyter.bridges.ros.setup import parse_address
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
 AUTO = "auto"

@@ -23,10 +23,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from lrp_jupyter.bridges.ros.address import domain_number
 from lrp_jupyter.bridges.ros.dds_node import DdsNode, TopicPublisher, TopicReader
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
 from lrp_jupyter.bridges.ros.definitions import Definition
-from lrp_jupyter.bridges.ros.domain import domain_number
 from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import VELOCITIES

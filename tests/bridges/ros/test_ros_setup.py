@@ -17,7 +17,8 @@ from support.waiting import until
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ros import RosBridge
-from lrp_jupyter.bridges.ros.setup import Wire, parse_address, setup_as_dict, setup_from_dict
+from lrp_jupyter.bridges.ros.address import parse_address
+from lrp_jupyter.bridges.ros.setup import Wire, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 Make = Callable[..., RosBridge]
