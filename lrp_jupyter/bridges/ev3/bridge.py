@@ -131,7 +131,10 @@ class EV3Bridge(Bridge):
         return f"The brick itself stops its motors: {ends}."
 
     def open_interface(self) -> Panel:
-        """Connect where an address is known, else search for a brick in the background and ask."""
+        """Connect where an address is known, else search for a brick in the background and ask.
+
+        Raises BridgeError: there is no brick at the address.
+        """
         self.link = self._new_link()
         if self.host is None:
             self.set_status(ConnectionState.WAITING, "Waiting for the beacon of a brick, or for its address.")
@@ -153,7 +156,11 @@ class EV3Bridge(Bridge):
         self._latched = self.link.snapshot
 
     def seen(self) -> BrickReading:
-        """Return the latched reading within a tick, else the latest."""
+        """Return the latched reading within a tick, else the latest.
+
+        Raises NoDataYet: nothing has arrived yet.
+        Raises BridgeError: the brick was lost, or refuses to be read.
+        """
         return self.link.latest(self._latched if self.latch else None)
 
     def _age(self) -> float | None:
@@ -306,7 +313,10 @@ class EV3Bridge(Bridge):
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Press a button; commands pass the bridge's safety, as those of a program do."""
+        """Press a button; commands pass the bridge's safety, as those of a program do.
+
+        Raises BridgeError: there is no such button, row or number, or no brick is connected.
+        """
         if key == "stop":
             self.stop_all()
             return
@@ -344,7 +354,10 @@ class EV3Bridge(Bridge):
             self._add_move()
 
     def answer(self, key: str, value: str) -> None:
-        """Apply the address of the brick; where the bridge is open, connect in the background."""
+        """Apply the address of the brick; where the bridge is open, connect in the background.
+
+        Raises BridgeError: it is not an address.
+        """
         if key != "host":
             super().answer(key, value)
             return

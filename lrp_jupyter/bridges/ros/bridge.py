@@ -298,7 +298,10 @@ class RosBridge(Bridge):
     # -- the connection ---------------------------------------------------------------------------
 
     def open_interface(self) -> Panel:
-        """Connect to the robot, and connect all channels of the set-up."""
+        """Connect to the robot, and connect all channels of the set-up.
+
+        Raises BridgeError: there is no robot, or a library is not installed.
+        """
         self._start(searching=False)
         self.wiring.wait_for_answers(_ANSWER_ALL)
         return self.panel()
@@ -384,7 +387,10 @@ class RosBridge(Bridge):
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Press a button: ``subscribe`` and ``publish`` use the values of the fields, without waiting."""
+        """Press a button: ``subscribe`` and ``publish`` use the values of the fields, without waiting.
+
+        Raises BridgeError: a name is illegal, or there is no such button or row.
+        """
         fields = values or {}
         variable = fields.get("variable", "").strip()
         if key in ("subscribe", "publish"):
@@ -410,7 +416,10 @@ class RosBridge(Bridge):
             super().press(key, row, values)
 
     def answer(self, key: str, value: str) -> None:
-        """Apply the robot's address, or the file with the set-up; an open bridge reconnects."""
+        """Apply the robot's address, or the file with the set-up; an open bridge reconnects.
+
+        Raises BridgeError: it is not an address, or not a set-up.
+        """
         if key == "setup":
             self.wiring.load(value)
         elif key == "host":
