@@ -26,8 +26,8 @@ class FedValues:
 
     def __init__(self, clock: Callable[[], float] | None = None) -> None:
         self.clock = time.monotonic if clock is None else clock
-        self.wall_clock: Callable[[], float] = time.time  # that stamps are compared with; tests set it
-        self.count = 0  # of the values that have arrived
+        self.wall_clock: Callable[[], float] = time.time  # what stamps are compared with; tests set it
+        self.count = 0  # values that have arrived
         self._latest: dict[str, _Fed] = {}
         self._latched: dict[str, _Fed] | None = None  # None between ticks
         self._getters: dict[str, Callable[[], object]] = {}

@@ -129,7 +129,7 @@ class Vehicle:
         return tuple(0 if port in used else SAME_MODE for port in PORTS[:4])
 
     def sense(self, name: str, reading: BrickReading, modes: tuple[int, ...]) -> object:
-        """Return a key of `SENSES` as the simulated robot measures it, given the modes wanted of sensors."""
+        """Return what a program reads, a key of `SENSES`, as the simulated robot measures it."""
         what, kinds = SENSES[name]
         port = getattr(self, name)
         if port == "none":

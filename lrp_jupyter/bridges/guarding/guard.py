@@ -176,7 +176,7 @@ class Guard:
         return process is not None and process.stop()
 
     def check(self) -> None:
-        """Have the bridge stop if this process was suspended, or the other one took it for so.
+        """Have the bridge stop if this process was suspended, or the other one has taken it for suspended.
 
         Of two threads that notice it, the second one waits until the first one has stopped the robot.
         """

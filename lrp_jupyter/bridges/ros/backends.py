@@ -48,7 +48,7 @@ class Choice:
 
 
 def check_backend(name: str, host: str | None = None, port: int | str | None = None) -> str:
-    """Return the name of a back end, or `AUTO`, if there is such a one and the address fits it."""
+    """Check that a back end, or `AUTO`, exists and that the address fits it; return its name."""
     known = (AUTO, *BACKENDS)
     if name not in known:
         names = ", ".join(f"`{each}`" for each in known)

@@ -42,7 +42,7 @@ class Channel:
         self.commanders: tuple[str, ...] = ()  # of a publisher of velocities: who else publishes on its topic
         self.stamps = Stamps(RobotClock())
         self.handle: object = None
-        self.has_moved = False  # whether a velocity was sent: once lost, it is unknown whether a stop arrived
+        self.has_moved = False  # whether a nonzero velocity was sent: on a loss, a stop may not have arrived
         self.owes_stop = False  # as soon as there is a connection again
         self.answered = threading.Event()
         self.last_sent: RosMessage | None = None

@@ -48,7 +48,7 @@ class Transport(ABC):
     place: str = ""  # address of the robot, for messages
     node: str = "lrp"  # name of the node on this side, where there is one
     period: float = 2.0  # seconds between two comparisons with the robot
-    pace: float = 0.02  # seconds between two readings that the program can use, for topics that are faster
+    pace: float = 0.02  # seconds between two readings that the program can use; more of them may be dropped
     round_trip: float | None = None  # recent median of the seconds until a pong; None: it is not measured
 
     def __init__(self) -> None:
