@@ -1,6 +1,7 @@
 /** The cursor: kept over a reload of the page, per lab, in this tab; and moved to a place by scrolling the editor alone. */
 
-import type { EditorView } from "@codemirror/view";
+import type { Command, EditorView } from "@codemirror/view";
+import type { Lab } from "../session/store";
 import { Kept } from "../ui/kept";
 
 const cursors = new Kept(() => sessionStorage, "lrp-cursor-");
@@ -24,4 +25,12 @@ export function reveal(view: EditorView, offset: number): void {
 export function select(view: EditorView, from: number, to: number): void {
   view.dispatch({ selection: { anchor: from, head: to }, userEvent: "select" });
   reveal(view, from);
+}
+
+/** A key that acts at the cursor. */
+export function atCursor(lab: Lab, act: (view: EditorView, lab: Lab, offset: number) => unknown): Command {
+  return (view) => {
+    void act(view, lab, view.state.selection.main.head);
+    return true;
+  };
 }

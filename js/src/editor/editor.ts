@@ -29,6 +29,7 @@ import {
 } from "@codemirror/view";
 import { followCursor } from "../graph/shown";
 import { lrp, outlineOf } from "../language/lrp";
+import type { Item } from "../language/outline";
 import type { AnswerMessage, ElementKind, SnapshotMessage, TextRange, UpdateView } from "../protocol";
 import type { Connection, Typed, Typist } from "../session/connection";
 import type { Lab } from "../session/store";
@@ -278,11 +279,7 @@ export class Editor implements Typist {
   private receive(updates: UpdateView[], revision: number): void {
     const known = this.revision - (revision - updates.length);
     for (const { view, changes } of updates.slice(Math.max(0, known))) {
-      const update = {
-        changes: ChangeSet.fromJSON(changes),
-        clientID: view,
-        effects: [typedBy.of(view)],
-      };
+      const update = { changes: ChangeSet.fromJSON(changes), clientID: view, effects: [typedBy.of(view)] };
       this.view.dispatch(receiveUpdates(this.view.state, [update]));
       this.confirmed = update.changes.apply(this.confirmed);
     }
@@ -342,9 +339,10 @@ export class Editor implements Typist {
     this.view.dispatch({ effects: liveChanged.of(null) });
   }
 
-  goTo(kind: ElementKind, path: string): void {
+  goTo(kind: ElementKind, path: string): Item | undefined {
     const item = outlineOf(this.view.state).find(kind, path);
     if (item) select(this.view, item.nameFrom, item.nameTo);
+    return item;
   }
 
   goToRange(range: TextRange, ofRunning: boolean): void {
@@ -353,10 +351,8 @@ export class Editor implements Typist {
   }
 
   rename(kind: ElementKind, path: string): void {
-    const item = outlineOf(this.view.state).find(kind, path);
-    if (!item) return;
-    select(this.view, item.nameFrom, item.nameTo);
-    void rename(this.view, this.lab, item.nameFrom);
+    const item = this.goTo(kind, path);
+    if (item) void rename(this.view, this.lab, item.nameFrom);
   }
 
   /** Replace the text as if the new one were typed: it is sent, and can be undone. */

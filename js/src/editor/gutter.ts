@@ -18,6 +18,7 @@ import { askWhy } from "../parts/why";
 import type { ElementKind } from "../protocol";
 import type { Lab } from "../session/store";
 import { h } from "../ui/dom";
+import { atCursor } from "./cursor";
 import { wholeOutline, wholeOutlineOf } from "./whole";
 
 const ASKED: ElementKind[] = ["state", "transition"];
@@ -72,7 +73,6 @@ function marks(editor: EditorState, lab: Lab): RangeSet<GutterMarker> {
     const { from } = editor.doc.lineAt(nameFrom);
     if (dots.get(from) !== "on") dots.set(from, dot);
   }
-  const shown = new Set(dots.keys());
   const asking = new Set<number>();
   for (const offset of [editor.selection.main.head, editor.field(hoveredLine)]) {
     if (offset < 0 || offset > editor.doc.length) continue;
@@ -80,13 +80,13 @@ function marks(editor: EditorState, lab: Lab): RangeSet<GutterMarker> {
     if (definedOn(outline, from, to, ASKED)) asking.add(from);
   }
   const built = new RangeSetBuilder<GutterMarker>();
-  for (const from of [...new Set([...shown, ...asking])].sort((a, b) => a - b))
+  for (const from of [...new Set([...dots.keys(), ...asking])].sort((a, b) => a - b))
     built.add(from, from, new Mark(dots.get(from) ?? null, asking.has(from)));
   return built.finish();
 }
 
 /** Remove the breakpoints that the dot of a line stands for; where there is none, set one. */
-function toggleAt(view: EditorView, lab: Lab, offset: number): boolean {
+function toggleAt(view: EditorView, lab: Lab, offset: number): void {
   const { from, to } = view.state.doc.lineAt(offset);
   const outline = wholeOutlineOf(view.state);
   const item = definedOn(outline, from, to, Object.keys(USUAL) as ElementKind[]);
@@ -97,16 +97,14 @@ function toggleAt(view: EditorView, lab: Lab, offset: number): boolean {
   if (known.length) for (const [number] of known) void lab.act({ do: "remove_breakpoint", number });
   else if (item && kind) void toggleBreakpoint(lab, kind, item.path);
   else lab.notify("This line defines no state, transition or event. A breakpoint belongs to one of these.");
-  return true;
 }
 
-function askAt(view: EditorView, lab: Lab, offset: number): boolean {
+function askAt(view: EditorView, lab: Lab, offset: number): void {
   const { from, to } = view.state.doc.lineAt(offset);
   const item = definedOn(wholeOutlineOf(view.state), from, to, ASKED);
   const at = view.coordsAtPos(from);
   if (item && at) askWhy(lab, item.kind, item.path, { x: at.left, y: at.bottom });
   else lab.notify("This line defines no state and no transition to ask about.");
-  return true;
 }
 
 export function breakpointGutter(lab: Lab): Extension {
@@ -118,7 +116,9 @@ export function breakpointGutter(lab: Lab): Extension {
     const { button, target } = event as MouseEvent;
     if (button !== 0) return false;
     event.preventDefault();
-    return (target as Element).closest("[data-asks]") ? askAt(view, lab, from) : toggleAt(view, lab, from);
+    const act = (target as Element).closest("[data-asks]") ? askAt : toggleAt;
+    act(view, lab, from);
+    return true;
   };
   return [
     wholeOutline,
@@ -138,16 +138,8 @@ export function breakpointGutter(lab: Lab): Extension {
       mouseleave: (_, view) => hover(view, -1),
     }),
     keymap.of([
-      {
-        key: "Mod-F8",
-        run: (view) => toggleAt(view, lab, view.state.selection.main.head),
-        preventDefault: true,
-      },
-      {
-        key: "Alt-F8",
-        run: (view) => askAt(view, lab, view.state.selection.main.head),
-        preventDefault: true,
-      },
+      { key: "Mod-F8", run: atCursor(lab, toggleAt), preventDefault: true },
+      { key: "Alt-F8", run: atCursor(lab, askAt), preventDefault: true },
     ]),
   ];
 }

@@ -1,12 +1,12 @@
 /** Go to definition and rename, both answered by the kernel, which alone knows Python's scopes. */
 
 import { type Extension, StateEffect, StateField } from "@codemirror/state";
-import { type Command, type EditorView, keymap, showTooltip, type Tooltip } from "@codemirror/view";
+import { type EditorView, keymap, showTooltip, type Tooltip } from "@codemirror/view";
 import type { ReferencesView } from "../protocol";
 import type { Lab } from "../session/store";
 import { h } from "../ui/dom";
 import { editing } from "../ui/editing";
-import { select } from "./cursor";
+import { atCursor, select } from "./cursor";
 import { placeOf, spanOf } from "./places";
 
 async function references(view: EditorView, lab: Lab, offset: number): Promise<ReferencesView | null> {
@@ -71,11 +71,4 @@ export function navigation(lab: Lab): Extension {
       { key: "F2", run: atCursor(lab, rename) },
     ]),
   ];
-}
-
-function atCursor(lab: Lab, action: typeof rename): Command {
-  return (view) => {
-    void action(view, lab, view.state.selection.main.head);
-    return true;
-  };
 }
