@@ -5,7 +5,7 @@ import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceDisc } fro
 import type { FullWorld } from "./complete";
 import { traceSolid } from "./paint";
 import { ofRobot, type Palette, shade } from "./palette";
-import type { Snapshot } from "./poses";
+import { mixed, type Snapshot } from "./poses";
 import { paintHeading } from "./robot";
 
 /** Poses with their times: (time, x, y, theta). */
@@ -21,8 +21,7 @@ export function ghostAt(way: Way, time: number): Pose | null {
   const [end = 0, x = 0, y = 0, theta = 0] = way[after]!;
   const [begin = 0, fromX = 0, fromY = 0, from = 0] = way[Math.max(0, after - 1)]!;
   const share = end > begin ? (time - begin) / (end - begin) : 1;
-  const turn = Math.atan2(Math.sin(theta - from), Math.cos(theta - from));
-  return [fromX + (x - fromX) * share, fromY + (y - fromY) * share, from + turn * share];
+  return mixed([fromX, fromY, from], [x, y, theta], share);
 }
 
 /** The poses of a way from a time on. */

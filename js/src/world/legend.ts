@@ -22,11 +22,8 @@ function numbersOf(program: ProgramView): Map<string, number> {
   let order = numbers.get(program);
   if (!order) {
     const states = program.machines.flatMap((machine) => machine.states);
-    const inOrder = [
-      ...states.filter(({ machines }) => !machines.length),
-      ...states.filter(({ machines }) => machines.length),
-    ];
-    order = new Map(inOrder.map(({ path }, index) => [path, index]));
+    states.sort((a, b) => Number(a.machines.length > 0) - Number(b.machines.length > 0));
+    order = new Map(states.map(({ path }, index) => [path, index]));
     numbers.set(program, order);
   }
   return order;

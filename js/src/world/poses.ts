@@ -74,15 +74,18 @@ export function firstPoses(world: FullWorld, last: Snapshot | null = null): Snap
   return { time: known?.time ?? 0, robots: known?.robots ?? robots, solids: standingPoses(world) };
 }
 
+/** Between two poses, `share` of the way from the first to the second; a turn is the shorter one. */
+export function mixed(from: Pose, to: Pose, share: number): Pose {
+  const turn = Math.atan2(Math.sin(to[2] - from[2]), Math.cos(to[2] - from[2]));
+  return [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share, from[2] + turn * share];
+}
+
 const JUMP = 0.25; // metres between two frames: put there, not driven
 
 /** Between two snapshots, `share` of the way from the first to the second. */
 export function between(a: Snapshot, b: Snapshot, share: number): Snapshot {
-  const mix = (from: Pose | undefined, to: Pose): Pose => {
-    if (!from || Math.hypot(to[0] - from[0], to[1] - from[1]) > JUMP) return to;
-    const turn = Math.atan2(Math.sin(to[2] - from[2]), Math.cos(to[2] - from[2]));
-    return [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share, from[2] + turn * share];
-  };
+  const mix = (from: Pose | undefined, to: Pose): Pose =>
+    from && Math.hypot(to[0] - from[0], to[1] - from[1]) <= JUMP ? mixed(from, to, share) : to;
   return {
     time: b.time,
     robots: b.robots.map((robot, i) => ({ ...robot, pose: mix(a.robots[i]?.pose, robot.pose) })),

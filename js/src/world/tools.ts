@@ -162,16 +162,15 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   }
 
   function placing(begin: Point, kind: Placed): Press {
-    let [end, straight] = [begin, false];
+    let shape = drawn(kind, begin, begin);
     return {
       move(at, _, steps) {
-        [end, straight] = [stage.viewport.inside(...at), steps];
-        stage.outline = drawn(kind, begin, end, straight);
+        stage.outline = shape = drawn(kind, begin, stage.viewport.inside(...at), steps);
         stage.wake();
       },
       end() {
         stage.outline = null;
-        edits.add(kind, drawn(kind, begin, end, straight));
+        edits.add(kind, shape);
       },
       cancel() {
         stage.outline = null;
