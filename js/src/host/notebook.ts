@@ -21,16 +21,18 @@ interface NotebookOutput {
   trusted: boolean;
 }
 
+interface Outputs {
+  length: number;
+  get(index: number): NotebookOutput;
+  /** Reports the index of an output that must be drawn again. */
+  readonly stateChanged: Signal<number>;
+}
+
 interface NotebookCell {
   readonly contentChanged: Signal<void>;
   readonly sharedModel: { getSource(): string; setSource(source: string): void };
   /** Of a code cell: by MIME type. */
-  readonly outputs?: {
-    length: number;
-    get(index: number): NotebookOutput;
-    /** Reports the index of an output that must be drawn again. */
-    readonly stateChanged: Signal<number>;
-  };
+  readonly outputs?: Outputs;
 }
 
 export interface Notebook {
@@ -56,9 +58,16 @@ export interface WidgetManager {
   get_model?(id: string): Promise<{ comm_live?: boolean; get(name: string): unknown }>;
 }
 
-/** The identifier of the widget that an output shows. */
-export function widgetOf({ data }: NotebookOutput): string | undefined {
-  return (data?.[VIEW] as { model_id?: string } | undefined)?.model_id;
+/** The outputs that show a widget, each with the widget's identifier and where it is. */
+export function* widgetsIn({ model: { cells } }: Notebook) {
+  for (let place = 0; place < cells.length; place++) {
+    const { outputs } = cells.get(place) ?? {};
+    for (let index = 0; outputs && index < outputs.length; index++) {
+      const output = outputs.get(index);
+      const { model_id: widget } = (output?.data?.[VIEW] ?? {}) as { model_id?: string };
+      if (widget) yield { widget, output, outputs, index };
+    }
+  }
 }
 
 export interface CellPlace {

@@ -4,7 +4,7 @@
  * under the same name, which shows the picture; while the lab lives, it precedes it.
  */
 
-import { type Notebook, PICTURE, widgetOf } from "./notebook";
+import { type Notebook, PICTURE, widgetsIn } from "./notebook";
 
 const STATE = "application/vnd.jupyter.widget-state+json";
 const OURS = "lrp-still";
@@ -23,24 +23,22 @@ export function storePictures(notebook: Notebook & { [STORED]?: true }): void {
   });
 }
 
-function store({ model }: Notebook): void {
-  const widgets = model.getMetadata("widgets") as Record<string, { state: Widgets }> | undefined;
+function store(notebook: Notebook): void {
+  const widgets = notebook.model.getMetadata("widgets") as Record<string, { state: Widgets }> | undefined;
   const others = Object.entries(widgets?.[STATE]?.state ?? {}).filter(
     ([, widget]) => !widget.state?._dom_classes?.includes(OURS),
   );
   const pictures: [string, object][] = [];
-  for (let index = 0; index < model.cells.length; index++) {
-    const { outputs } = model.cells.get(index) ?? {};
-    for (let number = 0; number < (outputs?.length ?? 0); number++) {
-      const output = outputs?.get(number);
-      const [widget, picture] = output ? [widgetOf(output), output.data[PICTURE]] : [];
-      if (widget && typeof picture === "string" && picture.includes(OURS))
-        pictures.push([widget, shows(picture)]);
-    }
+  for (const { widget, output } of widgetsIn(notebook)) {
+    const picture = output.data[PICTURE];
+    if (typeof picture === "string" && picture.includes(OURS)) pictures.push([widget, shows(picture)]);
   }
   if (!pictures.length && others.length === Object.keys(widgets?.[STATE]?.state ?? {}).length) return;
   const state = Object.fromEntries([...others, ...pictures]);
-  model.setMetadata("widgets", { ...widgets, [STATE]: { version_major: 2, version_minor: 0, state } });
+  notebook.model.setMetadata("widgets", {
+    ...widgets,
+    [STATE]: { version_major: 2, version_minor: 0, state },
+  });
 }
 
 /** A widget of Jupyter's that shows a picture; as an image, whose styles concern nothing else. */

@@ -4,7 +4,7 @@
  * So the output of a lab that runs here is shown; other outputs and the shared document stay as they are.
  */
 
-import { type Notebook, type WidgetManager, widgetOf } from "./notebook";
+import { type Notebook, type WidgetManager, widgetsIn } from "./notebook";
 
 const OURS = "lrp_jupyter."; // how the classes of the package begin
 
@@ -21,22 +21,17 @@ export function showLabs(manager: WidgetManager | undefined): void {
   notebook.model.contentChanged.connect(() => show(notebook, manager));
 }
 
-function show({ model: { cells } }: Notebook, manager: WidgetManager): void {
-  for (let place = 0; place < cells.length; place++) {
-    const { outputs } = cells.get(place) ?? {};
-    for (let index = 0; index < (outputs?.length ?? 0); index++) {
-      const output = outputs?.get(index);
-      const widget = output && !output.trusted && widgetOf(output);
-      if (!outputs || !widget || !manager.has_model?.(widget)) continue;
-      manager.get_model?.(widget).then(
-        (model) => {
-          if (output.trusted || !model.comm_live || !String(model.get("_anywidget_id")).startsWith(OURS))
-            return;
-          output.trusted = true;
-          if (outputs.get(index) === output) outputs.stateChanged.emit(index);
-        },
-        () => {}, // it cannot be opened: the text says more than a view of it
-      );
-    }
+function show(notebook: Notebook, manager: WidgetManager): void {
+  for (const { widget, output, outputs, index } of widgetsIn(notebook)) {
+    if (output.trusted || !manager.has_model?.(widget)) continue;
+    manager.get_model?.(widget).then(
+      (model) => {
+        if (output.trusted || !model.comm_live || !String(model.get("_anywidget_id")).startsWith(OURS))
+          return;
+        output.trusted = true;
+        if (outputs.get(index) === output) outputs.stateChanged.emit(index);
+      },
+      () => {}, // it cannot be opened: the text says more than a view of it
+    );
   }
 }
