@@ -21,18 +21,16 @@ interface NotebookOutput {
   trusted: boolean;
 }
 
-interface Outputs {
-  length: number;
-  get(index: number): NotebookOutput;
-  /** Reports the index of an output that must be drawn again. */
-  readonly stateChanged: Signal<number>;
-}
-
 interface NotebookCell {
   readonly contentChanged: Signal<void>;
   readonly sharedModel: { getSource(): string; setSource(source: string): void };
   /** Of a code cell: by MIME type. */
-  readonly outputs?: Outputs;
+  readonly outputs?: {
+    length: number;
+    get(index: number): NotebookOutput;
+    /** Reports the index of an output that must be drawn again. */
+    readonly stateChanged: Signal<number>;
+  };
 }
 
 export interface Notebook {

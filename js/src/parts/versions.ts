@@ -8,11 +8,7 @@ import { noteForm } from "./form";
 
 export function versionsForm(lab: Lab, present: () => string): { element: HTMLElement; open: () => void } {
   let known: VersionView[] = [];
-  const list = h("select", {
-    class: "lrp-select",
-    "aria-label": "Version",
-    onchange: () => show(),
-  });
+  const list = h("select", { class: "lrp-select", "aria-label": "Version", onchange: () => show() });
   const text = h("pre", { class: "lrp-source", tabindex: "0", "aria-label": "Text of the version" });
   const nothing = h("span", { role: "status" });
   const use = h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "use-version" }, "Use");

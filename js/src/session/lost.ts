@@ -4,49 +4,37 @@
  * Where the kernel keeps no texts either, that view must be in the same tab: the browser may be someone else's next.
  */
 
+import { Kept } from "../ui/kept";
+
 /** What distinguishes a program from others of its name, and whether its texts end with the tab. */
 interface Home {
   home: string;
   tab_only: boolean;
 }
 
-const PREFIX = "lrp-typed:";
 const others = new Map<string, string>(); // where the browser keeps nothing, or has no space left
 
-const storeOf = ({ tab_only }: Home) => (tab_only ? sessionStorage : localStorage);
-const keyOf = (home: string, view: string) => `${PREFIX}${home}\n${view}`;
+const storeOf = ({ home, tab_only }: Home) =>
+  new Kept(() => (tab_only ? sessionStorage : localStorage), `lrp-typed:${home}\n`);
+const keyOf = (home: string, view: string) => `${home}\n${view}`;
 
 export function keepLost(at: Home, view: string, text: string): void {
   if (!at.home) return;
-  const key = keyOf(at.home, view);
-  try {
-    storeOf(at).setItem(key, text);
-    others.delete(key);
-  } catch {
-    others.set(key, text);
-  }
+  if (storeOf(at).set(view, text)) others.delete(keyOf(at.home, view));
+  else others.set(keyOf(at.home, view), text);
 }
 
 /** The texts of a program, by the views that kept them. */
 export function lostTexts(at: Home): Map<string, string> {
-  let kept: [string, string][] = [...others];
-  try {
-    kept = [...Object.entries<string>(storeOf(at)), ...kept];
-  } catch {
-    // the browser keeps nothing
-  }
   const start = keyOf(at.home, "");
-  return new Map(
-    kept.filter(([key]) => key.startsWith(start)).map(([key, text]) => [key.slice(start.length), text]),
-  );
+  const here = [...others].filter(([key]) => key.startsWith(start));
+  return new Map([
+    ...storeOf(at).all(),
+    ...here.map(([key, text]) => [key.slice(start.length), text] as const),
+  ]);
 }
 
 export function forgetLost(at: Home, view: string): void {
-  const key = keyOf(at.home, view);
-  others.delete(key);
-  try {
-    storeOf(at).removeItem(key);
-  } catch {
-    // there was nothing
-  }
+  others.delete(keyOf(at.home, view));
+  storeOf(at).remove((other) => other === view);
 }

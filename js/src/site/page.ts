@@ -35,7 +35,9 @@ class Page {
   private close: () => void = () => {};
   private readonly python = new Python(file("worker.js"), {
     step: (step) => say(`${step} …`),
-    silent: (on) => this.offerRestart(on),
+    silent: (on) => {
+      element("silent").hidden = !on;
+    },
     unkept: () => this.warn(),
   });
 
@@ -46,10 +48,7 @@ class Page {
 
   async start(): Promise<void> {
     this.fillPicker();
-    const jobs = {
-      share: () => this.share(),
-      notebook: () => this.openNotebook(),
-    };
+    const jobs = { share: () => this.share(), notebook: () => this.openNotebook() };
     for (const [id, job] of Object.entries(jobs))
       element(id).addEventListener("click", () => void this.guarded(job));
     element("restart").addEventListener("click", () => {
@@ -109,10 +108,6 @@ class Page {
       picker.value = "";
       await this.guarded(() => this.show(false));
     });
-  }
-
-  private offerRestart(on: boolean): void {
-    element("silent").hidden = !on;
   }
 
   private async share(): Promise<void> {

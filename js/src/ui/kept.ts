@@ -8,26 +8,33 @@ export class Kept {
   ) {}
 
   get(name: string): string | null {
-    return this.use((storage) => storage.getItem(this.prefix + name)) ?? null;
+    return this.use((storage) => storage.getItem(this.prefix + name));
   }
 
-  set(name: string, value: string): void {
-    this.use((storage) => storage.setItem(this.prefix + name, value));
+  /** Returns whether the browser keeps it. */
+  set(name: string, value: string): boolean {
+    return this.use((storage) => storage.setItem(this.prefix + name, value)) !== null;
+  }
+
+  /** The names and values of all entries. */
+  all(): [string, string][] {
+    const { prefix } = this;
+    const entries = this.use((storage) => Object.entries<string>(storage)) ?? [];
+    return entries
+      .filter(([key]) => key.startsWith(prefix))
+      .map(([key, value]) => [key.slice(prefix.length), value]);
   }
 
   remove(concerns: (name: string) => boolean): void {
-    const { prefix } = this;
-    this.use((storage) => {
-      for (const key of Object.keys(storage))
-        if (key.startsWith(prefix) && concerns(key.slice(prefix.length))) storage.removeItem(key);
-    });
+    for (const [name] of this.all())
+      if (concerns(name)) this.use((storage) => storage.removeItem(this.prefix + name));
   }
 
-  private use<T>(act: (storage: Storage) => T): T | undefined {
+  private use<T>(act: (storage: Storage) => T): T | null {
     try {
       return act(this.storage());
     } catch {
-      return; // there is none, or it is full
+      return null; // there is none, or it is full
     }
   }
 }
@@ -35,7 +42,7 @@ export class Kept {
 /** The user's choices, for all labs: sizes, hidden panels, switches. */
 const choices = new Kept(() => localStorage, "lrp-kept:");
 
-export const keep = (name: string, value: string) => choices.set(name, value);
+export const keep = (name: string, value: string) => void choices.set(name, value);
 export const kept = (name: string) => choices.get(name);
 export const forget = (name: string) => choices.remove((other) => other === name);
 export const forgetAll = (concerns: (name: string) => boolean) => choices.remove(concerns);
