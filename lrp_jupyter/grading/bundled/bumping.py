@@ -17,6 +17,7 @@ from lrp_jupyter.grading.criteria import (
     stops_at,
     touches,
 )
+from lrp_jupyter.grading.criteria.motion import backed
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.sim.world import BoxSolid, Pose, RobotSpec, World
 
@@ -53,10 +54,6 @@ def _drives_backward(sample: Sample) -> bool:
     return sample.command[0] < 0
 
 
-def _backs(count: int, now: Sample, before: Sample) -> int:
-    return count + (_drives_backward(now) and not _drives_backward(before))
-
-
 def _did_not_stay(run: RunRecord) -> Iterator[str]:
     if run.first(_drives_backward):
         yield "The robot drove backward. It has to stay at the wall: enter a state that does nothing."
@@ -71,7 +68,7 @@ def _did_not_stay(run: RunRecord) -> Iterator[str]:
 
 def _did_not_turn(run: RunRecord) -> Iterator[str]:
     yield from kept_pushing(run)
-    times = run.fold(_backs, 0)
+    times = run.fold(backed, 0)
     if run.touch() and not times:
         yield (
             "The robot bumped but never drove backward. `robot.move(linear=-0.2)` for a second makes room to"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.motion import times_of
-from lrp_jupyter.grading.criteria.order import in_order, reason_of
+from lrp_jupyter.grading.criteria.order import in_order, longest, reason_of
+from lrp_jupyter.grading.criteria.places import no_solid
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.live.running.frame import is_active
 
@@ -85,12 +85,7 @@ def never_pushes(seconds: float) -> Criterion:
     """Require that the robot never drives against anything for longer than this time."""
 
     def judge(run: RunRecord) -> Found:
-        def longest(so_far: tuple[float, float], now: Sample, _: Sample) -> tuple[float, float]:
-            most, since = so_far
-            since = since if now.touched and now.command[0] > 0 else now.time
-            return max(most, now.time - since), since
-
-        pushed, _ = run.fold(longest, (0.0, 0.0), "pushes for")
+        pushed = longest(run, lambda now, _: now.touched and now.command[0] > 0, "pushes for")
         reason = f"it pushed for {pushed:.1f} s" if pushed else "it never pushed"
         return Found(pushed <= seconds + 1e-6, reason)
 
@@ -124,12 +119,8 @@ def _touches(solid: str, now: Sample) -> bool:
 
 
 def _check(run: RunRecord, solids: Sequence[str]) -> None:
-    """Refuse names that nothing in the world has.
-
-    Raises LRPError: the world has no such solid; the message suggests the closest one.
-    """
+    """Raise an LRPError if nothing in the world has one of these names."""
     known = {solid.name or f"solid {index}" for index, solid in enumerate(run.world.solids)}
     for solid in solids:
         if solid not in known | {"edge", "robot"}:
-            hint = did_you_mean(solid, known)
-            raise LRPError(f"The world `{run.world.name}` has no solid `{solid}`.{hint}")
+            raise no_solid(run.world, solid, known)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
+from lrp_jupyter.grading.criteria.order import longest
 from lrp_jupyter.grading.run_record import RunRecord, Sample, angle_between
 
 _FASTEST, _SLACK = 0.8, 0.05  # m/s; metres, which a collision may add
@@ -43,7 +44,7 @@ def backs_off(times: int) -> Criterion:
     """Require that the robot drives backward so often."""
 
     def judge(run: RunRecord) -> Found:
-        count = run.fold(_backed, 0)
+        count = run.fold(backed, 0)
         return Found(count / times, f"it {times_of('backed off', count)}")
 
     return Criterion(times_of("backs off", times), judge, "once")
@@ -71,12 +72,7 @@ def keeps_driving(seconds: float) -> Criterion:
     """Require that the robot never stands still for longer than this time."""
 
     def judge(run: RunRecord) -> Found:
-        def longest(so_far: tuple[float, float], now: Sample, before: Sample) -> tuple[float, float]:
-            most, since = so_far
-            since = now.time if now.moved(before) else since
-            return max(most, now.time - since), since
-
-        stood, _ = run.fold(longest, (0.0, 0.0), "stood still for")
+        stood = longest(run, lambda now, before: not now.moved(before), "stood still for")
         reason = f"it stood still for {stood:.1f} s" if stood > 0.15 else "it never stood still"
         return Found(stood <= seconds + 1e-6, reason)
 
@@ -114,7 +110,8 @@ def times_of(verb: str, count: int) -> str:
     return f"{verb} {({1: 'once', 2: 'twice'}).get(count, f'{count} times')}"
 
 
-def _backed(count: int, now: Sample, before: Sample) -> int:
+def backed(count: int, now: Sample, before: Sample) -> int:
+    """Count how often the robot begins to drive backward; a step of :meth:`RunRecord.fold`."""
     return count + (now.command[0] < 0 <= before.command[0])
 
 

@@ -21,6 +21,17 @@ def in_order(run: RunRecord, things: Sequence[Callable[[Sample], bool]], key: ob
     return run.fold(step, (), key)
 
 
+def longest(run: RunRecord, holds: Callable[[Sample, Sample], object], key: object) -> float:
+    """Return how many seconds something held at most, which is asked of a sample and the one before it."""
+
+    def step(so_far: tuple[float, float], now: Sample, before: Sample) -> tuple[float, float]:
+        most, since = so_far
+        since = since if holds(now, before) else now.time
+        return max(most, now.time - since), since
+
+    return run.fold(step, (0.0, 0.0), key)[0]
+
+
 def reason_of(done: Sequence[float], names: Sequence[str], verb: str) -> str:
     """Say which of several things happened last, and which did not come after it.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 
 from lrp_jupyter.errors import LRPError, did_you_mean
@@ -23,6 +24,11 @@ def zone_of(world: World, name: str) -> Zone:
     hint = did_you_mean(name, world.zones)
     known = ", ".join(f"`{each}`" for each in world.zones) or "none"
     raise LRPError(f"The world `{world.name}` has no zone `{name}`.{hint} Its zones: {known}.")
+
+
+def no_solid(world: World, name: str, known: Iterable[str]) -> LRPError:
+    """Return the error that says that a world has no such solid, and suggests the closest one."""
+    return LRPError(f"The world `{world.name}` has no solid `{name}`.{did_you_mean(name, known)}")
 
 
 def gets_away(metres: float) -> Criterion:
@@ -113,8 +119,7 @@ def pushes(solid: str, zone: str, seconds: float = 0.0) -> Criterion:
     def judge(run: RunRecord) -> Found:
         names = [each.name for each in run.world.solids]
         if solid not in names:
-            hint = did_you_mean(solid, names)
-            raise LRPError(f"The world `{run.world.name}` has no solid `{solid}`.{hint}")
+            raise no_solid(run.world, solid, names)
         index, region = names.index(solid), zone_of(run.world, zone)
 
         def moved(since: float, now: Sample, before: Sample) -> float:
