@@ -47,11 +47,5 @@ function isBreak(char: number): boolean {
 }
 
 function isNameUnit(char: number): boolean {
-  return (
-    char > 160 ||
-    char === 95 ||
-    (char >= 48 && char <= 57) ||
-    (char >= 65 && char <= 90) ||
-    (char >= 97 && char <= 122)
-  );
+  return char > 160 || /\w/.test(String.fromCharCode(char));
 }

@@ -120,11 +120,8 @@ function bridgeChip(lab: Lab): HTMLElement {
   store.watch(["bridge", "choices", "snapshot"], () => {
     const { bridge, choices } = store.state;
     const names = choices.bridges.includes(bridge.name) ? choices.bridges : [bridge.name, ...choices.bridges];
-    setChoices(
-      select,
-      names.map((name) => [name, name] as const),
-      bridge.name,
-    );
+    const offered = names.map((name) => [name, name] as const);
+    setChoices(select, offered, bridge.name);
     setAttribute(dot, "data-status", bridge.status);
     setAttribute(chip, "title", `${bridge.status}${bridge.sentence ? `: ${unmarked(bridge.sentence)}` : ""}`);
     setSwitch(armed, bridge.armed);

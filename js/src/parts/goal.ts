@@ -65,11 +65,8 @@ export function goalView(lab: Lab): HTMLElement {
     note.hidden = !goal.note;
     watched.hidden = !goal.check;
     const names = numbered(goal.worlds);
-    setChoices(
-      world,
-      names.map((name, at) => [String(at), name] as const),
-      String(goal.world),
-    );
+    const offered = names.map((name, at) => [String(at), name] as const);
+    setChoices(world, offered, String(goal.world));
     world.hidden = names.length < 2;
     checked.update(goal, attempts);
   });

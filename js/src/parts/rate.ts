@@ -82,12 +82,8 @@ export function rateAt(position: number): number {
 
 /** The position that shows a rate, or the next lower one. */
 export function positionOf(rate: number): number {
-  return rate > 0
-    ? Math.max(
-        0,
-        RATES.findLastIndex((each) => each <= rate),
-      )
-    : SLIDER.max;
+  const position = RATES.findLastIndex((each) => each <= rate);
+  return rate > 0 ? Math.max(0, position) : SLIDER.max;
 }
 
 export function rateText(rate: number): string {

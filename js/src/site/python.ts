@@ -58,18 +58,12 @@ export class Python {
 
   /** The model of a lab of the program that is open. */
   model(): Model & { get(name: string): unknown } {
-    const own = new Map<unknown, Receive>();
     return {
       send: (content) => this.post({ do: "message", message: (content as Packed).json }),
       on: (event, callback) => {
-        if (event !== "msg:custom") return;
-        own.set(callback, callback as Receive);
-        this.receivers.add(callback as Receive);
+        if (event === "msg:custom") this.receivers.add(callback as Receive);
       },
-      off: (_event, callback) => {
-        this.receivers.delete(own.get(callback)!);
-        own.delete(callback);
-      },
+      off: (_event, callback) => void this.receivers.delete(callback as Receive),
       get: (name) => (name === "view" ? "lab" : undefined),
     };
   }

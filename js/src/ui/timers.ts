@@ -20,8 +20,6 @@ const glowing = new WeakMap<Element, ReturnType<typeof setTimeout>>();
 export function glow(element: Element): void {
   clearTimeout(glowing.get(element));
   element.setAttribute("data-glow", "");
-  glowing.set(
-    element,
-    setTimeout(() => element.removeAttribute("data-glow"), AFTERGLOW),
-  );
+  const timer = setTimeout(() => element.removeAttribute("data-glow"), AFTERGLOW);
+  glowing.set(element, timer);
 }

@@ -89,9 +89,7 @@ function build(panel: Panel, lab: Lab, body: HTMLElement): Parts {
       facts.refresh(now);
       asked?.refresh(now.questions);
       filled.refresh(now);
-      now.tables.forEach((table, index) => {
-        tables[index]?.refresh(table);
-      });
+      now.tables.forEach((table, index) => tables[index]?.refresh(table));
     },
   };
 }
@@ -174,9 +172,7 @@ function questions(all: Question[], lab: Lab) {
       const asks = status === "disconnected" || status === "connecting" || !now[0]?.default;
       if (asks !== asked) element.open = asks;
       asked = asks;
-      now.forEach((question, index) => {
-        forms[index]?.refresh(question);
-      });
+      now.forEach((question, index) => forms[index]?.refresh(question));
     },
   };
 }

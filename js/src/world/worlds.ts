@@ -21,11 +21,8 @@ export function worldSelect(lab: Lab): HTMLSelectElement {
     const all = isKnown ? files : [[current, current] as const, ...files];
     const words = (name: string) => (name === current && edited ? `${name} (edited)` : name);
     const chosen = all.find(([, name]) => name === current)?.[0] ?? "";
-    setChoices(
-      select,
-      all.map(([file, name]) => [file, words(name)] as const),
-      chosen,
-    );
+    const offered = all.map(([file, name]) => [file, words(name)] as const);
+    setChoices(select, offered, chosen);
     select.hidden = !store.state.world || all.length < 2;
   };
   store.watch(["choices", "world"], update);
