@@ -121,12 +121,12 @@ def _start_of(session: Runner, at: Moment) -> ForkStart:
     return session._value("fork", lambda loop: fork_start(loop, _tick_of(loop, at)))
 
 
-def _starts(session: Runner, at: Moment) -> Iterator[ForkStart]:
-    """Yield starts of forks, all from the same moment though the session goes on between them."""
+def _starts(session: Runner, at: Moment, count: int) -> Iterator[ForkStart]:
+    """Yield the starts of some forks, all from the same moment though the session goes on between them."""
     start = _start_of(session, at)
     try:
-        while True:
-            yield started_again(start)
+        for number in range(count):
+            yield started_again(start) if number < count - 1 else start
     finally:
         start.bridge.close()
 
@@ -155,7 +155,8 @@ def what_if(session: Runner, at: Moment, program: str | Program | None, seconds:
     session._driver.refuse_inside("what_if")
     if program is None and at is not None:
         program = session.program
-    other, starts = _parsed(session, program), _starts(session, at)
+    other = _parsed(session, program)
+    starts = _starts(session, at, 1 if other is None else 2)
     with _going_on(session, next(starts), other, True) as copy:
         tick, begin = copy.frame.tick, copy.frame.time
         changed, end, open_loop = _observed(copy, seconds)
@@ -191,8 +192,8 @@ def try_values(
     if outcome is not None:
         check_callable("outcome", outcome)
     session._driver.refuse_inside("try_values")
-    trials = []
-    for value, start in zip(_listed("values", values, "[0.2, 0.3]"), _starts(session, at), strict=False):
+    wanted, trials = _listed("values", values, "[0.2, 0.3]"), []
+    for value, start in zip(wanted, _starts(session, at, len(wanted)), strict=True):
         with _going_on(session, start, None, False) as copy:
             copy.variables[variable] = value
             trials.append(_tried(copy, value, seconds, until, outcome))
