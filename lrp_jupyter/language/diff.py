@@ -1,12 +1,8 @@
 """The difference of two programs, by meaning: what an edit changes.
 
-A program is a group of named elements. An edit adds some, removes some, and changes the content of
-others; white space, comments and moved lines do not count. A name defined twice counts once: the
-first definition is the one that runs, so the others are not elements.
-
-Only the outermost element of an addition or a removal is listed: a machine stands for its states, its
-variables and everything inside them. The list is what a person would describe as the edit, and what the
-interpreter has to process.
+An edit adds some elements, removes some, and changes the content of others; white space, comments and moved
+lines do not count. A name defined twice counts once: the first definition is the one that runs. Only the
+outermost element of an addition or a removal is listed, as a person would describe the edit.
 
 Paper: §6.1.
 """

@@ -1,8 +1,7 @@
 """The elements of an LRP program, as frozen values.
 
-Every element compares by *meaning*: positions in the text, white space and comments do not count,
-inside or outside blocks. So ``parse(to_source(p)) == p``, and an edit
-that only moves lines makes an equal program.
+Every element compares by *meaning*: positions in the text, white space and comments do not count, inside or
+outside blocks. So ``parse(to_source(p)) == p``, and an edit that only moves lines makes an equal program.
 
 Paper: §3.1, §3.2.
 """

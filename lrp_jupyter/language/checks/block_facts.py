@@ -1,8 +1,4 @@
-"""Facts about a block that depend on its text alone; computed once per text.
-
-Which of its names are variables, and what its value is used for, depends on where the block is; both are
-left to :mod:`~lrp_jupyter.language.checks.python_in_blocks`.
-"""
+"""Facts about a block that depend on its text alone, not on where it is; computed once per text."""
 
 from __future__ import annotations
 

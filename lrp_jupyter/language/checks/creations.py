@@ -1,7 +1,4 @@
-"""Edits that create what is missing: offered beside a finding, because only the user knows what is meant.
-
-A new form goes after the last one of its kind, and is indented like the forms around it.
-"""
+"""Edits that create what is missing: offered beside a finding, because only the user knows what is meant."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
-"""Python's messages about a block, in words for the author of a program.
+"""Python's messages about a block, in words for the author of a program: what is wrong, then what to write.
 
-Python names its own notions, and counts lines from the beginning of the block. Here are sentences that say
-what is wrong, then what to write; a message without one is quoted, with the lines of the program's file.
+A message without such a sentence is quoted, with the lines of the program's file.
 """
 
 from __future__ import annotations
