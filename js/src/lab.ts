@@ -240,13 +240,8 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   });
   root.addEventListener("keydown", (event) => {
     event.stopPropagation(); // or the notebook, too, would act on it: `x` cuts away the cell
-    if (
-      event.key.toLowerCase() !== "s" ||
-      event.shiftKey ||
-      event.altKey ||
-      !(event.ctrlKey || event.metaKey)
-    )
-      return;
+    const saves = event.key.toLowerCase() === "s" && (event.ctrlKey || event.metaKey);
+    if (!saves || event.shiftKey || event.altKey) return;
     event.preventDefault();
     host.dispatchEvent(new KeyboardEvent("keydown", event)); // saves the notebook, as everywhere else in it
   });

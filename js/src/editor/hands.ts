@@ -45,12 +45,7 @@ export function handsIn(state: EditorState): readonly Hand[] {
   return state.field(hands);
 }
 
-function moved(
-  view: string,
-  { anchor, head }: { anchor: number; head: number },
-  changes: ChangeDesc,
-  side: number,
-): Hand {
+function moved(view: string, { anchor, head }: Omit<Hand, "view">, changes: ChangeDesc, side: number): Hand {
   return { view, anchor: changes.mapPos(anchor, side), head: changes.mapPos(head, side) };
 }
 

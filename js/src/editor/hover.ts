@@ -1,6 +1,6 @@
 /** The card under the pointer: what a name or keyword is, its documentation, and the value a name has now. */
 
-import type { Extension } from "@codemirror/state";
+import type { EditorState, Extension } from "@codemirror/state";
 import { hoverTooltip } from "@codemirror/view";
 import { outlineOf, treeOf } from "../language/lrp";
 import { lookedAt } from "../parts/study";
@@ -44,11 +44,7 @@ interface ProgramCard extends HoverView {
   path?: string;
 }
 
-function ofProgram(
-  lab: Lab,
-  state: Parameters<typeof outlineOf>[0],
-  chain: { text: string; from: number },
-): ProgramCard | null {
+function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: number }): ProgramCard | null {
   const form = treeOf(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
   const found = outlineOf(state);

@@ -19,16 +19,14 @@ const HOLDS = "Edits take effect only when you choose Apply (Ctrl+Enter)";
 
 export function controls(lab: Lab, choices: Choices): HTMLElement {
   const { store } = lab;
+  const isOn = () => store.state.status === "running" || store.state.status === "hung";
   const go = (act: "step" | "step_back" | "reset" | "stop") => () => void lab.act({ do: act });
   const run = button({
     icon: "run",
     label: "Run",
     title: RUNS,
     action: "run",
-    onclick: () =>
-      void lab.act({
-        do: store.state.status === "running" || store.state.status === "hung" ? "pause" : "run",
-      }),
+    onclick: () => void lab.act({ do: isOn() ? "pause" : "run" }),
   });
   const step = iconButton("step", "Step: exactly one tick", "step", go("step"));
   const back = iconButton("step_back", "Step back by one tick", "step-back", go("step_back"));
@@ -59,8 +57,7 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
     showLock(hold, settings, HOLDS);
   });
   store.watch(["status"], () => {
-    const { status } = store.state;
-    const on = status === "running" || status === "hung";
+    const on = isOn();
     const name = on ? "pause" : "run";
     setAttribute(run, "data-lrp-action", name);
     setAttribute(run, "aria-label", on ? "Pause" : "Run");

@@ -183,18 +183,16 @@ function conflictNote(lab: Lab, present: () => string): HTMLElement {
 
 const PAUSE = 1000; // ms
 
+/** The names of the states in a path, which machines alternate with. */
+const statesOf = (path: string) => path.split("/").filter((_, i) => i % 2);
+
 export function announcer(lab: Lab): HTMLElement {
   const region = h("div", { class: "lrp-hidden", "aria-live": "polite", role: "status" });
   let announced = "";
   const speak = () => {
     const { status, reason } = lab.store.state;
     const { active } = besideGraph(lab.store.state);
-    const states = active.map((path) =>
-      path
-        .split("/")
-        .filter((_, i) => i % 2)
-        .join(", "),
-    );
+    const states = active.map((path) => statesOf(path).join(", "));
     const why = status === "hung" ? `${unmarked(reason)} ` : "";
     const words = `${status === "running" ? "" : `${status}. `}${why}${states.length ? `In ${states.join(" and ")}` : ""}`;
     if (words !== announced) region.textContent = announced = words;

@@ -90,18 +90,9 @@ class Page {
         { label },
         ...items.map(({ name, title }) => h("option", { value: `${key}=${name}`, title }, name)),
       );
-    picker.append(
-      group(
-        "Programs",
-        "program",
-        this.site.programs.map(({ name, about }) => ({ name, title: about })),
-      ),
-      group(
-        "Challenges",
-        "challenge",
-        this.site.challenges.map(({ name, task }) => ({ name, title: task })),
-      ),
-    );
+    const programs = this.site.programs.map(({ name, about }) => ({ name, title: about }));
+    const challenges = this.site.challenges.map(({ name, task }) => ({ name, title: task }));
+    picker.append(group("Programs", "program", programs), group("Challenges", "challenge", challenges));
     picker.addEventListener("change", async () => {
       const [key, name] = picker.value.split("=") as ["program" | "challenge", string];
       history.pushState(null, "", await addressOf({ [key]: name }, base));

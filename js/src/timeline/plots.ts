@@ -30,16 +30,8 @@ export function plotOf(scale: Scale, name: string, plotted: Plotted, y: number):
   const range: [number, number] = [first, after < 0 ? times.length : after + 1];
   if (plotted.kind === "truth") {
     for (const [from, to] of runsOf(times, values, range, scale)) {
-      if (to > from)
-        parts.push(
-          s("rect", {
-            class: "lrp-timeline-truth",
-            x: from,
-            y: y + PLOT / 3,
-            width: to - from,
-            height: PLOT / 3,
-          }),
-        );
+      const box = { x: from, y: y + PLOT / 3, width: to - from, height: PLOT / 3 };
+      if (to > from) parts.push(s("rect", { class: "lrp-timeline-truth", ...box }));
     }
     return parts;
   }

@@ -17,6 +17,7 @@ export function openCard(
   content: HTMLElement[],
   closed: () => void = () => {},
 ): { card: HTMLElement; place: () => void; close: (focus: boolean) => void } {
+  const leave = iconButton("close", "Close", action, () => close(true));
   const card = h(
     "section",
     {
@@ -34,11 +35,7 @@ export function openCard(
       "header",
       { class: "lrp-head" },
       h("div", { class: "lrp-title" }, ...heading),
-      h(
-        "div",
-        { class: "lrp-tools" },
-        iconButton("close", "Close", action, () => close(true)),
-      ),
+      h("div", { class: "lrp-tools" }, leave),
     ),
     ...content,
   );

@@ -31,11 +31,7 @@ function furnish<E extends Element>(element: E, attributes: Attributes, children
       element.addEventListener(name.slice(2), value as EventListener);
     } else setAttribute(element, name, value);
   }
-  element.append(
-    ...children.filter(
-      (child): child is Node | string => child !== null && child !== undefined && child !== false,
-    ),
-  );
+  element.append(...children.filter((child) => child !== null && child !== undefined && child !== false));
   return element;
 }
 

@@ -1,8 +1,9 @@
 /** What lies over a world for the person who watches or edits it: grid, trail, scale bar, what is selected. */
 
+import type { Point } from "../protocol";
 import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceBox, traceDisc, write } from "./brush";
 import type { Style } from "./palette";
-import { type Grip, handlesOf, type Shape, type Thing } from "./things";
+import { type Handle, handlesOf, type Shape, type Thing } from "./things";
 import type { Trail, TrailPoint } from "./trail";
 
 /** Lines every so many metres, the wider the less is magnified; fine ones are at least this far apart. */
@@ -168,12 +169,7 @@ export function paintSelection(brush: Brush, thing: Thing, shape: Shape): void {
 }
 
 /** What a pointer would hold of a selected thing. */
-export function gripAt(
-  thing: Thing,
-  shape: Shape,
-  [x, y]: [number, number],
-  pixels: number,
-): { grip: Grip; at: [number, number] } | null {
+export function gripAt(thing: Thing, shape: Shape, [x, y]: Point, pixels: number): Handle | null {
   const reach = (HANDLE + 5) / pixels;
   return handlesOf(thing, shape, pixels).find(({ at }) => Math.hypot(at[0] - x, at[1] - y) <= reach) ?? null;
 }

@@ -53,13 +53,8 @@ export class Preview {
 
   private get isWanted(): boolean {
     const { looking, world, status, settings } = this.lab.store.state;
-    return (
-      this.foretells.on &&
-      !settings.quiet &&
-      !looking &&
-      world !== null &&
-      (status === "running" || status === "paused")
-    );
+    const hasBegun = status === "running" || status === "paused";
+    return this.foretells.on && !settings.quiet && !looking && world !== null && hasBegun;
   }
 
   private async foretell(): Promise<void> {

@@ -99,11 +99,16 @@ function without({ x, y, angle }: Shape, [along, aside]: Point): Point {
   return [x + along * cos - aside * sin, y + along * sin + aside * cos];
 }
 
-/** The handles of a selected thing: what they do, and where they are. `pixels` make a metre. */
-export function handlesOf(thing: Thing, shape: Shape, pixels: number): { grip: Grip; at: Point }[] {
+export interface Handle {
+  grip: Grip;
+  at: Point;
+}
+
+/** The handles of a selected thing; `pixels` make a metre. */
+export function handlesOf(thing: Thing, shape: Shape, pixels: number): Handle[] {
   const reach = TURN_GRIP / pixels;
   const half: Point = shape.box ? [shape.box[0] / 2, shape.box[1] / 2] : [shape.radius!, shape.radius!];
-  const handles: { grip: Grip; at: Point }[] = [];
+  const handles: Handle[] = [];
   if (thing.kind !== "zone" && (shape.box || thing.kind !== "solid"))
     handles.push({ grip: "turn", at: without(shape, [half[0] + reach, 0]) });
   if (thing.kind === "start" || thing.kind === "robot") return handles;

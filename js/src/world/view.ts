@@ -208,12 +208,9 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     setAttribute(element, "data-empty", bridge.name === "none" ? "The program runs without a robot." : null);
   });
   store.watch(["whatIf"], () => {
-    stage.whatIf = store.state.whatIf;
-    setAttribute(
-      view,
-      "data-what-if",
-      store.state.whatIf?.changed.way.length ? store.state.whatIf.end : null,
-    );
+    const { whatIf } = store.state;
+    stage.whatIf = whatIf;
+    setAttribute(view, "data-what-if", whatIf?.changed.way.length ? whatIf.end : null);
     colours.refresh();
     stage.wake();
   });
