@@ -80,18 +80,12 @@ function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeo
 }
 
 function keywords(form: string): Completion[] {
-  return Object.entries(FORMS).flatMap(([label, { template, detail, inside, doc }]) =>
-    inside.split(" ").includes(form) || form === "Unknown"
-      ? [
-          snippetCompletion(template, {
-            label,
-            detail,
-            type: "keyword",
-            info: () => h("div", {}, ...prose(doc)),
-          }),
-        ]
-      : [],
-  );
+  return Object.entries(FORMS)
+    .filter(([, { inside }]) => inside.split(" ").includes(form) || form === "Unknown")
+    .map(([label, { template, detail, doc }]) => {
+      const info = () => h("div", {}, ...prose(doc));
+      return snippetCompletion(template, { label, detail, type: "keyword", info });
+    });
 }
 
 function variables(lab: Lab, context: CompletionContext, scope: string): Completion[] {

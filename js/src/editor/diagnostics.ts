@@ -97,14 +97,8 @@ function ofIssue(view: EditorView, lab: Lab, issue: IssueView, running: Tracked)
 }
 
 function message(lab: Lab, code: string, sentence: string, note = ""): HTMLElement {
-  return h(
-    "div",
-    {},
-    ...prose(sentence),
-    " ",
-    codeButton(lab, code),
-    h("span", { class: "lrp-code" }, ` ${note}`),
-  );
+  const count = h("span", { class: "lrp-code" }, ` ${note}`);
+  return h("div", {}, ...prose(sentence), " ", codeButton(lab, code), count);
 }
 
 /** A span that can be seen: an empty one is widened to a character, or to its line. */

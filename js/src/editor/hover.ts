@@ -85,15 +85,11 @@ async function ofPython(lab: Lab, chain: string, scope: string): Promise<HoverVi
 }
 
 function cardOf({ title, type, value, doc }: HoverView): HTMLElement {
+  const kind = type && h("span", { class: "lrp-faint" }, ` ${type}`);
   return h(
     "div",
     { class: "lrp-card" },
-    h(
-      "div",
-      { class: "lrp-card-title" },
-      h("code", {}, title),
-      type && h("span", { class: "lrp-faint" }, ` ${type}`),
-    ),
+    h("div", { class: "lrp-card-title" }, h("code", {}, title), kind),
     value && h("div", { class: "lrp-card-value" }, value),
     doc && h("div", { class: "lrp-card-doc" }, ...prose(doc)),
   );

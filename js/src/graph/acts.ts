@@ -72,19 +72,12 @@ export class Acts {
     closed?: () => void,
   ): void {
     const machine = parentOf(source);
-    const entries: Entry[] = [
-      {
-        label: "When",
-        placeholder: TRIGGER,
-        optional: true,
-        options: ["eps", ...this.pen.triggers(machine)],
-      },
-    ];
-    if (!destination)
-      entries.unshift({ label: "To", value: this.freeName(machine), options: this.statesOf(machine) });
+    const options = ["eps", ...this.pen.triggers(machine)];
+    const when: Entry = { label: "When", placeholder: TRIGGER, optional: true, options };
+    const to: Entry = { label: "To", value: this.freeName(machine), options: this.statesOf(machine) };
     openField(this.host, at, {
       title: `Transition from ${nameOf(source)}`,
-      entries,
+      entries: destination ? [when] : [to, when],
       ...(closed ? { closed } : {}),
       ...(nameOf(source) === "*" ? {} : { check: "from any state" }),
       submit: (values, every) => {

@@ -85,12 +85,7 @@ function input(entry: Entry): { row: HTMLElement; control: HTMLInputElement } {
     list,
   });
   const options = entry.options?.map((value) => h("option", { value })) ?? [];
-  const row = h(
-    "label",
-    {},
-    h("span", {}, entry.label),
-    control,
-    list && h("datalist", { id: list }, ...options),
-  );
+  const offer = list && h("datalist", { id: list }, ...options);
+  const row = h("label", {}, h("span", {}, entry.label), control, offer);
   return { row, control };
 }

@@ -43,15 +43,8 @@ export function goalView(lab: Lab): HTMLElement {
   const watched = h("p", { class: "lrp-faint" }, "The run in the world, as far as it has come:");
   const criteria = h("ul", { class: "lrp-criteria", "aria-label": "Criteria of the run in the world" });
   const checked = checkView(lab);
-  const body = h(
-    "div",
-    { class: "lrp-goal", tabindex: "0", role: "group", "aria-label": "Goal" },
-    task,
-    note,
-    watched,
-    criteria,
-    checked.element,
-  );
+  const group = { class: "lrp-goal", tabindex: "0", role: "group", "aria-label": "Goal" };
+  const body = h("div", group, task, note, watched, criteria, checked.element);
   const { element, heading } = panel("goal", "Goal", [world, again, check], body);
   element.setAttribute(GOALLESS, "");
   store.watch(["goal", "attempts"], () => {
@@ -189,13 +182,8 @@ function makeRun(lab: Lab, index: number): HTMLElement {
     },
   });
   const picture = s("svg", { class: "lrp-outline", "aria-hidden": "true" });
-  return h(
-    "li",
-    { class: "lrp-attempt" },
-    picture,
-    h("div", {}, h("div", { class: "lrp-attempt-name" }), h("div", { class: "lrp-faint" })),
-    show,
-  );
+  const words = h("div", {}, h("div", { class: "lrp-attempt-name" }), h("div", { class: "lrp-faint" }));
+  return h("li", { class: "lrp-attempt" }, picture, words, show);
 }
 
 function updateRun(card: Element, attempt: AttemptView, goal: GoalView, attempts: Attempts): void {

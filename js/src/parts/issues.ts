@@ -33,13 +33,8 @@ export function issuesView(lab: Lab): HTMLElement {
     onclick: () => void lab.act({ do: "clear_issues" }),
   });
   const list = h("ul", { class: "lrp-issues" });
-  const { element, heading } = panel(
-    "issues",
-    "Issues",
-    [pause, clear],
-    breakpointList(lab, list),
-    printed(lab),
-  );
+  const body = breakpointList(lab, list);
+  const { element, heading } = panel("issues", "Issues", [pause, clear], body, printed(lab));
   store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));
   store.watch(["findings", "issues"], () => {
     const { findings, issues } = store.state;

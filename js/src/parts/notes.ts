@@ -10,15 +10,8 @@ import { h, prose, setHidden, setProse, setText, unmarked } from "../ui/dom";
 import { calledAfter } from "../ui/timers";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
-  const ofSession = h(
-    "div",
-    {},
-    hungNote(lab),
-    robotNote(lab),
-    unstartedNote(lab),
-    heldNote(lab),
-    conflictNote(lab, text),
-  );
+  const all = [hungNote(lab), robotNote(lab), unstartedNote(lab), heldNote(lab), conflictNote(lab, text)];
+  const ofSession = h("div", {}, ...all);
   lab.store.watch(["link"], () => setHidden(ofSession, lab.store.state.link === "dead"));
   return h("div", {}, linkNote(lab, text), ofSession);
 }

@@ -32,13 +32,8 @@ export function rateSlider(lab: Lab): HTMLElement {
     setText(shown, rateText(wanted));
     setText(real, off ? ` (${achieved < 10 ? achieved.toFixed(1) : Math.round(achieved)})` : "");
   });
-  return h(
-    "label",
-    { class: "lrp-control" },
-    h("span", {}, "Rate"),
-    slider,
-    h("output", { class: "lrp-number" }, shown, real),
-  );
+  const value = h("output", { class: "lrp-number" }, shown, real);
+  return h("label", { class: "lrp-control" }, h("span", {}, "Rate"), slider, value);
 }
 
 export function speedSelect(lab: Lab): HTMLElement {

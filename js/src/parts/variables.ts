@@ -18,25 +18,15 @@ interface Group {
 export function variablesView(lab: Lab, below: HTMLElement | null = null): HTMLElement {
   const { store } = lab;
   const list = h("div");
-  const { element } = panel(
-    "variables",
-    "Variables",
-    [
-      button({
-        icon: "search",
-        label: "Robot",
-        title: "Inspect the robot",
-        action: "inspect-robot",
-        onclick: () => lab.inspect("robot", ""),
-      }),
-    ],
-    h(
-      "div",
-      { class: "lrp-variables", tabindex: "0", role: "group", "aria-label": "Variables" },
-      list,
-      below,
-    ),
-  );
+  const robot = button({
+    icon: "search",
+    label: "Robot",
+    title: "Inspect the robot",
+    action: "inspect-robot",
+    onclick: () => lab.inspect("robot", ""),
+  });
+  const group = { class: "lrp-variables", tabindex: "0", role: "group", "aria-label": "Variables" };
+  const { element } = panel("variables", "Variables", [robot], h("div", group, list, below));
   const rows = new Map<string, Row>();
   const makeGroup = (group: Group) =>
     h(
@@ -109,15 +99,8 @@ class Row {
       },
       name,
     );
-    this.element = h(
-      "li",
-      { class: "lrp-variable", "data-lrp-variable": path },
-      source,
-      this.spark.element,
-      this.value,
-      inspect,
-      this.computed,
-    );
+    const named = { class: "lrp-variable", "data-lrp-variable": path };
+    this.element = h("li", named, source, this.spark.element, this.value, inspect, this.computed);
   }
 
   update(): void {

@@ -108,13 +108,8 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
     if (other.divergence) {
       const x = xOf(drawing, other.divergence.time);
       if (x >= left && x <= left + width) {
-        parts.push(
-          s(
-            "line",
-            { class: "lrp-timeline-divergence", x1: x, x2: x, y1: AXIS, y2: y },
-            s("title", {}, unmarked(other.divergence.text)),
-          ),
-        );
+        const title = s("title", {}, unmarked(other.divergence.text));
+        parts.push(s("line", { class: "lrp-timeline-divergence", x1: x, x2: x, y1: AXIS, y2: y }, title));
       }
     }
     parts.push(s("line", { class: "lrp-timeline-grid", x1: 0, x2: left + width, y1: top, y2: top }), heading);

@@ -42,13 +42,8 @@ export function plotOf(scale: Scale, name: string, plotted: Plotted, y: number):
   const low = seen.reduce((a, b) => Math.min(a, b));
   const high = seen.reduce((a, b) => Math.max(a, b));
   const yOf = (value: number) => y + PLOT - 4 - ((value - low) / (high - low || 1)) * (PLOT - 8);
-  parts.push(
-    s(
-      "text",
-      { class: "lrp-timeline-range", x: 8, y: y + PLOT - 6 },
-      low === high ? rounded(low) : `${rounded(low)} to ${rounded(high)}`,
-    ),
-  );
+  const words = low === high ? rounded(low) : `${rounded(low)} to ${rounded(high)}`;
+  parts.push(s("text", { class: "lrp-timeline-range", x: 8, y: y + PLOT - 6 }, words));
   const line = (samples: (number | null)[]) => pathOf(times, samples, range, scale, yOf);
   const free = Array.from({ length: PLOT / LABEL }, (_, row) => y + (row + 1) * LABEL - 1); // rows for names
   for (const [text, samples] of thresholds) {

@@ -25,12 +25,8 @@ export function button({
   if (onclick) attributes.onclick = onclick;
   if (action) attributes["data-lrp-action"] = action;
   if (!label) attributes["aria-label"] = title;
-  return h(
-    "button",
-    attributes,
-    name && icon(name),
-    label && h("span", { class: "lrp-button-label" }, label),
-  );
+  const words = label && h("span", { class: "lrp-button-label" }, label);
+  return h("button", attributes, name && icon(name), words);
 }
 
 export function iconButton(

@@ -7,12 +7,8 @@ import { h, reconcile, setAttribute, setText } from "../ui/dom";
 export function membersCard(lab: Lab): HTMLElement {
   const { store } = lab;
   const list = h("ul", { class: "lrp-members" });
-  const card = h(
-    "details",
-    { class: "lrp-details", open: true },
-    h("summary", {}, h("code", {}, "robot"), " — click to insert or copy"),
-    list,
-  );
+  const title = h("summary", {}, h("code", {}, "robot"), " — click to insert or copy");
+  const card = h("details", { class: "lrp-details", open: true }, title, list);
   const make = (member: MemberView) =>
     h(
       "li",
