@@ -511,16 +511,16 @@ class Runner:
 
     # -- commands, events and frames -------------------------------------------------------------
 
-    def call(self, function: Callable[[], Any]) -> Any:
-        """Call a function between two ticks, when the robot's world may be changed."""
+    def call(self, function: Callable[[], Value]) -> Value:
+        """Call a function between two ticks, when the robot's world may be changed, and return its value."""
         check_callable("function", function)
-        return self._driver.do(do.Call(function))
+        value: Value = self._driver.do(do.Call(function))
+        return value
 
     def _value(self, what: str, function: Callable[[Loop], Value]) -> Value:
         """Return what a function returns for the loop between two ticks, unless a block calls this method."""
         self._driver.refuse_inside(what)
-        value: Value = self._driver.do(do.Call(partial(function, self._loop)))
-        return value
+        return self.call(partial(function, self._loop))
 
     def observe(self, observer: Observer) -> Callable[[], None]:
         """Subscribe a function to every event of the interpreter; return a function that ends this.

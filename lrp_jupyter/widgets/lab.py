@@ -456,8 +456,7 @@ def _world(connection: PageConnection) -> str:
     if not isinstance(bridge, SimBridge):
         return ""
     try:
-        now: str = connection.session.call(lambda: world_svg(bridge.simulation, _STILL_WIDTH))
-        return now
+        return connection.session.call(lambda: world_svg(bridge.simulation, _STILL_WIDTH))
     except LRPError:  # the loop is blocked or has ended: the world as it began
         return world_svg(bridge.world, _STILL_WIDTH)
 

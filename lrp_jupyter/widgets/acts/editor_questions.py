@@ -68,8 +68,7 @@ def complete(opened: OpenProgram, prefix: str, scope: str) -> list[Option]:
     if fields is not None:
         return [each for each in fields if each["label"].startswith(begun)]
     try:
-        options: list[Option] = session.call(lambda: _members(_value_of(session, before, scope), begun))
-        return options
+        return session.call(lambda: _members(_value_of(session, before, scope), begun))
     except _NothingError:
         return []
 
@@ -92,8 +91,7 @@ def hover(opened: OpenProgram, chain: str, scope: str) -> HoverView | None:
         return _card(chain, _value_of(session, chain, scope))
 
     try:
-        found: HoverView = session.call(card)
-        return found
+        return session.call(card)
     except (_NothingError, MemberError):
         return None
 

@@ -39,8 +39,7 @@ def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) 
     if kind == "robot":
         return _robot(session)
     if kind == "variable":
-        seen: InspectView = session.call(lambda: _variable(session, program, where, into))
-        return seen
+        return session.call(lambda: _variable(session, program, where, into))
     element = find(program, kind, where)
     noun = definition_of(program, element)
     if isinstance(noun, Machine):

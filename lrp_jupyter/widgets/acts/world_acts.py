@@ -185,8 +185,7 @@ def save_world(opened: OpenProgram, name: str, replace: bool) -> bool:
 def world_picture(opened: OpenProgram) -> str:
     """Draw the world as it is now."""
     bridge = _world(opened)
-    picture: str = opened.session.call(lambda: svg(bridge.simulation))
-    return picture
+    return opened.session.call(lambda: svg(bridge.simulation))
 
 
 @question("svg")
