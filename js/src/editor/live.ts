@@ -35,11 +35,8 @@ class ValueWidget extends WidgetType {
   }
 
   override toDOM(): HTMLElement {
-    const dom = h(
-      "span",
-      { class: "lrp-inline-value", "aria-hidden": "true" },
-      h("span", { class: "lrp-values" }),
-    );
+    const values = h("span", { class: "lrp-values" });
+    const dom = h("span", { class: "lrp-inline-value", "aria-hidden": "true" }, values);
     this.updateDOM(dom);
     return dom;
   }

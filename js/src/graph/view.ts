@@ -126,28 +126,24 @@ export function graphView(lab: Lab): HTMLElement {
       kind === "svg" ? new Blob([picture], { type: "image/svg+xml" }) : pngOfSvg(picture, contents());
     void savePicture(`${store.state.machine.replaceAll("/", "-")}.${kind}`, file, lab.notify);
   };
-  const more = menuButton(
-    lab.root,
-    { title: "More for the graph", action: "graph-menu" },
-    "State graph",
-    () => {
-      const disabled = !shown;
-      return [
-        item(
-          "Nested machines inside their states",
-          "nest",
-          () => void lab.act({ do: "nest", on: !isNested() }),
-          { checked: isNested(), disabled: !store.state.program.machines.some(({ parent }) => parent) },
-        ),
-        null,
-        item("Zoom in", "menu-zoom-in", () => zoom(1.25), { disabled }),
-        item("Zoom out", "menu-zoom-out", () => zoom(1 / 1.25), { disabled }),
-        null,
-        item("Save as SVG", "save-svg", () => save("svg"), { disabled }),
-        item("Save as PNG", "save-png", () => save("png"), { disabled }),
-      ];
-    },
-  );
+  const about = { title: "More for the graph", action: "graph-menu" };
+  const nest = () => void lab.act({ do: "nest", on: !isNested() });
+  const more = menuButton(lab.root, about, "State graph", () => {
+    const disabled = !shown;
+    return [
+      item("Nested machines inside their states", "nest", nest, {
+        checked: isNested(),
+        disabled: !store.state.program.machines.some(({ parent }) => parent),
+      }),
+      null,
+      item("Zoom in", "menu-zoom-in", () => zoom(1.25), { disabled }),
+      item("Zoom out", "menu-zoom-out", () => zoom(1 / 1.25), { disabled }),
+      null,
+      item("Save as SVG", "save-svg", () => save("svg"), { disabled }),
+      item("Save as PNG", "save-png", () => save("png"), { disabled }),
+    ];
+  });
+  const arrange = () => void lab.act({ do: "arrange", path: store.state.machine });
   const { element } = panel(
     "graph",
     "State graph",
@@ -162,12 +158,7 @@ export function graphView(lab: Lab): HTMLElement {
         },
       }),
       modes,
-      iconButton(
-        "arrange",
-        "Lay out all states again",
-        "arrange",
-        () => void lab.act({ do: "arrange", path: store.state.machine }),
-      ),
+      iconButton("arrange", "Lay out all states again", "arrange", arrange),
       cursorSwitch(store),
       iconButton("minus", "Zoom out", "zoom-out", () => zoom(1 / 1.25)),
       iconButton("plus", "Zoom in", "zoom-in", () => zoom(1.25)),

@@ -65,6 +65,7 @@ function item(lab: Lab, number: string): HTMLElement {
       if (noun && path) lab.goTo(noun, path);
     },
   });
+  const remove = () => void lab.act({ do: "remove_breakpoint", number: Number(number) });
   return h(
     "li",
     { class: "lrp-breakpoint-item", "data-lrp-breakpoint": number },
@@ -72,12 +73,7 @@ function item(lab: Lab, number: string): HTMLElement {
     go,
     h("span", { class: "lrp-faint" }),
     h("label", { class: "lrp-faint" }, "from hit ", after, " onwards"),
-    iconButton(
-      "remove",
-      `Remove breakpoint ${number}`,
-      "remove-breakpoint",
-      () => void lab.act({ do: "remove_breakpoint", number: Number(number) }),
-    ),
+    iconButton("remove", `Remove breakpoint ${number}`, "remove-breakpoint", remove),
     h("p", { class: "lrp-error", role: "status" }),
   );
 }

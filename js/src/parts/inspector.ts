@@ -38,6 +38,7 @@ export function inspector(lab: Lab): Inspector {
     element.hidden = true;
     returnFocus(before, lab.root);
   };
+  const leave = iconButton("close", "Close", "close-inspector", close);
   const element = h(
     "section",
     {
@@ -52,12 +53,7 @@ export function inspector(lab: Lab): Inspector {
         close();
       },
     },
-    h(
-      "header",
-      { class: "lrp-head" },
-      title,
-      h("div", { class: "lrp-tools" }, iconButton("close", "Close", "close-inspector", close)),
-    ),
+    h("header", { class: "lrp-head" }, title, h("div", { class: "lrp-tools" }, leave)),
     way,
     body,
   );

@@ -19,12 +19,8 @@ export function properties(stage: Stage, edits: () => WorldEdits) {
   });
   const push = h("input", { type: "checkbox", "data-lrp-action": "thing-push", onchange: () => change() });
   const round = h("input", { type: "checkbox", "data-lrp-action": "thing-round", onchange: () => reshape() });
-  const solid = h(
-    "span",
-    { class: "lrp-thing-solid" },
-    h("label", {}, push, "Pushable"),
-    h("label", {}, round, "Round"),
-  );
+  const labels = [h("label", {}, push, "Pushable"), h("label", {}, round, "Round")];
+  const solid = h("span", { class: "lrp-thing-solid" }, ...labels);
   const start = button({
     label: "Start here",
     title: "Set the start to where the robot is now",

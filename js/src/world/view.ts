@@ -105,6 +105,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   const more = menuButton(lab.root, about, "World", () => menu());
   const save = saveForm(lab, "world-file", () => `${store.state.world?.name || "my"}-edited.world.json`);
 
+  const original = () => void lab.act({ do: "reset_world", drawings: true });
   function menu(): (MenuItem | null)[] {
     return [
       switchItem("Grid", "grid", grid, "G"),
@@ -113,12 +114,9 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       null,
       item("Why does the robot do this?", "why-robot", () => askWhy(lab, "robot", "", below(more))),
       item("Start here", "start-at-robot", () => edits.startHere()),
-      item(
-        "Undo all edits of this world",
-        "world-original",
-        () => void lab.act({ do: "reset_world", drawings: true }),
-        { disabled: !store.state.world?.edited },
-      ),
+      item("Undo all edits of this world", "world-original", original, {
+        disabled: !store.state.world?.edited,
+      }),
       null,
       item("Save world…", "save-world", save.open),
       item("Open world…", "open-world", () => openWorld(lab)),
