@@ -172,7 +172,8 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
 
     # The robot leaves the line, which is on its left, and stands: `looking` does nothing.
     keep_the_mark_beside_an_open_bracket(lab)
-    until(lambda: typist.kernel("session.bridge.robot.light.data") > 138 and not typist.moves, "it stands")
+    until(lambda: typist.kernel("session.bridge.robot.light.data") > 138 and not typist.moves, "it stops")
+    lab.goes_on()  # it comes to a stand within half a second of its own time
     place = typist.pose
     typist.after("(state looking")
     typist.types(" ", "(machine lookalgo", "(var time := [maxlook])")
