@@ -11,6 +11,23 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Literal, NamedTuple, NoReturn, Self
 
+__all__ = [
+    "BridgeError",
+    "Edit",
+    "FileError",
+    "Finding",
+    "Fix",
+    "LRPError",
+    "LRPSyntaxError",
+    "NoDataYet",
+    "NotAValue",
+    "SessionClosedError",
+    "SessionTimeoutError",
+    "Severity",
+    "StaleData",
+    "UnknownElementError",
+]
+
 Severity = Literal["error", "warning", "hint"]
 
 
