@@ -230,6 +230,7 @@ def test_the_place_of_a_quote_is_not_searched_for_in_long_blocks(monkeypatch: py
     [
         ("(on e x y, -> b)", ["LRP108", "LRP104"], "by spaces, not by commas. Remove the comma."),
         ("(on e 3 -> b,)", ["LRP108", "LRP104"], "by spaces, not by commas. Remove the comma."),
+        ("(on e -> b,)", ["LRP108", "LRP104"], "by spaces, not by commas. Remove the comma."),
         ("(on e x y -> (b))", ["LRP108", "LRP110"], "without brackets here. Write `b`."),
         ("(on e x y, -> (b),)", ["LRP108", "LRP104", "LRP110"], "without brackets here. Write `b`."),
     ],

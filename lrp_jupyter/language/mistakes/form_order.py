@@ -111,7 +111,7 @@ def trigger_last(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     first, destination, trigger = items[0], items[arrow + 1], items[-1]
     word = draft.word(trigger)
     known = draft.defined["var" if form.keyword == "ontime" else "event"]
-    if trigger.kind != "NAME" or (word in known and word not in draft.states):
+    if (trigger.kind != "NAME" and word != ",") or (word in known and word not in draft.states):
         what = "The delay" if form.keyword == "ontime" else "The event"
         message = f"{what} comes before the states. Write `{USAGE[form.keyword]}`."
         edits = Edit(first.start, first.start, f"{word} "), Edit(destination.end, trigger.end, "")
