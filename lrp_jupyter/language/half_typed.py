@@ -191,7 +191,7 @@ def _reason(error: Finding) -> str:
 
 
 def without_change(program: Program, before: Program, *spans: Span) -> Program:
-    """Return a program without the changes in some ranges since another one; that one if it is no program."""
+    """Return a program without its changes in some ranges; the earlier one if the result is not a program."""
     parts, at, place = [], 0, 0
     for length, new in text_difference(before.text, program.text):
         then = before.text[place : place + length]

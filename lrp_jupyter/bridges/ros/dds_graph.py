@@ -46,7 +46,7 @@ class Endpoint(NamedTuple):
     key: UUID
     participant: UUID
     topic: str  # on the wire: `rt/odom`
-    type: str  # `nav_msgs/Odometry`; empty if it is no message of ROS
+    type: str  # `nav_msgs/Odometry`; empty if it is not a ROS message
     qos: Qos
     writes: bool
 

@@ -25,7 +25,7 @@ _KINDS = ("state", "machine", "event", "variable", "transition")
 
 
 class Mention(NamedTuple):
-    """One position of the text where a name refers to something; `symbol`: None if that is no element.
+    """One position of the text where a name refers to something; `symbol`: None unless that is an element.
 
     `imported`: the module's name where the name is bound by ``import``, else empty.
     """
