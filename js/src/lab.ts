@@ -1,21 +1,23 @@
 /** One view of a session: the whole lab, or the one part that the `view` trait names. */
 
+import { keepInPlace } from "./editor/anchor";
 import { Editor } from "./editor/editor";
 import { graphView } from "./graph/view";
 import { cellAround, type HostedModel, runBelow } from "./host/notebook";
 import { storePictures } from "./host/pictures";
 import { cellSource } from "./host/source";
+import { breakpointsView } from "./parts/breakpointlist";
 import { controls } from "./parts/controls";
 import { editorPanel } from "./parts/editor";
-import { foot } from "./parts/foot";
 import { goalView } from "./parts/goal";
 import { type Inspector, inspector } from "./parts/inspector";
-import { issuesView } from "./parts/issues";
+import { errorsIn, issuesView } from "./parts/issues";
 import type { Choices } from "./parts/menu";
-import { announcer } from "./parts/notes";
+import { announcer, notes } from "./parts/notes";
 import { openForm } from "./parts/open";
+import { restarts } from "./parts/restarts";
 import { saveForm } from "./parts/save";
-import { looked, watchPointer, withheld } from "./parts/study";
+import { looked, recorded, watchPointer, withheld } from "./parts/study";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
 import { variablesView } from "./parts/variables";
@@ -36,7 +38,7 @@ import { enlarging } from "./ui/enlarge";
 import { Layout, type Panels, WITHHELD } from "./ui/layout";
 import { bringIntoSight, fitHeight } from "./ui/sight";
 import { watchTheme } from "./ui/theme";
-import { membersCard } from "./world/members";
+import { robotView } from "./world/members";
 import { type WorldPart, worldView } from "./world/view";
 
 const TOAST_TIME = 6000; // ms that an error stays
@@ -180,17 +182,17 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   if (wanted("editor")) editor = new Editor(lab, connection);
   if (wanted("world")) world = worldView(lab, looking);
   inspecting = inspector(lab);
-  const card = membersCard(lab);
   const panels = {
     goal: wanted("goal") ? goalView(lab) : null,
     editor: editor && editorPanel(lab, editor),
     tree: wanted("tree") ? treeView(lab) : null,
     graph: wanted("graph") ? graphView(lab) : null,
     world: world?.element ?? null,
-    variables: wanted("variables") ? variablesView(lab, part === "lab" ? card : null) : null,
+    variables: wanted("variables") ? variablesView(lab) : null,
+    robot: wanted("world") ? robotView(lab) : null,
     issues: wanted("issues") ? issuesView(lab) : null,
+    breakpoints: wanted("issues") ? breakpointsView(lab) : null,
   };
-  if (part === "world") panels.world?.append(card);
   const layout = part === "lab" ? new Layout(panels as Panels) : null; // a whole lab has all of them
   const height = part === "lab" ? fitHeight(root) : null;
   const { isFilling, fill } = enlarging(host, root, layout);
@@ -212,11 +214,20 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     open: opening.open,
     cell,
   };
-  if (part === "lab" || part === "controls") root.append(controls(lab, choices));
+  const { notice, counter } = restarts(lab);
+  const isControlled = part === "lab" || part === "controls";
+  if (isControlled) root.append(controls(lab, choices, counter));
   if (part !== "lab") root.append(band(lab, looking));
-  root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
+  const [alone, ...below] = Object.values(panels).filter((panel) => panel !== null);
+  if (layout) root.append(layout.element);
+  else if (alone) {
+    alone.append(...below);
+    root.append(alone);
+  }
   if (part === "lab") root.append(timelineView(lab, looking));
-  root.append(foot(lab, text, save.element, versions.element, opening.element));
+  if (!isControlled) root.append(recorded(lab));
+  const forms = [save.element, versions.element, opening.element];
+  root.append(h("div", { class: "lrp-notes" }, ...forms, notes(lab, text), notice));
   root.append(inspecting.element, toast, announcer(lab));
 
   if (part === "lab" || part === "world") askWhatIf(lab);
@@ -228,7 +239,18 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       for (const [name, panel] of Object.entries(panels))
         panel?.toggleAttribute(WITHHELD, away.includes(name));
   });
-  if (layout) layout.told = (panel, on) => looked(lab, "panel", panel, on);
+  if (layout) {
+    layout.told = (panel, on) => looked(lab, "panel", panel, on);
+    layout.holding = (change) => (editor ? keepInPlace(editor.view, change) : change());
+    store.watch(["looking"], () => layout.lookBack(store.state.looking !== null));
+    let errors = 0;
+    store.watch(["findings", "issues"], () => {
+      const before = errors;
+      errors = errorsIn(store.state);
+      if (errors > before) layout.call("issues");
+      else if (!errors) layout.call(null);
+    });
+  }
   watchPointer(lab);
   reportChanges(model, lab);
   store.watch(["tick", "revision", "status", "link"], () => {

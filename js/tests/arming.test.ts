@@ -40,7 +40,7 @@ describe("arming a robot", () => {
     const act = async (each: unknown) => void acts.push(each);
     const lab = { store, root, act } as unknown as Lab;
     const choices = { bridges: [], programs: [], worlds: [] };
-    root.append(controls(lab, choices as never), bridgePanel(lab));
+    root.append(controls(lab, choices as never, document.createElement("div")), bridgePanel(lab));
   });
 
   for (const [place, action] of [

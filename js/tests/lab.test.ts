@@ -414,14 +414,14 @@ describe("the page", () => {
       ["hold", "graph-mode"].map((act) => page.find(`[data-lrp-action="${act}"]`) as HTMLButtonElement);
     page.deliver({ type: "frame", frame: 9, settings: { edits: "hold", graph: "hidden", quiet: true } });
     await page.drawn();
-    expect(items()).toEqual(["editor", "graph", "world", "issues"]);
+    expect(items()).toEqual(["editor", "graph", "world", "issues", "breakpoints"]);
     expect(page.host.querySelector('[data-lrp-action="values"]')).toBe(null);
     page.find('[data-lrp-action="panel-graph"]').click();
     expect(page.commands("graph")).toMatchObject([{ mode: "live" }]);
     expect(switches().map(({ disabled }) => disabled)).toEqual([false, false]);
     page.deliver({ type: "frame", frame: 10, settings: { lock: true } });
     await page.drawn();
-    expect(items()).toEqual(["editor", "world", "issues"]);
+    expect(items()).toEqual(["editor", "world", "issues", "breakpoints"]);
     expect(switches().map(({ disabled }) => disabled)).toEqual([true, true]);
     expect(switches()[0]!.title).toBe("This is set for a study, and cannot be changed here.");
     expect(switches()[0]!.getAttribute("aria-checked")).toBe("true");
@@ -603,7 +603,7 @@ describe("the page", () => {
   });
 
   it("inspects the robot with one click", async () => {
-    page.find('[data-lrp="variables"] [data-lrp-action="inspect-robot"]').click();
+    page.find('[data-lrp="robot"] [data-lrp-action="inspect-robot"]').click();
     await page.drawn();
     expect(page.of("inspect").at(-1)).toMatchObject({ kind: "robot", path: "" });
   });

@@ -8,7 +8,7 @@ import { Looking } from "../src/timeline/looking";
 import { timelineView } from "../src/timeline/view";
 
 const WIDTH = 700; // px
-const LEFT = 84; // px of the names
+const LEFT = 110; // px of the names
 const SECONDS = 30;
 const END = 20; // s, the present
 const xOf = (time: number) => LEFT + (time / SECONDS) * (WIDTH - LEFT - 14);

@@ -1,9 +1,9 @@
-/** The list of breakpoints in the panel of issues, and the form for a condition. */
+/** The breakpoints, the form for a condition, and whether issues pause the program, too. */
 
 import type { BreakpointView } from "../protocol";
 import type { Act } from "../session/connection";
 import type { Lab } from "../session/store";
-import { iconButton, linkButton } from "../ui/button";
+import { iconButton, linkButton, panel, setSwitch, toggle } from "../ui/button";
 import { freshId, h, reconcile, setAttribute, setHidden, setProse, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 import { ELEMENT_OF } from "./breakpoints";
@@ -18,23 +18,25 @@ const WORDS: Record<BreakpointView["kind"], string> = {
   condition: "becomes True",
 };
 
-/** The list below what else the panel holds: once it is open, both scroll together, since the panel may be low. */
-export function breakpointList(lab: Lab, above: HTMLElement): HTMLElement {
+export function breakpointsView(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const pause = toggle(
+    "Pause on issue",
+    "Pause the program whenever an issue occurs",
+    "pause-on-issue",
+    (on) => void lab.act({ do: "pause_on_issue", on }),
+  );
+  store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));
   const list = h("ul", { class: "lrp-breakpoints" });
-  const title = h("summary", {}, "Breakpoints");
-  const details = h("details", { class: "lrp-details lrp-breakpoint-list" }, title, list, conditionForm(lab));
-  const body = h("div", { class: "lrp-issues-body" }, above, details);
-  details.addEventListener("toggle", () => {
-    if (details.open) body.scrollTop = details.offsetTop - body.offsetTop;
-  });
-  lab.store.watch(["breakpoints"], () => {
-    const all = Object.entries(lab.store.state.breakpoints);
-    setText(title, all.length ? `Breakpoints (${all.length})` : "Breakpoints");
-    if (all.length > list.children.length) details.open = true;
+  const body = h("div", { class: "lrp-breakpoint-list" }, conditionForm(lab), list);
+  const { element, heading } = panel("breakpoints", "Breakpoints", [pause], body);
+  store.watch(["breakpoints"], () => {
+    const all = Object.entries(store.state.breakpoints);
+    setText(heading, all.length ? `Breakpoints (${all.length})` : "Breakpoints");
     const make = ([number]: Entry) => item(lab, number);
     reconcile(list, all, ([number]) => number, make, update);
   });
-  return body;
+  return element;
 }
 
 function item(lab: Lab, number: string): HTMLElement {

@@ -10,14 +10,16 @@ import { askToArm } from "./arming";
 import { type Choices, labMenu } from "./menu";
 import { rateSlider, speedSelect } from "./rate";
 import { showReach, whyLate } from "./reach";
-import { showLock } from "./study";
+import { pausedBy, statusLine } from "./status";
+import { recorded, showLock } from "./study";
 
 const RUNS = "Run or pause the program";
 const STOPS = "Stop all motors, then pause";
 const DISARMED = "While disarmed, commands are shown but not sent";
 const HOLDS = "Edits take effect only when you choose Apply (Ctrl+Enter)";
 
-export function controls(lab: Lab, choices: Choices): HTMLElement {
+/** `restarts` counts them. */
+export function controls(lab: Lab, choices: Choices, restarts: HTMLElement): HTMLElement {
   const { store } = lab;
   const isOn = () => store.state.status === "running" || store.state.status === "hung";
   const go = (act: "step" | "step_back" | "reset" | "stop") => () => void lab.act({ do: act });
@@ -73,7 +75,7 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
     stop,
     rateSlider(lab),
     speedSelect(lab),
-    h("div", { class: "lrp-grow" }),
+    h("div", { class: "lrp-told" }, statusLine(lab), pausedBy(lab), restarts, recorded(lab)),
     bridgeChip(lab),
     hold,
     more,

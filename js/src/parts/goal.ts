@@ -44,8 +44,8 @@ export function goalView(lab: Lab): HTMLElement {
   const criteria = h("ul", { class: "lrp-criteria", "aria-label": "Criteria of the run in the world" });
   const checked = checkView(lab);
   const group = { class: "lrp-goal", tabindex: "0", role: "group", "aria-label": "Goal" };
-  const body = h("div", group, task, note, watched, criteria, checked.element);
-  const { element, heading } = panel("goal", "Goal", [world, again, check], body);
+  const body = h("div", group, checked.element, task, note, watched, criteria);
+  const { element, heading } = panel("goal", "Goal", [world, again, check, checked.hint], body);
   element.setAttribute(GOALLESS, "");
   store.watch(["goal", "attempts"], () => {
     const { goal, attempts } = store.state;
@@ -94,7 +94,7 @@ export function numbered(worlds: readonly { name: string }[]): string[] {
 }
 
 /** The last check: progress, result, one card for each run, hints. */
-function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, attempts: Attempts) => void } {
+function checkView(lab: Lab) {
   const bar = h("progress", { class: "lrp-progress", "aria-label": "Runs made" });
   const result = h("p", { class: "lrp-result", role: "status" });
   const runs = h("ul", { class: "lrp-attempts", "aria-label": "Runs of the check" });
@@ -105,15 +105,20 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, a
     onclick: () => void lab.act({ do: "hint" }),
   });
   const hints = h("ol", { class: "lrp-hints", "aria-label": "Hints", "aria-live": "polite" });
-  const element = h("div", { class: "lrp-check" }, bar, result, hints, hint, runs);
+  const element = h("div", { class: "lrp-check" }, bar, result, hints, runs);
   const label = hint.querySelector(".lrp-button-label")!;
   let given = 0; // hints: a new one is brought into view
+  let ended = true;
   return {
     element,
-    update(goal, attempts) {
+    hint,
+    update(goal: GoalView, attempts: Attempts) {
       const { check } = goal;
       element.hidden = check === null;
+      hint.hidden = !(check && goal.more_hints);
       if (!check) return;
+      if (check.busy && ended && element.parentElement) element.parentElement.scrollTop = 0;
+      ended = !check.busy;
       bar.hidden = !check.busy;
       bar.max = check.total;
       bar.value = check.done;
@@ -127,7 +132,6 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, a
         (card, [, attempt]) => updateRun(card, attempt, goal, attempts),
       );
       setText(label, goal.more_hints ? `Hint (${goal.more_hints})` : "Hint");
-      hint.hidden = !goal.more_hints;
       reconcile(
         hints,
         goal.hints,

@@ -1,10 +1,10 @@
 /** Findings of the checks and issues of the run in one list, each once, counted, with its place. Paper: §6.2. */
 
 import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
+import type { LabState } from "../session/state";
 import type { Lab } from "../session/store";
-import { button, linkButton, panel, setSwitch, toggle } from "../ui/button";
+import { iconButton, linkButton, panel } from "../ui/button";
 import { h, prose, reconcile, setAttribute, setText } from "../ui/dom";
-import { breakpointList } from "./breakpointlist";
 import { codeButton } from "./explain";
 
 interface Entry {
@@ -20,22 +20,11 @@ interface Entry {
 
 export function issuesView(lab: Lab): HTMLElement {
   const { store } = lab;
-  const pause = toggle(
-    "Pause on issue",
-    "Pause the program whenever an issue occurs",
-    "pause-on-issue",
-    (on) => void lab.act({ do: "pause_on_issue", on }),
-  );
-  const clear = button({
-    label: "Clear",
-    title: "Clear the run-time issues",
-    action: "clear",
-    onclick: () => void lab.act({ do: "clear_issues" }),
+  const clear = iconButton("clear", "Clear the run-time issues", "clear", () => {
+    void lab.act({ do: "clear_issues" });
   });
   const list = h("ul", { class: "lrp-issues" });
-  const body = breakpointList(lab, list);
-  const { element, heading } = panel("issues", "Issues", [pause, clear], body, printed(lab));
-  store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));
+  const { element, heading } = panel("issues", "Issues", [clear], list, printed(lab));
   store.watch(["findings", "issues"], () => {
     const { findings, issues } = store.state;
     const entries = entriesOf(findings, Object.values(issues));
@@ -52,6 +41,11 @@ export function issuesView(lab: Lab): HTMLElement {
     clear.disabled = !Object.keys(issues).length;
   });
   return element;
+}
+
+export function errorsIn({ findings, issues }: Pick<LabState, "findings" | "issues">): number {
+  const entries = entriesOf(findings, Object.values(issues));
+  return entries.filter(({ severity, issue }) => severity === "error" && !issue?.resolved).length;
 }
 
 /** Findings and issues; an issue that names a finding is listed once, as that finding. */

@@ -5,7 +5,14 @@ import type { Source } from "../host/source";
 import type { Lab } from "../session/store";
 import { type Layout, type Panels, WITHHELD } from "../ui/layout";
 import { item, type MenuItem, switchItem } from "../ui/menu";
+import type { Arrangement } from "../ui/plans";
 import { askWhy } from "./why";
+
+const LARGE: [Arrangement, string][] = [
+  ["work", "Program and world"],
+  ["world", "Large world"],
+  ["demo", "Large world and graph"],
+];
 
 interface Choice {
   shown: () => boolean;
@@ -71,6 +78,15 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       checked: fills.shown(),
       hint: "⇧F9",
     }),
+    ...(layout
+      ? LARGE.map(([name, label]) => {
+          const choose = () => {
+            layout.arrangement = name;
+          };
+          return item(label, `arrange-${name}`, choose, { checked: layout.arrangement === name });
+        })
+      : []),
+    null,
     ...panels,
     ...(layout ? [item("Reset panel sizes", "usual-sizes", choices.resetSizes)] : []),
     ...(programs.length ? [null, ...programs] : []),

@@ -3,7 +3,7 @@
 import { isIn, nameOf } from "../language/paths";
 import type { OutdatedView } from "../protocol";
 import type { Lab } from "../session/store";
-import { button, iconButton, linkButton, panel } from "../ui/button";
+import { iconButton, linkButton, panel } from "../ui/button";
 import { h, prose, reconcile, s, setAttribute, setHidden, setText } from "../ui/dom";
 import { editing } from "../ui/editing";
 import { hasFocus } from "../ui/root";
@@ -14,19 +14,11 @@ interface Group {
   variables: string[];
 }
 
-/** `below` is shown under the variables and scrolls with them. */
-export function variablesView(lab: Lab, below: HTMLElement | null = null): HTMLElement {
+export function variablesView(lab: Lab): HTMLElement {
   const { store } = lab;
   const list = h("div");
-  const robot = button({
-    icon: "search",
-    label: "Robot",
-    title: "Inspect the robot",
-    action: "inspect-robot",
-    onclick: () => lab.inspect("robot", ""),
-  });
   const group = { class: "lrp-variables", tabindex: "0", role: "group", "aria-label": "Variables" };
-  const { element } = panel("variables", "Variables", [robot], h("div", group, list, below));
+  const { element } = panel("variables", "Variables", [], h("div", group, list));
   const rows = new Map<string, Row>();
   const makeGroup = (group: Group) =>
     h(

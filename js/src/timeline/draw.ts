@@ -32,7 +32,7 @@ export interface Drawing extends Scale {
   styleOf(state: string): Style;
 }
 
-const AXIS = 16; // px
+const AXIS = 18; // px
 const MARKS = 14;
 const LANE = 18;
 const BAR = LANE - 4;

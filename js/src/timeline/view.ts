@@ -82,6 +82,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const open = (on: boolean, chosen = false) => {
     setHidden(body, !on);
     setHidden(tools, !on);
+    element.toggleAttribute("data-open", on);
     setAttribute(opener, "aria-expanded", String(on));
     if (chosen) {
       keepOn(OPEN, on);
@@ -126,7 +127,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const redraw = () => {
     const whole = area.clientWidth;
     if (body.hidden || !whole) return;
-    const left = Math.min(130, Math.max(84, whole * 0.12));
+    const left = Math.min(130, Math.max(110, whole * 0.12));
     const { whatIf, looking: moment } = store.state;
     const { scrollTop, clientHeight } = body;
     drawing = {

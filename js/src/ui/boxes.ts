@@ -11,8 +11,6 @@ export interface Division {
   axis: "columns" | "rows";
   /** The first one's part of the whole, in percent, unless the user chose another. */
   share: number;
-  /** The same for the panel of a real robot, which holds more than the picture of a world. */
-  robotShare?: number;
   parts: readonly [Plan, Plan];
 }
 

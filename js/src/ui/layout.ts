@@ -1,48 +1,59 @@
 /**
- * The panels of the lab: all in one screen, and the world the largest. Sizes and hidden panels are kept by the
- * browser. No panel moves in the document, so none loses its focus or where it was scrolled to.
+ * The panels of the lab: all in one screen, and the world the largest. The arrangement, sizes and hidden panels are
+ * kept by the browser. No panel moves in the document, so none loses its focus or where it was scrolled to.
  */
 
 import { arrange, type Division } from "./boxes";
 import { h, setAttribute } from "./dom";
 import { forget, forgetAll, keep, kept } from "./kept";
-import { planFor } from "./plans";
+import { ARRANGEMENTS, type Arrangement, HEAD, planFor } from "./plans";
 import { put, splitter } from "./splitter";
+import { Tabs } from "./tabs";
 
+const ARRANGEMENT = "arrangement";
 const HIDDEN = "hidden-";
 const SHARE = "share-";
+const STACKED = 300; // px: the world's height where the panels are stacked, at most
 /** Set by the goal's panel while the program is written for no challenge. */
 export const GOALLESS = "data-goalless";
 /** Set while the conditions of a study withhold a panel. */
 export const WITHHELD = "data-withheld";
-const WORLDLESS = "data-worldless"; // set by the world's panel while it shows a real robot
+/** Set by the world's panel while it shows a world: its width divided by its height. */
+export const ASPECT = "data-aspect";
 
 export type Panels = Record<
-  "goal" | "editor" | "tree" | "graph" | "world" | "variables" | "issues",
+  "goal" | "editor" | "tree" | "graph" | "world" | "variables" | "robot" | "issues" | "breakpoints",
   HTMLElement
 >;
 
 export class Layout {
   readonly element: HTMLElement;
-  /** What has a place of its own: a panel, or the tree and the graph together. */
+  /** What has a place of its own: a panel, the tree and the graph together, or the panels that share tabs. */
   private readonly places: Map<string, HTMLElement>;
   private readonly bars = new Map<Division, ReturnType<typeof splitter>>();
   /** Called when the user shows or hides a panel, or shows it alone. */
   told: (about: string, on: boolean) => void = () => {};
+  /** Makes a change in which what one reads stays in place. */
+  holding: (change: () => void) => void = (change) => change();
   private alone: HTMLElement | null = null;
+  private readonly tabs: Tabs;
+  private looksBack = false;
   private readonly observer = new ResizeObserver(() => {
     if (this.element.clientWidth) this.update(); // in a tab that is not shown, everything stays as it is
   });
   private readonly robots = new MutationObserver(() => this.update());
 
   constructor(readonly panels: Readonly<Panels>) {
-    const { goal, editor, tree, graph, ...others } = panels;
+    const { goal, editor, tree, graph, world, ...others } = panels;
     const machines = h("div", { class: "lrp-machines" }, tree, graph);
-    this.places = new Map(Object.entries({ goal, editor, machines, ...others })); // in the order of the tab key
+    this.tabs = new Tabs(others, isPanelVisible);
+    this.tabs.told = (name, on) => this.told(name, on);
+    const lists = this.tabs.element;
+    this.places = new Map(Object.entries({ goal, editor, machines, world, lists })); // in the order of the tab key
     this.element = h("div", { class: "lrp-panels" }, ...this.places.values());
     for (const [name, panel] of Object.entries(panels)) panel.hidden = kept(HIDDEN + name) !== null;
     this.observer.observe(this.element);
-    this.robots.observe(panels.world, { attributes: true, attributeFilter: [WORLDLESS] });
+    this.robots.observe(panels.world, { attributes: true, attributeFilter: [ASPECT] });
     this.robots.observe(panels.goal, { attributes: true, attributeFilter: [GOALLESS] });
     this.update();
   }
@@ -60,6 +71,28 @@ export class Layout {
     for (const [name, panel] of Object.entries(this.panels))
       panel.toggleAttribute(WITHHELD, names.includes(name));
     this.maximise(this.alone?.hasAttribute(WITHHELD) ? null : this.alone);
+  }
+
+  /** Bring one of the panels that share tabs to the front, or null: let the user's choice return to it. */
+  call(name: keyof Panels | null): void {
+    this.tabs.call(name);
+  }
+
+  get arrangement(): Arrangement {
+    const name = kept(ARRANGEMENT);
+    return ARRANGEMENTS.find((each) => each === name) ?? "work";
+  }
+
+  set arrangement(name: Arrangement) {
+    keep(ARRANGEMENT, name);
+    this.maximise(null);
+  }
+
+  /** Make the world large while an earlier moment is shown. */
+  lookBack(on: boolean): void {
+    if (this.looksBack === on) return;
+    this.looksBack = on;
+    this.holding(() => this.update());
   }
 
   /** The panel that is shown alone. */
@@ -90,14 +123,22 @@ export class Layout {
   }
 
   private update(): void {
+    this.tabs.update();
     const alone = [...this.places.keys()].find((name) => this.places.get(name)!.contains(this.alone));
-    const plan = alone ?? planFor(this.element.clientWidth, isVisible(this.panels.goal));
+    const { clientWidth: width, clientHeight: height, parentElement: lab } = this.element;
+    const room = { width, height, lab: (lab?.clientWidth ?? width) * (lab?.clientHeight ?? height) };
+    const shown = {
+      hasGoal: isVisible(this.panels.goal),
+      aspect: Number(this.panels.world.getAttribute(ASPECT)) || null,
+    };
+    const plan = alone ?? planFor(room, shown, this.looksBack ? "world" : this.arrangement);
     this.element.toggleAttribute("data-stacked", !plan);
-    const isRobot = this.panels.world.hasAttribute(WORLDLESS);
+    const stacked = shown.aspect ? HEAD + Math.min(STACKED, width / shown.aspect) : STACKED;
+    this.panels.world.style.setProperty("--lrp-stacked", `${Math.round(stacked)}px`);
     const { boxes, bars } = arrange(
       plan,
       (name) => isVisible(this.places.get(name)!),
-      ({ name, share, robotShare }) => Number(kept(SHARE + name)) || (isRobot && robotShare) || share,
+      ({ name, share }) => Number(kept(SHARE + name)) || share,
     );
     for (const [name, place] of this.places) {
       const box = boxes.get(name);
@@ -134,7 +175,9 @@ function isVisible(place: HTMLElement): boolean {
   const panels = place.matches(".lrp-panel")
     ? [place]
     : [...place.querySelectorAll<HTMLElement>(".lrp-panel")];
-  return panels.some(
-    (panel) => !panel.hidden && !panel.hasAttribute(GOALLESS) && !panel.hasAttribute(WITHHELD),
-  );
+  return panels.some(isPanelVisible);
+}
+
+function isPanelVisible(panel: HTMLElement): boolean {
+  return !panel.hidden && !panel.hasAttribute(GOALLESS) && !panel.hasAttribute(WITHHELD);
 }

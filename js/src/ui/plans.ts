@@ -1,70 +1,160 @@
-/** How the lab's panels divide its room, by its width. */
+/**
+ * How the lab's panels divide its room. The world comes first, in its own proportions: it stands beside the program,
+ * or lies above it where that makes it larger. The program keeps its lines, and the other panels share the rest.
+ */
 
 import type { Division, Plan } from "./boxes";
+
+/** What is large: the program and the world, the world, or the world and the graph. */
+export const ARRANGEMENTS = ["work", "world", "demo"] as const;
+export type Arrangement = (typeof ARRANGEMENTS)[number];
+
+/** In px; `lab` is the area of the whole lab. */
+export interface Room {
+  width: number;
+  height: number;
+  lab: number;
+}
+
+export interface Shown {
+  hasGoal: boolean;
+  /** The width of the world, divided by its height; null where a robot's panel is in its place. */
+  aspect: number | null;
+}
+
+export const HEAD = 28; // px of a panel's heading
+export const PROGRAM = 14 * 17 + 8; // px of fourteen lines
+const LISTS = 140; // px in which three issues can be read
+const COLUMN = 360; // px in which a program can be read
+const GRAPH = 200; // px
+const LEAST = 750; // px: with less room the panels lie one below the other
+const ROBOT = 1; // the proportions of a robot's panel, which holds more than a picture
+/** The world's part of the lab, as far as there is room. */
+const PART = { work: 0.305, world: 0.5, demo: 0.42 } as const;
+
+interface Size {
+  width: number;
+  height: number;
+}
+
+/** The largest world of these proportions: a part of the lab, within limits in px. */
+function fitted(area: number, aspect: number | null, most: Size): Size {
+  const proportions = aspect ?? ROBOT;
+  const height = Math.min(Math.sqrt(area / proportions), most.height, most.width / proportions);
+  return { width: height * proportions, height };
+}
+
+/** The plan for a room; null: panels one below the other, as high as they need to be. */
+export function planFor(room: Room, shown: Shown, arrangement: Arrangement): Plan | null {
+  if (room.width < LEAST) return null;
+  if (shown.hasGoal) return challenge(room, shown, arrangement);
+  if (arrangement === "demo") return demo(room, shown);
+  const { width, height, lab } = room;
+  const isWork = arrangement === "work";
+  const besideIt = fitted(PART[arrangement] * lab, shown.aspect, {
+    width: width - (isWork ? Math.max(COLUMN, 0.34 * width) : 280),
+    height: height - HEAD - (shown.aspect ? (isWork ? LISTS : LISTS / 2) + HEAD : GRAPH),
+  });
+  const aboveIt = fitted(PART[arrangement] * lab, shown.aspect, {
+    width: width - (isWork ? GRAPH : 0),
+    height: height - HEAD - (isWork ? PROGRAM + HEAD : GRAPH),
+  });
+  if (!shown.aspect || besideIt.width >= aboveIt.width) return beside(room, besideIt, arrangement);
+  return isWork ? above(room, aboveIt) : large(room, aboveIt);
+}
+
+/** The world stands beside the program. */
+function beside({ width, height }: Room, world: Size, name: string): Plan {
+  return columns(
+    `${name}-beside`,
+    "Width of the world",
+    100 - (100 * world.width) / width,
+    rows(`${name}-program`, "Height of the editor", programIn(height), "editor", "machines"),
+    rows(`${name}-world`, "Height of the world", (100 * (world.height + HEAD)) / height, "world", "lists"),
+  );
+}
+
+/** The world lies above the program, the graph at its side. */
+function above({ width, height }: Room, world: Size): Plan {
+  return rows(
+    "work-above",
+    "Height of the world",
+    (100 * (world.height + HEAD)) / height,
+    columns("work-graph", "Width of the graph", (100 * world.width) / width, "world", "machines"),
+    columns("work-editor", "Width of the editor", 60, "editor", "lists"),
+  );
+}
+
+/** The world lies above everything else. */
+function large({ height }: Room, world: Size): Plan {
+  return rows(
+    "world-above",
+    "Height of the world",
+    (100 * (world.height + HEAD)) / height,
+    "world",
+    columns(
+      "world-editor",
+      "Width of the editor",
+      44,
+      "editor",
+      columns("world-graph", "Width of the graph", 46, "machines", "lists"),
+    ),
+  );
+}
+
+/** The pictures for all to see; the program and the lists at the side. */
+function demo({ width, height, lab }: Room, { aspect }: Shown): Plan {
+  const world = fitted(PART.demo * lab, aspect, {
+    width: 0.7 * width,
+    height: height - HEAD - GRAPH - HEAD,
+  });
+  return columns(
+    "demo",
+    "Width of the editor",
+    30,
+    rows("demo-lists", "Height of the editor", 64, "editor", "lists"),
+    rows("demo-world", "Height of the world", (100 * (world.height + HEAD)) / height, "world", "machines"),
+  );
+}
+
+/** A challenge: the world and what is to be done at the left, the program at the right. */
+function challenge({ width, height, lab }: Room, { aspect }: Shown, arrangement: Arrangement): Plan {
+  const world = fitted(PART[arrangement] * lab, aspect, {
+    width: (arrangement === "work" ? 0.46 : 0.6) * width,
+    height: height - HEAD - 240,
+  });
+  return columns(
+    `${arrangement}-goal`,
+    "Width of the world",
+    Math.max(44, (100 * world.width) / width),
+    rows(
+      `${arrangement}-goal-world`,
+      "Height of the world",
+      (100 * (world.height + HEAD)) / height,
+      "world",
+      "goal",
+    ),
+    rows(
+      `${arrangement}-goal-program`,
+      "Height of the editor",
+      programIn(height),
+      "editor",
+      columns(`${arrangement}-goal-graph`, "Width of the graph", 42, "machines", "lists"),
+    ),
+  );
+}
+
+/** The share of the program above another panel, in percent. */
+function programIn(height: number): number {
+  return Math.max(52, (100 * (PROGRAM + HEAD)) / height);
+}
 
 type Parts = readonly [first: Plan, second: Plan];
 
 /** Two parts side by side, or one above the other; the first gets `share` percent. */
-const beside = (name: string, label: string, share: number, ...parts: Parts): Division => ({
+const columns = (name: string, label: string, share: number, ...parts: Parts): Division => ({
   ...{ name, label, share, axis: "columns", parts },
 });
-const stacked = (name: string, label: string, share: number, ...parts: Parts): Division => ({
+const rows = (name: string, label: string, share: number, ...parts: Parts): Division => ({
   ...{ name, label, share, axis: "rows", parts },
 });
-
-const lists = stacked("lists", "Height of the variables", 62, "variables", "issues");
-
-const three = beside(
-  "three",
-  "Width of the world",
-  60,
-  beside("three-editor", "Width of the editor", 55, "editor", "machines"),
-  { ...stacked("three-world", "Height of the world", 50, "world", lists), robotShare: 68 },
-);
-
-/** The two pictures above the texts: a robot can be seen where a third column would leave no room for it. */
-const two = beside(
-  "two",
-  "Width of the world",
-  39,
-  stacked("two-graph", "Height of the graph", 55, "machines", lists),
-  { ...stacked("two-world", "Height of the world", 44, "world", "editor"), robotShare: 58 },
-);
-
-/** A challenge: what is to be done and the world at the left, the program at the right. */
-const goal = stacked("goal", "Height of the goal", 42, "goal", "world");
-
-const goalWide = beside(
-  "goal-wide",
-  "Width of the world",
-  42,
-  goal,
-  stacked(
-    "goal-editor",
-    "Height of the editor",
-    56,
-    "editor",
-    beside("goal-graph", "Width of the graph", 62, "machines", lists),
-  ),
-);
-
-const goalNarrow = beside(
-  "goal-narrow",
-  "Width of the world",
-  46,
-  goal,
-  stacked(
-    "goal-program",
-    "Height of the editor",
-    50,
-    "editor",
-    stacked("goal-lists", "Height of the graph", 60, "machines", lists),
-  ),
-);
-
-/** The plan for a width in px; null: panels one below the other, as high as they need to be. */
-export function planFor(width: number, hasGoal: boolean): Plan | null {
-  if (width < 750) return null;
-  if (hasGoal) return width >= 1150 ? goalWide : goalNarrow;
-  return width >= 1350 ? three : two;
-}

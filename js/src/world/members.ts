@@ -2,13 +2,24 @@
 
 import type { MemberView } from "../protocol";
 import type { Lab } from "../session/store";
+import { button, panel } from "../ui/button";
 import { h, reconcile, setAttribute, setText } from "../ui/dom";
 
-export function membersCard(lab: Lab): HTMLElement {
+export function robotView(lab: Lab): HTMLElement {
   const { store } = lab;
-  const list = h("ul", { class: "lrp-members" });
-  const title = h("summary", {}, h("code", {}, "robot"), " — click to insert or copy");
-  const card = h("details", { class: "lrp-details", open: true }, title, list);
+  const inspect = button({
+    icon: "search",
+    label: "Inspect",
+    title: "Inspect the robot",
+    action: "inspect-robot",
+    onclick: () => lab.inspect("robot", ""),
+  });
+  const list = h("ul", {
+    class: "lrp-members",
+    tabindex: "0",
+    "aria-label": "Members: click to insert or copy",
+  });
+  const { element } = panel("robot", "Robot", [inspect], list);
   const make = (member: MemberView) =>
     h(
       "li",
@@ -31,8 +42,8 @@ export function membersCard(lab: Lab): HTMLElement {
   };
   store.watch(["bridge", "members", "snapshot"], () => {
     const { members } = store.state.bridge;
-    card.hidden = !members.length;
+    setAttribute(list, "data-empty", members.length ? null : "The program runs without a robot.");
     reconcile(list, members, (member) => member.name, make, update);
   });
-  return card;
+  return element;
 }

@@ -9,6 +9,7 @@ import type { Looking } from "../timeline/looking";
 import { button, iconButton, panel } from "../ui/button";
 import { consume, h, setAttribute, setProse, setText } from "../ui/dom";
 import { isOn, KeptSwitch, keepOn } from "../ui/kept";
+import { ASPECT } from "../ui/layout";
 import { item, type MenuItem, menuButton, switchItem } from "../ui/menu";
 import { below } from "../ui/point";
 import { WorldEdits } from "./edits";
@@ -22,6 +23,7 @@ import { properties } from "./properties";
 import { Stage } from "./stage";
 import { type Tool, type ToolBox, useTools } from "./tools";
 import { trailState } from "./trail";
+import { proportions } from "./viewport";
 import { worldSelect } from "./worlds";
 
 export interface WorldPart {
@@ -154,8 +156,8 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     follow,
   );
   const collision = h("div", { class: "lrp-world-ahead", role: "status" });
-  const view = h("div", { class: "lrp-world-body" }, canvas, zoom, colours.tip, collision, time);
-  const foot = h("div", { class: "lrp-world-foot" }, strip.element, colours.element);
+  const over = [zoom, colours.tip, collision, time, colours.element, strip.element];
+  const view = h("div", { class: "lrp-world-body" }, canvas, ...over);
   const { element, heading } = panel(
     "world",
     "World",
@@ -180,7 +182,6 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     save.element,
     toolbar,
     view,
-    foot,
     bridgePanel(lab),
   );
   element.addEventListener("keydown", (event) => {
@@ -199,9 +200,9 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     strip.refresh();
     undo.disabled = !world?.undo;
     redo.disabled = !world?.redo;
-    view.hidden = foot.hidden = !world;
+    view.hidden = !world;
     if (!world) toolbar.hidden = true;
-    element.toggleAttribute("data-worldless", !world);
+    setAttribute(element, ASPECT, world && proportions(world.size).toFixed(3));
     setText(heading, world ? "World" : "Robot");
     setAttribute(element, "data-empty", bridge.name === "none" ? "The program runs without a robot." : null);
   });

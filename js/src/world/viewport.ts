@@ -3,9 +3,14 @@
 import type { Point } from "../protocol";
 
 export const SMALLEST_ROBOT = 24; // px across: below that its heading and sensors cannot be seen
-const MARGIN = 0.06; // metres around the world
+const MARGIN = 0.02; // metres around the world
 const LARGEST = 2500; // px per metre
 const INNER = 0.28; // the share of the canvas at each edge that a followed robot does not enter
+
+/** The width of a picture of a whole world, divided by its height. */
+export function proportions([width, height]: Point): number {
+  return (width + 2 * MARGIN) / (height + 2 * MARGIN);
+}
 
 export class Viewport {
   /** Pixels per metre. */

@@ -1,28 +1,11 @@
-/** The last line of the lab: notes, which grow upward over the page and push nothing; the restarts; the status. */
+/** What the controls say: the restarts, why the program is paused, and its status. */
 
 import type { Lab } from "../session/store";
 import { h, setAttribute, setHidden, setProse, setText, unmarked } from "../ui/dom";
 import { ELEMENT_OF } from "./breakpoints";
-import { notes } from "./notes";
-import { restarts } from "./restarts";
-import { recorded } from "./study";
-
-/** `forms` are shown in the place of the notes. */
-export function foot(lab: Lab, text: () => string, ...forms: HTMLElement[]): HTMLElement {
-  const { notice, counter } = restarts(lab);
-  return h(
-    "footer",
-    { class: "lrp-foot" },
-    h("div", { class: "lrp-notes" }, ...forms, notes(lab, text), notice),
-    counter,
-    pausedBy(lab),
-    recorded(lab),
-    statusLine(lab),
-  );
-}
 
 /** Why a breakpoint paused the program, in the words of the kernel; a click shows its element. */
-function pausedBy(lab: Lab): HTMLElement {
+export function pausedBy(lab: Lab): HTMLElement {
   const { store } = lab;
   const words = h("span", {});
   const go = h(
@@ -52,16 +35,18 @@ function pausedBy(lab: Lab): HTMLElement {
   return place;
 }
 
-function statusLine(lab: Lab): HTMLElement {
+export function statusLine(lab: Lab): HTMLElement {
   const { store } = lab;
   const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
-  const words = h("span", {});
-  const line = h("span", { class: "lrp-status" }, dot, words);
+  const [words, ticks, seconds] = [h("span"), h("span", { class: "lrp-status-tick" }), h("span")];
+  const line = h("span", { class: "lrp-status" }, dot, words, ticks, seconds);
   store.watch(["status", "tick", "time", "link", "reason"], () => {
     const { status, tick, time, link, reason } = store.state;
     const word = { busy: "kernel busy", lost: "no answer", dead: "no kernel" }[link as string] ?? status;
     setAttribute(dot, "data-status", link === "live" || link === "connecting" ? status : link);
-    setText(words, `${word} · tick ${tick.toLocaleString("en")} · ${time.toFixed(1)} s`);
+    setText(words, word);
+    setText(ticks, `tick ${tick.toLocaleString("en")}`);
+    setText(seconds, `${time.toFixed(1)} s`);
     setAttribute(line, "title", unmarked(reason));
   });
   return line;

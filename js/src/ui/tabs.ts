@@ -1,0 +1,80 @@
+/** Panels in one place, one of them in front; their headings are the tabs. */
+
+import { consume, h, setAttribute } from "./dom";
+import { keep, kept } from "./kept";
+
+const CHOSEN = "tab";
+const TOOLS = 60; // px of the panel's own buttons beside the tabs
+/** Set while another tab is in front. */
+export const BEHIND = "data-behind";
+
+export class Tabs {
+  readonly element: HTMLElement;
+  private readonly strip: HTMLElement;
+  private readonly tabs = new Map<string, HTMLButtonElement>();
+  private chosen = kept(CHOSEN) ?? "";
+  private called: string | null = null;
+  /** Called when the user brings a panel to the front, or leaves it. */
+  told: (panel: string, on: boolean) => void = () => {};
+
+  constructor(
+    private readonly panels: Readonly<Record<string, HTMLElement>>,
+    /** Whether a panel may be shown. */
+    private readonly isShown: (panel: HTMLElement) => boolean,
+  ) {
+    for (const [name, panel] of Object.entries(panels)) {
+      const onclick = () => this.choose(name);
+      const attributes = { type: "button", role: "tab", class: "lrp-tab", "data-lrp-tab": name, onclick };
+      this.tabs.set(name, h("button", attributes, panel.querySelector(".lrp-title")));
+    }
+    this.strip = h("div", { class: "lrp-tab-strip", role: "tablist" }, ...this.tabs.values());
+    this.strip.addEventListener("keydown", (event) => this.move(event));
+    this.element = h("div", { class: "lrp-tabs" }, this.strip, ...Object.values(panels));
+    this.update();
+  }
+
+  /** Show a panel until it is let go: it is not what the user has chosen. */
+  call(name: string | null): void {
+    this.called = name;
+    this.update();
+  }
+
+  update(): void {
+    const shown = [...this.tabs.keys()].filter((name) => this.isShown(this.panels[name]!));
+    const front = [this.called, this.chosen].find((name) => name && shown.includes(name)) ?? shown[0];
+    for (const [name, tab] of this.tabs) {
+      tab.hidden = !shown.includes(name);
+      setAttribute(tab, "aria-selected", String(name === front));
+      setAttribute(tab, "tabindex", name === front ? "0" : "-1");
+      this.panels[name]!.toggleAttribute(BEHIND, name !== front);
+    }
+    const tab = this.tabs.get(front ?? "");
+    if (tab) this.strip.scrollLeft = tab.offsetLeft + tab.offsetWidth + TOOLS - this.strip.clientWidth;
+  }
+
+  private choose(name: string): void {
+    const before = this.front;
+    this.chosen = name;
+    this.called = null;
+    keep(CHOSEN, name);
+    this.update();
+    if (before === name) return;
+    if (before) this.told(before, false);
+    this.told(name, true);
+  }
+
+  private get front(): string | undefined {
+    return [...this.tabs.keys()].find((name) => !this.panels[name]!.hasAttribute(BEHIND));
+  }
+
+  private move(event: KeyboardEvent): void {
+    const shown = [...this.tabs].filter(([, tab]) => !tab.hidden);
+    const at = shown.findIndex(([name]) => name === this.front);
+    const to = { ArrowLeft: at - 1, ArrowRight: at + 1, Home: 0, End: -1 }[event.key];
+    const next = to === undefined ? null : shown.at(to % shown.length);
+    if (!next) return;
+    this.choose(next[0]);
+    next[1].focus();
+    consume(event);
+  }
+}
