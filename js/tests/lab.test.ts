@@ -1238,7 +1238,7 @@ it.each(["editor", "graph", "world", "variables", "issues", "tree", "controls"] 
   async (part) => {
     const alone = await new Page(part).begin();
     alone.find(`[data-lrp="${part}"]`);
-    expect(alone.host.querySelectorAll("[data-lrp]")).toHaveLength(1);
+    expect(alone.host.querySelectorAll(".lrp-lab > [data-lrp]")).toHaveLength(1);
     expect(alone.sent[0]).toMatchObject({ type: "hello", part });
     alone.close();
   },
