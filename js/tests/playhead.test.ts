@@ -290,7 +290,10 @@ describe("the window", () => {
     page.store.set("whatIf", whatIf);
     await page.drawn();
     expect(page.axis).toContain("40 s");
-    expect(page.find(".lrp-timeline-other").textContent).toContain("open loop");
+    expect(page.find(".lrp-playhead").dataset.label).toMatch(
+      /^18.0 s · with the edit \(open loop: .*no difference up to 40.0/,
+    );
+    expect(page.find(".lrp-playhead").getAttribute("aria-valuetext")).toContain("with the edit");
   });
 });
 

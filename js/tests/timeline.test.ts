@@ -2,7 +2,7 @@
 
 import { describe, expect, it } from "vitest";
 import type { Happening, Plot, Timeline } from "../src/protocol";
-import { type Drawing, draw, heightOf, roomFor } from "../src/timeline/draw";
+import { type Drawing, draw, heightOf, laneAt, roomFor } from "../src/timeline/draw";
 import { Happened, lanesOf, segmentAt, valueAt } from "../src/timeline/happened";
 import { ticksOf, xOf } from "../src/timeline/scale";
 import { s } from "../src/ui/dom";
@@ -210,27 +210,40 @@ describe("the drawing", () => {
     expect(end.querySelector("[data-lrp-plot]")).not.toBeNull();
   });
 
-  it("has as much room with one machine as with many", () => {
+  it("has as much room with one machine as with many, and with another course of them", () => {
     const many = lanesOf(["a", "b", "c", "d"].map((lane) => happening({ lane, state: `${lane}/x` })));
-    const rooms = [0, 1, 2, 4].map((count) =>
-      roomFor({ lanes: many.slice(0, count), plots: [], other: null }),
-    );
-    expect(new Set(rooms)).toEqual(new Set([69]));
+    const other = { lanes: many, end: 9, divergence: null };
+    const rooms = [0, 1, 2, 4].flatMap((count) => {
+      const lanes = many.slice(0, count);
+      return [null, { ...other, lanes }].map((other) => {
+        const held = { lanes, plots: [], other };
+        return [roomFor(held), heightOf(held)];
+      });
+    });
+    expect(rooms.map(([room]) => room)).toEqual(Array(8).fill(69));
+    expect(rooms.map(([, height]) => height)).toEqual([51, 69, 51, 69, 69, 69, 105, 105]);
   });
 
-  it("is as high as what it holds", () => {
-    const { lanes } = drawing();
-    const other = { lanes, end: 9, divergence: { time: 0.5, text: "`b` is entered." }, isOpenLoop: false };
-    expect(heightOf({ lanes, plots: [], other })).toBeGreaterThan(
-      heightOf({ lanes, plots: [], other: null }),
-    );
+  it("has the other course of a machine below the recorded one, in the same row", () => {
+    const nested = happening({ lane: "m/b/more", state: "m/b/more/x", time: 3, tick: 31 });
+    const after = [...RUN, happening({ tick: 20, time: 2, state: "m/b" }), nested];
+    const other = { lanes: lanesOf(after), end: 9, divergence: { time: 2, text: "`b` is entered." } };
     const svg = drawn({ other });
-    expect(svg.getAttribute("height")).toBe(String(heightOf(drawing({ other }))));
-    const sentence = svg.querySelector(".lrp-timeline-other")!;
-    expect(sentence.textContent).toBe("with the edit: b is entered.");
-    expect(sentence.parentElement!.querySelector("title")!.textContent).toBe(sentence.textContent);
-    expect(svg.querySelectorAll("[data-lrp-visit][data-other]").length).toBeGreaterThan(0);
+    const shown = (selector: string) =>
+      [...svg.querySelectorAll(`[data-lrp-visit]${selector}`)].map((each) => {
+        const [y, height] = ["y", "height"].map((name) => Number(each.getAttribute(name)));
+        return [each.getAttribute("data-lane"), y, y! + height!] as const;
+      });
+    const recorded = new Map(shown(":not([data-other])").map(([lane, , bottom]) => [lane, bottom]));
+    const changed = new Map(shown("[data-other]").map(([lane, top]) => [lane, top]));
+    expect(changed.get("m")).toBeGreaterThan(recorded.get("m")!);
+    expect(changed.get("m/b/more")).toBeGreaterThan(changed.get("m")!);
+    expect(changed.get("m/b/inner")).toBeGreaterThan(changed.get("m/b/more")!);
+    expect(svg.querySelectorAll(".lrp-timeline-name")).toHaveLength(3);
     expect(svg.querySelector(".lrp-timeline-divergence")).not.toBeNull();
+    expect(svg.querySelector("[data-other] title")!.textContent).toMatch(/^With the edit: /);
+    expect(laneAt(drawing({ other }), recorded.get("m")! - 1)!.machine).toBe("m");
+    expect(laneAt(drawing({ other }), changed.get("m")! + 1)).toBeNull();
   });
 
   it("stripes a visit as the trail of its state is dashed", () => {

@@ -283,13 +283,15 @@ def ask_at_a_border(lab):
 
 
 def edit_the_past(lab):
-    """The other course is shown, and runs on from there."""
+    """The other course is shown, where there is room already, and runs on from there."""
+    height = lab.box('[data-lrp="timeline"]')["height"]
     press(lab, "Home")
     looks(lab)
     lab.replace("forward := [0.2]", "forward := [0.05]")
-    lab.reads(".lrp-timeline-other", "with the edit: ")
+    lab.until("head => head.dataset.label.includes('with the edit, from ')", PLAYHEAD)
     lab.sees(".lrp-timeline-divergence")
     assert lab.find(".lrp-timeline-visit[data-other]").count() > 0
+    assert lab.box('[data-lrp="timeline"]')["height"] == height
     lab.sees(".lrp-world-body[data-what-if]")
     lab.reads(BAND, "with the edit")
     lab.do("run-from")

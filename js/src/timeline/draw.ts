@@ -11,12 +11,19 @@ import type { Lane, Mark, Plotted, Segment } from "./happened";
 import { PLOT, plotOf } from "./plots";
 import { named, nearestX, type Scale, ticksOf, timeText, xOf } from "./scale";
 
-/** `isOpenLoop`: the recorded readings of a real robot were fed, whatever was commanded. */
+/** Another course of the same machines: how it goes with an edit. */
 interface Other {
   lanes: readonly Lane[];
   end: number;
   divergence: { time: number; text: string } | null;
-  isOpenLoop: boolean;
+}
+
+/** A machine: what its states were, and below it what they are in the other course. */
+interface Row {
+  machine: string;
+  depth: number;
+  recorded: Lane | null;
+  other: Lane | null;
 }
 
 export interface Drawing extends Scale {
@@ -35,8 +42,8 @@ export interface Drawing extends Scale {
 const AXIS = 18; // px
 const MARKS = 14;
 const LANE = 18;
-const BAR = LANE - 4;
 const LANES = 2; // for which there is room
+const WORDS = 12; // px of a bar in which a name can be read
 const NARROW = 8; // px of a visit at which nobody can aim: all of a lane are drawn together
 const GAP = 3;
 const MOST_WORDS = 10; // marks in one place that are named
@@ -50,31 +57,48 @@ const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
   hand: "M-4-4L4 0 .8 1 0 4.500z",
 };
 
+function rowsOf({ lanes, other }: Pick<Drawing, "lanes" | "other">): Row[] {
+  const rows: Row[] = lanes.map((lane) => ({ ...lane, recorded: lane, other: null }));
+  for (const lane of other?.lanes ?? []) {
+    const row = rows.find(({ machine }) => machine === lane.machine);
+    if (row) row.other = lane;
+    else {
+      const outer = rows.findLastIndex(({ machine }) => lane.machine.startsWith(`${machine}/`));
+      rows.splice(outer < 0 ? rows.length : outer + 1, 0, { ...lane, recorded: null, other: lane });
+    }
+  }
+  return rows;
+}
+
+/** The height of a row, in px: two courses share it, and may have all the room that there is. */
+function rowHeight(count: number, other: Other | null): number {
+  return other ? Math.max(LANE, (LANES * LANE) / Math.max(1, count)) : LANE;
+}
+
 /** The height of a drawing, in px. */
-export function heightOf({ lanes, plots, other }: Pick<Drawing, "lanes" | "plots" | "other">): number {
-  const more = other ? LANE + other.lanes.length * LANE : 0;
-  return AXIS + MARKS + Math.max(1, lanes.length) * LANE + more + plots.length * (PLOT + GAP) + GAP;
+export function heightOf(drawing: Pick<Drawing, "lanes" | "plots" | "other">): number {
+  const { length } = rowsOf(drawing);
+  return roomFor(drawing) + (Math.max(1, length) * rowHeight(length, drawing.other) - LANES * LANE);
 }
 
 /**
- * The height of the panel for a drawing, in px: it does not change while machines start and end, or everything
- * above it would move under the pointer. What is higher can be scrolled.
+ * The height of the panel for a drawing, in px: it does not change while machines start and end, nor while
+ * another course is shown, or everything above it would move under the pointer. What is higher can be scrolled.
  */
-export function roomFor({ lanes, plots, other }: Pick<Drawing, "lanes" | "plots" | "other">): number {
-  const some = other && { ...other, lanes: other.lanes.slice(0, LANES) };
-  return (
-    heightOf({ lanes: lanes.slice(0, LANES), plots, other: some }) +
-    Math.max(0, LANES - Math.max(1, lanes.length)) * LANE
-  );
+export function roomFor({ plots }: Pick<Drawing, "plots">): number {
+  return AXIS + MARKS + LANES * LANE + plots.length * (PLOT + GAP) + GAP;
 }
 
 /** The lane at so many px from the top; null between and below the recorded ones. */
-export function laneAt({ lanes }: Drawing, y: number): Lane | null {
-  return lanes[Math.floor((y - AXIS - MARKS) / LANE)] ?? null;
+export function laneAt(drawing: Drawing, y: number): Lane | null {
+  const rows = rowsOf(drawing);
+  const place = (y - AXIS - MARKS) / rowHeight(rows.length, drawing.other);
+  const isOther = drawing.other && place % 1 >= 0.5;
+  return (!isOther && rows[Math.floor(place)]?.recorded) || null;
 }
 
 export function draw(svg: SVGSVGElement, drawing: Drawing): void {
-  const { left, width, lanes, plots, other, sight } = drawing;
+  const { left, width, plots, other, sight } = drawing;
   const height = heightOf(drawing);
   const isSeen = (y: number, height: number) => y < sight.bottom && y + height > sight.top;
   const parts: Node[] = [];
@@ -90,29 +114,24 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   let y = AXIS;
   parts.push(...marksOf(drawing, y + MARKS / 2));
   y += MARKS;
-  for (const lane of lanes) {
-    if (isSeen(y, LANE)) parts.push(...laneOf(drawing, lane, y, drawing.now, false));
-    y += LANE;
+  const rows = rowsOf(drawing);
+  const row = rowHeight(rows.length, other);
+  const course = other ? row / 2 : row;
+  for (const { machine, depth, recorded, other: changed } of rows) {
+    if (isSeen(y, row)) {
+      parts.push(named(nameOf(machine), machine, y, row, left, depth));
+      if (recorded) parts.push(...laneOf(drawing, recorded, [y, course], drawing.now, false));
+      if (changed && other) parts.push(...laneOf(drawing, changed, [y + course, course], other.end, true));
+    }
+    y += row;
   }
   y = Math.max(y, AXIS + MARKS + LANE);
-  if (other) {
-    const words = wordsOf(other);
-    const place = { class: "lrp-timeline-other", x: 8, y: y + LANE - 5 };
-    const heading = s("g", {}, s("title", {}, words), s("text", place, words)); // a narrow page cuts it
-    const top = y + 2;
-    y += LANE;
-    for (const lane of other.lanes) {
-      if (isSeen(y, LANE)) parts.push(...laneOf(drawing, lane, y, other.end, true));
-      y += LANE;
+  if (other?.divergence) {
+    const x = xOf(drawing, other.divergence.time);
+    if (x >= left && x <= left + width) {
+      const title = s("title", {}, unmarked(other.divergence.text));
+      parts.push(s("line", { class: "lrp-timeline-divergence", x1: x, x2: x, y1: AXIS, y2: y }, title));
     }
-    if (other.divergence) {
-      const x = xOf(drawing, other.divergence.time);
-      if (x >= left && x <= left + width) {
-        const title = s("title", {}, unmarked(other.divergence.text));
-        parts.push(s("line", { class: "lrp-timeline-divergence", x1: x, x2: x, y1: AXIS, y2: y }, title));
-      }
-    }
-    parts.push(s("line", { class: "lrp-timeline-grid", x1: 0, x2: left + width, y1: top, y2: top }), heading);
   }
   for (const [name, plotted] of plots) {
     y += GAP;
@@ -121,12 +140,6 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   }
   svg.setAttribute("height", String(height));
   svg.replaceChildren(...parts);
-}
-
-/** What is different after an edit of the past. */
-function wordsOf({ divergence, end, isOpenLoop }: Other): string {
-  const words = divergence ? unmarked(divergence.text) : `there is no difference up to ${end.toFixed(1)} s.`;
-  return `with the edit${isOpenLoop ? " (open loop: the readings are the recorded ones)" : ""}: ${words}`;
 }
 
 function marksOf(drawing: Drawing, y: number): Node[] {
@@ -168,15 +181,17 @@ function marksOf(drawing: Drawing, y: number): Node[] {
   return shown;
 }
 
+/** Draw the visits of a machine at a height, in px. */
 function laneOf(
   drawing: Drawing,
-  { machine, depth, segments }: Lane,
-  y: number,
+  { segments }: Lane,
+  [y, height]: [number, number],
   now: number,
   isOther: boolean,
 ): Node[] {
-  const { left, span, styleOf } = drawing;
-  const parts: Node[] = [named(nameOf(machine), machine, y, LANE, left, depth)];
+  const { span, styleOf } = drawing;
+  const parts: Node[] = [];
+  const bar: Bar = { y: y + height / 9, height: (height * 7) / 9, isOther };
   const narrow = new Map<string, string>(); // by colour
   let blurred = Number.NEGATIVE_INFINITY; // up to where visits too short to see were drawn
   for (const segment of segments) {
@@ -186,41 +201,47 @@ function laneOf(
     if (to - from < 1 && to <= blurred) continue;
     blurred = Math.max(blurred, from + 1);
     const style = styleOf(segment.state);
-    if (to - from >= NARROW) parts.push(visit(segment, from, to - from, y, style, isOther));
+    if (to - from >= NARROW) parts.push(visit(segment, from, to - from, bar, style));
     else {
       const line = `M${from.toFixed(1)} 0h${Math.max(1, to - from).toFixed(1)}`;
       narrow.set(style.color, (narrow.get(style.color) ?? "") + line);
     }
   }
   for (const [color, d] of narrow)
-    parts.push(s("g", { transform: `translate(0 ${y + 2})` }, ...bars(isOther, color, { d })));
+    parts.push(s("g", { transform: `translate(0 ${bar.y})` }, ...bars(bar, color, { d })));
   return parts;
 }
 
+interface Bar {
+  y: number;
+  height: number;
+  isOther: boolean;
+}
+
 /** The bars of visits along a path at the height 0: a wide pale one above a thin one. */
-function bars(isOther: boolean, color: string, line: { d: string; "stroke-dasharray"?: string }): Node[] {
+function bars(
+  { height, isOther }: Bar,
+  color: string,
+  line: { d: string; "stroke-dasharray"?: string },
+): Node[] {
   const bar = (y: number, thickness: number, opacity: number) =>
     s("path", {
       ...{ ...line, transform: `translate(0 ${y})`, fill: "none" },
       ...{ stroke: color, "stroke-width": thickness, "stroke-opacity": opacity },
     });
-  return [bar(BAR / 2, BAR, isOther ? 0.2 : 0.32), bar(BAR - 1, 2, 1)];
+  return [bar(height / 2, height, isOther ? 0.2 : 0.32), bar(height - 1, 2, 1)];
 }
 
-function visit(
-  segment: Segment,
-  x: number,
-  width: number,
-  y: number,
-  { color, dash }: Style,
-  isOther: boolean,
-): Node {
+function visit(segment: Segment, x: number, width: number, bar: Bar, { color, dash }: Style): Node {
   const { lane, state, by, text, tick, begin, end } = segment;
+  const { y, height, isOther } = bar;
   const until = end === Number.POSITIVE_INFINITY ? "" : ` to ${end.toFixed(1)} s`;
+  const course = isOther ? "With the edit: " : "";
   const line = {
     d: `M0 0h${width.toFixed(1)}`,
     ...(dash.length ? { "stroke-dasharray": dash.join(" ") } : {}),
   };
+  const isNamed = height >= WORDS && width >= LETTER * nameOf(state).length + 10;
   return s(
     "svg",
     {
@@ -232,14 +253,14 @@ function visit(
       "data-begin": begin,
       "data-other": isOther,
       x: x.toFixed(1),
-      y: y + 2,
+      y,
       width: width.toFixed(1),
-      height: BAR,
+      height,
     },
-    s("title", {}, `${nameOf(state)}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`),
-    s("rect", { class: "lrp-timeline-hit", width, height: BAR }), // between the stripes, too
-    ...bars(isOther, color, line),
-    s("rect", { width: 2, height: BAR, fill: color }),
-    width >= LETTER * nameOf(state).length + 10 && s("text", { x: 6, y: BAR - 4 }, nameOf(state)),
+    s("title", {}, `${course}${nameOf(state)}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`),
+    s("rect", { class: "lrp-timeline-hit", width, height }), // between the stripes, too
+    ...bars(bar, color, line),
+    s("rect", { width: 2, height, fill: color }),
+    isNamed && s("text", { x: 6, y: height - 4 }, nameOf(state)),
   );
 }

@@ -17,6 +17,7 @@ import { band, type Looking, type Moment } from "./looking";
 import { rounded, shortOf } from "./plots";
 import { nearestX, timeOf } from "./scale";
 import { Visits } from "./visits";
+import { whatIfWords } from "./what_if";
 import { TimeWindow } from "./window";
 
 /** The colours of the trail; the stylesheet lightens them in the dark. */
@@ -148,7 +149,6 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
               lanes: lanesOf(whatIf.changed.happenings),
               end: whatIf.end,
               divergence: whatIf.divergence,
-              isOpenLoop: whatIf.open_loop,
             }
           : null,
       styleOf,
@@ -173,9 +173,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     setAttribute(playhead, "aria-valuemin", happened.begin);
     setAttribute(playhead, "aria-valuemax", now().toFixed(1));
     setAttribute(playhead, "aria-valuenow", at.toFixed(1));
-    const ago = `${at.toFixed(1)} s, ${Math.max(0, now() - at).toFixed(1)} s ago`;
+    const { whatIf } = store.state;
+    const words = whatIf ? whatIfWords(whatIf) : "";
+    const ago = `${at.toFixed(1)} s, ${Math.max(0, now() - at).toFixed(1)} s ago${words && `, ${words}`}`;
     setAttribute(playhead, "aria-valuetext", isPast() ? ago : "now"); // or it would be read out in every tick
-    playhead.dataset.label = `${at.toFixed(1)} s${valuesAt(at)}`;
+    playhead.dataset.label = `${at.toFixed(1)} s${valuesAt(at)}${words && ` · ${words}`}`;
   };
   const valuesAt = (time: number) =>
     plots

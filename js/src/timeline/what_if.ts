@@ -1,7 +1,9 @@
 /** What if the program as it is now had run from the moment looked at? Asked after every edit made there. */
 
+import type { WhatIf } from "../protocol";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
+import { unmarked } from "../ui/dom";
 
 const LEAST = 10; // s
 const MOST = 60;
@@ -34,4 +36,11 @@ export function askWhatIf(lab: Lab): void {
     if (key) ask();
     else store.set("whatIf", null);
   });
+}
+
+/** What is different after an edit of the past. */
+export function whatIfWords({ divergence, end, open_loop }: WhatIf): string {
+  const loop = open_loop ? " (open loop: the readings are the recorded ones)" : "";
+  if (!divergence) return `with the edit${loop}: there is no difference up to ${end.toFixed(1)} s.`;
+  return `with the edit${loop}, from ${divergence.time.toFixed(1)} s on: ${unmarked(divergence.text)}`;
 }
