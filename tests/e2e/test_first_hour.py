@@ -7,11 +7,16 @@ from pathlib import Path
 
 from support.waiting import until
 
+from e2e.conftest import WINDOW
 from e2e.pages import NotebookPage
 from e2e.typist import Typist
 
 ROOT = Path(__file__).parents[2]
 FIRST = "00-hello-live-robot.ipynb"
+IN_SIGHT = (
+    "selector => document.querySelector(selector).getBoundingClientRect().bottom"
+    " < document.querySelector('.jp-WindowedPanel-outer').getBoundingClientRect().bottom"
+)
 PAPER = """\
 (var lightlim := [128]) (var maxlook := [100]) (var forward := [0.2]) (var search := [0.2])
 
@@ -79,9 +84,12 @@ def test_the_first_behaviour_of_the_readme_is_typed_while_the_robot_drives(open_
 
 def test_the_first_notebook_keeps_its_promises(page, server):
     shutil.copy(ROOT / "notebooks" / FIRST, server.root)
+    page.set_viewport_size({"width": 1280, "height": 800})
     notebook = NotebookPage(page, server, FIRST).show()
+    page.wait_for_function(IN_SIGHT, arg=".jp-CodeCell")  # something to run on the first screen
+    page.set_viewport_size(WINDOW)
     notebook.begin_cell(1)
-    notebook.begin_cell(2)
+    notebook.begin_cell(3)
     lab = notebook.lab().ready()
     lab.goes_on()
     typist = Typist(lab)
@@ -113,7 +121,7 @@ def test_the_first_notebook_keeps_its_promises(page, server):
     lab.goes_on()
     lab.pause()
 
-    notebook.begin_cell(7)  # the first challenge
+    notebook.begin_cell(8)  # the first challenge
     other = notebook.lab(1).ready()
     other.do("check")
     other.sees(".lrp-progress:not([hidden])")
