@@ -24,7 +24,8 @@ GAP_X, GAP_Y = 76.0, 60.0  # px: least room between two states, so that an arrow
 LAYER = 108.0  # px: from the middle of one layer to the middle of the next
 LABEL_GAP = 124.0  # px: room between two layers beside each other, for an arrow and its label
 AROUND = 90.0  # px: width and height of what is around the states: frame, name and labels
-LEGIBLE = 0.87  # scale below which letters could not be read: what is larger is scrolled
+LEGIBLE = 9.0 / 11.5  # scale at which labels are 9 px high: what would be shown smaller is scrolled
+WELL = 0.87  # scale at which narrow layers fill the panel
 CLEARLY = 1.1  # how much larger layers beside each other must be shown than layers below each other
 TALL = 13  # layers above which an arrangement is folded into columns in any panel
 SMALL = 12  # states up to which swapping neighbours is tried
@@ -105,7 +106,7 @@ def _layered(
     if panel is None:
         return below
     right = _with_any(_right(rows, sizes, links), sizes, links)
-    narrow_rows = _ordered(names, names, links, _narrowed(level, sizes, links, panel[0] / LEGIBLE - AROUND))
+    narrow_rows = _ordered(names, names, links, _narrowed(level, sizes, links, panel[0] / WELL - AROUND))
     best, largest = below, _scale(below, sizes, panel)
     for places in (right, *_down(narrow_rows, sizes, links, panel), *folded):
         scale = _scale(places, sizes, panel)

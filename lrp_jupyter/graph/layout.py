@@ -53,7 +53,7 @@ STATE_FONT, LABEL_FONT = 13.0, 11.5  # px: font sizes of states' names, and of e
 HEIGHT, NESTED_HEIGHT = 36.0, 52.0
 WIDEST_NAME, WIDEST_LABEL = 150.0, 150.0
 PLAIN = 1_000  # arrows above which neither they nor their labels avoid anything: that would take many seconds
-MARGIN = 22.0
+MARGIN = 18.0
 TITLE = 18.0
 
 

@@ -297,7 +297,7 @@ def read_a_ring(lab):
     for width in (1600, 1280, 900, 700):
         lab.page.set_viewport_size({"width": width, "height": 700})
         rests(lab)
-        assert min(graph(lab).evaluate(FONTS)) >= 9.99
+        assert min(graph(lab).evaluate(FONTS)) >= 8.99
     assert graph(lab).evaluate(OUT_OF_VIEW) > 0
     assert lab.find(".lrp-scroll").evaluate_all("bars => bars.some(bar => !bar.hidden)")
     before = places(lab)["m/s0"]

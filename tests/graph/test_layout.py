@@ -649,9 +649,17 @@ def test_many_new_states_find_places_within_bounds_and_none_on_another(monkeypat
 def test_a_machine_in_a_narrow_panel_has_narrow_layers():
     program = parse(programs.load("follower"))
     wide, narrow = (layout(program.machines[0], program=program, panel=panel) for panel in (None, (378, 530)))
-    assert wide["frame"][2] > 550
+    assert wide["frame"][2] > 500
     assert narrow["frame"][2] <= 378
     assert narrow["frame"][3] <= 530
+
+
+@every("panel", [(330, 215), (400, 180), (520, 300)])
+def test_the_four_states_of_the_search_are_wholly_in_sight_in_the_panel_of_a_small_window(panel):
+    program = parse(programs.load("follower"))
+    path = ("follower", "looking", "lookalgo")
+    drawing = layout(find_machine(program, path), program=program, path=path, panel=panel)
+    assert shown_at(drawing, panel) >= LEGIBLE
 
 
 @every("count", [4, 6, 8, 9])

@@ -6,8 +6,8 @@
 
 import type { Box, Camera } from "./camera";
 
-/** The smallest scale chosen without the user: labels of 11.5 px are 10 px high. */
-export const LEGIBLE = 0.87;
+/** The smallest scale chosen without the user: labels of 11.5 px are 9 px high. */
+export const LEGIBLE = 9 / 11.5;
 const QUIET = 1000; // ms without a key, or a move of the pointer in the panel, before anything moves
 const GLIDE = 260; // ms
 const EDGE = 14; // px between the panel's border and what is brought into view
