@@ -434,6 +434,17 @@ describe("the camera's own movements", () => {
     expect(at()).toEqual([50, 50, 1]);
   });
 
+  it("fit a drawing that was last shown in a smaller panel", () => {
+    const drawing = box(0, 0, 440, 330);
+    const other = new Camera();
+    autofit.show(other, drawing, null);
+    autofit.show(camera, box(0, 0, 400, 300), null);
+    resize(440, 330);
+    autofit.resized(null);
+    autofit.show(other, drawing, null);
+    expect([other.x, other.y, other.scale]).toEqual([0, 0, 1]);
+  });
+
   it("leave a drawing alone that the user has shown whole since the panel changed its size", () => {
     autofit.acted();
     resize(300, 200);

@@ -718,6 +718,36 @@ describe("the page", () => {
     localStorage.clear();
   });
 
+  it("has the machines as a path above the graph, and a panel for them only when there are more than three", async () => {
+    const { program } = recording.snapshot.frame;
+    const inner = "follower/looking/lookalgo";
+    const listed = (part: string) =>
+      [...page.find(`[data-lrp="${part}"] [role="tree"]`).children].map(
+        (each) => (each as HTMLElement).dataset.lrpMachine,
+      );
+    const isFolded = () => page.find('[data-lrp="tree"]').hasAttribute("data-folded");
+    expect([listed("graph"), listed("tree"), isFolded()]).toEqual([["follower", inner], [], true]);
+    const press = (key: string) =>
+      page.focused!.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    page.find('[data-lrp-machine="follower"]').focus();
+    press("ArrowRight");
+    await page.drawn();
+    expect((page.focused as HTMLElement).dataset.lrpMachine).toBe(inner);
+    expect(page.find(".lrp-graph").getAttribute("aria-label")).toBe("State graph of lookalgo");
+    press("ArrowLeft");
+    await page.drawn();
+    expect(page.find('[aria-selected="true"]').dataset.lrpMachine).toBe("follower");
+    const more = ["a", "b"].map((path) => ({ ...program.machines[0]!, path }));
+    page.deliver({
+      type: "frame",
+      frame: 9,
+      program: { ...program, machines: [...program.machines, ...more] },
+    });
+    await page.drawn();
+    const all = ["follower", inner, "a", "b"];
+    expect([listed("graph"), listed("tree"), isFolded()]).toEqual([[], all, false]);
+  });
+
   it("cuts long names in the middle, and keeps characters whole", async () => {
     const program = structuredClone(recording.snapshot.frame.program);
     Object.assign(program.machines[0]!, { path: "look_for_the_wall_🤖_now!", parent: "" });

@@ -49,7 +49,7 @@ export class AutoFit {
     this.content = content;
     this.wanted = null;
     this.measure();
-    if (!camera.placed) this.jump(focus);
+    if (!camera.placed || this.isShrunk()) this.jump(focus);
     else this.place();
     this.check();
   }
@@ -89,8 +89,7 @@ export class AutoFit {
     this.stop();
     camera.x += (this.size.width - before.width) / 2;
     camera.y += (this.size.height - before.height) / 2;
-    const isShrunk = camera.scale < 1 && this.target().scale > camera.scale;
-    if (!camera.moved && (isShrunk || this.isCutOff())) this.jump(null);
+    if (this.isShrunk() || (!camera.moved && this.isCutOff())) this.jump(null);
     else this.place();
     this.check();
   }
@@ -180,6 +179,12 @@ export class AutoFit {
     const [x, y] = [by("x", "width"), by("y", "height")];
     if (x || y) this.glide({ x: camera.x + x, y: camera.y + y, scale: camera.scale });
     else this.arrived();
+  }
+
+  /** Whether it was fitted into a panel that was smaller. */
+  private isShrunk(): boolean {
+    const { moved, scale } = this.camera;
+    return !moved && scale < 1 && this.scale() > scale;
   }
 
   /** Whether part of the drawing is out of view that need not be. */

@@ -7,12 +7,17 @@ import { type Extension, Transaction } from "@codemirror/state";
 import { ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import { DRAWN } from "../editor/pen";
 import { outlineOf } from "../language/lrp";
+import type { LabState } from "../session/state";
 import type { Lab, Store } from "../session/store";
 import { iconButton } from "../ui/button";
+import { setHidden } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
 import { isDrawnIn } from "./inside";
 
-const KEPT = "follow-cursor";
+type Followed = LabState["follow"];
+
+/** The names under which the browser keeps the switches. */
+const KEPT = { active: "follow-active", cursor: "follow-cursor" };
 
 /** Show a machine, and stop following the active one, which would soon replace it. */
 export function showMachine(store: Store, path: string): void {
@@ -21,21 +26,29 @@ export function showMachine(store: Store, path: string): void {
   store.set("machine", path);
 }
 
-/** The switch in the toolbar of the graph; its position is kept for other labs and after a reload. */
-export function cursorSwitch(store: Store): HTMLButtonElement {
-  const follows = () => store.state.follow === "cursor";
-  const element = iconButton(
-    "cursor",
-    "Follow the cursor: show the machine in which it is",
-    "follow-cursor",
-    () => store.set("follow", follows() ? "nothing" : "cursor"),
-  );
-  if (isOn(KEPT, false)) store.set("follow", "cursor");
+/** Follow something, in other labs and after a reload, too. */
+export function follow(store: Store, what: Followed): void {
+  store.set("follow", what);
+  for (const [each, name] of Object.entries(KEPT)) keepOn(name, each === what);
+}
+
+/** The switches in the heading of the graph. */
+export function followSwitches(store: Store): HTMLButtonElement[] {
+  const active = "Follow the run: show the machine of the innermost active state";
+  const cursor = "Follow the cursor: show the machine in which it is";
+  if (isOn(KEPT.cursor, false)) store.set("follow", "cursor");
+  else if (isOn(KEPT.active, false)) store.set("follow", "active");
+  const switches = {
+    active: iconButton("follow", active, "follow", () => flip("active")),
+    cursor: iconButton("cursor", cursor, "follow-cursor", () => flip("cursor")),
+  };
+  const flip = (what: Followed) => follow(store, store.state.follow === what ? "nothing" : what);
   store.watch(["follow"], () => {
-    element.setAttribute("aria-pressed", String(follows()));
-    if (follows() !== isOn(KEPT, false)) keepOn(KEPT, follows());
+    for (const [what, element] of Object.entries(switches))
+      element.setAttribute("aria-pressed", String(store.state.follow === what));
   });
-  return element;
+  store.watch(["settings"], () => setHidden(switches.active, store.state.settings.quiet));
+  return Object.values(switches);
 }
 
 /** Follow the cursor while that is wanted: show its machine as soon as it is in the program. */

@@ -2,6 +2,7 @@
 
 import { nameOf, parentOf } from "../language/paths";
 import { looked, showLock } from "../parts/study";
+import { pathView } from "../parts/tree";
 import { askWhy } from "../parts/why";
 import type { GraphMode, Layout, StateShape } from "../protocol";
 import { inGraph } from "../session/state";
@@ -24,8 +25,9 @@ import { layoutsIn } from "./inside";
 import { marking } from "./marks";
 import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
-import { cursorSwitch, showMachine } from "./shown";
+import { followSwitches, showMachine } from "./shown";
 
+const MODE_WORDS = { live: "Live", static: "Static", hidden: "Hidden" };
 const MODES = "Live: redraw after every edit, and show the run. Static: redraw on request.";
 const PRIMARY = 1; // the left button, a finger, a pen: of a press with another one the release is a menu's
 const RESIZED_FOR = 150; // ms without another size before the kernel gets it
@@ -98,6 +100,10 @@ export function graphView(lab: Lab): HTMLElement {
     dragging.drawn(parts);
   };
 
+  // a hidden one is shown again by the menu, which only a whole lab has
+  const isLab = lab.root.dataset.part === "lab";
+  const MODE_NAMES: GraphMode[] = ["live", "static", ...(isLab ? (["hidden"] as const) : [])];
+  const setMode = (graph: GraphMode) => void lab.act({ do: "graph", mode: graph });
   const modes = h(
     "select",
     {
@@ -105,12 +111,9 @@ export function graphView(lab: Lab): HTMLElement {
       "aria-label": "When the graph is redrawn",
       title: MODES,
       "data-lrp-action": "graph-mode",
-      onchange: () => void lab.act({ do: "graph", mode: modes.value as GraphMode }),
+      onchange: () => setMode(modes.value as GraphMode),
     },
-    // a hidden one is shown again by the menu, which only a whole lab has
-    ...["live", "static", ...(lab.root.dataset.part === "lab" ? ["hidden"] : [])].map((name) =>
-      h("option", { value: name }, name),
-    ),
+    ...MODE_NAMES.map((name) => h("option", { value: name }, name)),
   );
   const zoom = (factor: number) => {
     fitting.stop();
@@ -136,6 +139,14 @@ export function graphView(lab: Lab): HTMLElement {
         disabled: !store.state.program.machines.some(({ parent }) => parent),
       }),
       null,
+      ...MODE_NAMES.map((name) =>
+        item(MODE_WORDS[name], `graph-${name}`, () => setMode(name), {
+          checked: mode() === name,
+          disabled: store.state.settings.lock,
+        }),
+      ),
+      null,
+      item("Lay out all states again", "menu-arrange", arrange, { disabled }),
       item("Zoom in", "menu-zoom-in", () => zoom(1.25), { disabled }),
       item("Zoom out", "menu-zoom-out", () => zoom(1 / 1.25), { disabled }),
       null,
@@ -144,7 +155,7 @@ export function graphView(lab: Lab): HTMLElement {
     ];
   });
   const arrange = () => void lab.act({ do: "arrange", path: store.state.machine });
-  const { element } = panel(
+  const { element, heading } = panel(
     "graph",
     "State graph",
     [
@@ -159,7 +170,7 @@ export function graphView(lab: Lab): HTMLElement {
       }),
       modes,
       iconButton("arrange", "Lay out all states again", "arrange", arrange),
-      cursorSwitch(store),
+      ...followSwitches(store),
       iconButton("minus", "Zoom out", "zoom-out", () => zoom(1 / 1.25)),
       iconButton("plus", "Zoom in", "zoom-in", () => zoom(1.25)),
       iconButton("fit", "Show all", "zoom-fit", whole),
@@ -167,6 +178,8 @@ export function graphView(lab: Lab): HTMLElement {
     ],
     h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab)),
   );
+
+  if (isLab) heading.after(pathView(lab));
 
   store.watch(["layouts", "machine", "snapshot"], () => redraw());
   let before = mode();
