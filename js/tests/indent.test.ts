@@ -96,6 +96,52 @@ describe("Enter", () => {
   });
 });
 
+describe("what begins an empty line", () => {
+  it("begins where that line does, whatever it is", () => {
+    for (const key of ["x", ";", "1", "[", '"', "(on e a -> b)"])
+      expect(typed("(machine m\n  (state a)\n|\n)", key).replace("|", "")).toContain(`\n  ${key}`);
+    expect(typed("(machine m\n  (state a)\n|)", "(state b)")).toBe("(machine m\n  (state a)\n  (state b)|)");
+    expect(typed("(running [\n  if a:\n|])", "b")).toBe("(running [\n  if a:\n      b|])");
+    expect(typed("(machine m)\n|\n", ";")).toBe("(machine m)\n;|\n");
+  });
+  it("stays where it was put by hand, in a string, beside something, and while it is composed", () => {
+    for (const [text, shown] of [
+      ["(machine m\n      |\n)", "(machine m\n      x|\n)"],
+      ['(running [x = """\n|\n"""])', '(running [x = """\nx|\n"""])'],
+      ["(machine m\n|(state a))", "(machine m\nx|(state a))"],
+    ] as const)
+      expect(typed(text, "x")).toBe(shown);
+    const state = open("(machine m\n|\n)");
+    const composed = state.update(state.replaceSelection("に"), { userEvent: "input.type.compose" });
+    expect(composed.state.sliceDoc()).toBe("(machine m\nに\n)");
+  });
+
+  const pasted = (text: string, piece: string) => {
+    const state = open(text);
+    return state.update(state.replaceSelection(piece), { userEvent: "input.paste" }).state.sliceDoc();
+  };
+  it("is moved with all its lines where it is pasted", () => {
+    const printed = "(machine m\n  (state b\n    (running [\n      if a:\n          b]))\n)";
+    for (const piece of [
+      "(state b\n  (running [\n    if a:\n        b]))", // as printed alone
+      "(state b\n    (running [\n      if a:\n          b]))", // from the bracket on
+      "      (state b\n        (running [\n          if a:\n              b]))", // whole lines from deeper inside
+    ])
+      for (const place of ["|", "  |", "      |"])
+        expect(pasted(`(machine m\n${place}\n)`, piece)).toBe(printed);
+    expect(pasted("(machine m\n|  (state c))", "(state b)\n")).toBe("(machine m\n  (state b)\n  (state c))");
+    expect(pasted("|", "(machine m\n    (state a))\n")).toBe("(machine m\n    (state a))\n");
+  });
+  it("keeps the columns of Python that was copied with them, and the lines of strings", () => {
+    expect(pasted("(running [\n  if a:\n      b\n|])", "  c\n  d")).toBe(
+      "(running [\n  if a:\n      b\n  c\n  d])",
+    );
+    expect(pasted("(machine m\n|\n)", '(state b\n  (running [x = """\ny\n"""]))')).toBe(
+      '(machine m\n  (state b\n    (running [x = """\ny\n"""]))\n)',
+    );
+  });
+});
+
 it("lines are indented again as they would have been typed, and a lone bracket below its form", () => {
   let state = EditorState.create({
     doc: "(machine m\n(state a\n(running [\nx = 1\n  ]))\n )",

@@ -12,7 +12,14 @@ import {
   indentString,
   syntaxTree,
 } from "@codemirror/language";
-import { EditorSelection, type EditorState, type StateCommand, Text } from "@codemirror/state";
+import {
+  type ChangeSpec,
+  EditorSelection,
+  EditorState,
+  type Line,
+  type StateCommand,
+  Text,
+} from "@codemirror/state";
 import type { SyntaxNode } from "@lezer/common";
 
 const STEP = 2;
@@ -27,6 +34,9 @@ const STATEMENT = /^(StatementGroup|\w+(Statement|Definition))$/;
 const CONTINUED = /^(If|For|While|Try)Statement$/;
 const CONTINUES = /^(elif|else|except|finally)\b/;
 const CLOSES = /^[)\]}]/;
+const CLOSERS = /^[\s)\]}]*$/;
+const COMPOSED = "input.type.compose"; // a change beside what an input method composes would double that
+const BEGINS = ["input.type", "input.complete", "input.paste", "input.drop"];
 
 /** Lines that are indented again: by a command, or when a closing bracket or an `else:` is typed. */
 export const indentation = indentService.of((context, offset) => {
@@ -56,6 +66,59 @@ export const newLine: StateCommand = ({ state, dispatch }) => {
   return true;
 };
 
+/** What is typed, completed or pasted on an empty line begins where that line does. */
+export const begunLines = EditorState.transactionFilter.of((transaction) => {
+  const begins = BEGINS.some((event) => transaction.isUserEvent(event));
+  if (!begins || transaction.isUserEvent(COMPOSED)) return transaction;
+  const { doc } = transaction.startState;
+  const isTyped = transaction.isUserEvent("input.type");
+  const begun: [from: number, to: number, before: number][] = [];
+  transaction.changes.iterChanges((from, to, fromNow, toNow, inserted) => {
+    const before = doc.sliceString(doc.lineAt(from).from, from);
+    const isLines = inserted.lines > 1 && !inserted.line(inserted.lines).text.trim();
+    const isAlone = isLines || CLOSERS.test(doc.sliceString(to, doc.lineAt(to).to));
+    if (isAlone && !(isTyped ? before : before.trim()) && inserted.line(1).text.trim())
+      begun.push([fromNow, toNow, before.length]);
+  });
+  if (!begun.length) return transaction;
+  const context = new IndentContext(transaction.state);
+  const changes = begun.flatMap((each) => indented(context, ...each));
+  return [transaction, { changes, sequential: true }];
+});
+
+/**
+ * Move lines to where the first of them is to begin; `before` columns of it were there. In a block, where columns
+ * have a meaning, they stay if they are indented. The first line of a form that was copied from its bracket on is
+ * not indented as the others are.
+ */
+function indented(context: IndentContext, from: number, to: number, before: number): ChangeSpec[] {
+  const { doc } = context.state;
+  const first = doc.lineAt(from);
+  const has = beginOf(context.state, first.from) - first.from;
+  const isPython = formAt(context.state, first.from)?.name === "Block";
+  const moved = (columnOf(context, first) ?? has) - has;
+  if (isPython ? has || !moved : !before && !moved) return [];
+  const changes: ChangeSpec[] = [];
+  let by = isPython || has > before ? moved + before : null;
+  for (let { number } = first; number <= doc.lines && doc.line(number).from < to; number++) {
+    const line = doc.line(number);
+    const wanted = columnOf(context, line);
+    if (wanted === null) continue;
+    const begin = beginOf(context.state, line.from);
+    const column = begin - line.from;
+    if (number > first.number) by ??= wanted + moved - column;
+    const now = Math.max(0, column + (number > first.number ? (by ?? 0) : moved));
+    if (now !== column) changes.push({ from: line.from, to: begin, insert: " ".repeat(now) });
+  }
+  return changes;
+}
+
+/** The column at which a line is to begin; null if it is empty, or the text of a string. */
+function columnOf(context: IndentContext, { from, text }: Line): number | null {
+  const rest = text.trimStart();
+  return rest ? columnAt(context, from, rest, CLOSES.test(rest)) : null;
+}
+
 /** Whether a closing bracket stands on a line of its own, below the beginning of what it closes. */
 function isBelow(context: IndentContext, offset: number, rest: string): boolean {
   return CLOSES.test(rest) && columnAt(context, offset, rest, true) === context.column(offset);
@@ -66,12 +129,17 @@ function isBelow(context: IndentContext, offset: number, rest: string): boolean 
  * A bracket that is `closing` stands below the beginning of what it closes.
  */
 function columnAt(context: IndentContext, offset: number, rest: string, closing: boolean): number | null {
-  const { state } = context;
-  let node: SyntaxNode | null = nodeAt(state, offset);
-  while (node && !(OPENED.test(node.name) && isOpen(node, offset))) node = node.parent;
+  const node = formAt(context.state, offset);
   if (!node) return 0;
   if (node.name === "Block") return inBlock(context, node, offset, rest, closing);
   return closing ? context.column(node.from) : inForm(context, node, offset);
+}
+
+/** The innermost form or block that an offset is inside. */
+function formAt(state: EditorState, offset: number): SyntaxNode | null {
+  let node: SyntaxNode | null = nodeAt(state, offset);
+  while (node && !(OPENED.test(node.name) && isOpen(node, offset))) node = node.parent;
+  return node;
 }
 
 /** Whether an offset is inside a form or block: not before its first bracket, and not after its last. */

@@ -12,7 +12,7 @@ import {
 import type { EditorState } from "@codemirror/state";
 import { parseMixed, type SyntaxNode, type Tree } from "@lezer/common";
 import { classHighlighter, styleTags, tags } from "@lezer/highlight";
-import { indentation } from "./indent";
+import { begunLines, indentation } from "./indent";
 import { type Outline, outline } from "./outline";
 import { parser } from "./parser";
 
@@ -57,7 +57,7 @@ const lrpLanguage = LRLanguage.define({
 });
 
 export function lrp(): LanguageSupport {
-  return new LanguageSupport(lrpLanguage, [syntaxHighlighting(classHighlighter), indentation]);
+  return new LanguageSupport(lrpLanguage, [syntaxHighlighting(classHighlighter), indentation, begunLines]);
 }
 
 const PATIENCE = 1000; // ms: a program of usual size takes less than one
