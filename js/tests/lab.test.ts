@@ -2,6 +2,7 @@
 
 import { undo } from "@codemirror/commands";
 import { nextDiagnostic } from "@codemirror/lint";
+import { activateHover } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { handsIn } from "../src/editor/hands";
 import { WORD_AFTER } from "../src/editor/typing";
@@ -51,6 +52,13 @@ describe("the editor", () => {
     expect(page.editor.state.doc.toString()).toBe("(machine other)");
     page.confirm();
     expect(page.kernel.text.toString()).toBe("(machine other)");
+  });
+
+  it("closes the card over the text when the text changes", async () => {
+    activateHover(page.editor, page.editor.state.doc.toString().indexOf("(machine") + 1, 1);
+    await vi.waitFor(() => expect(page.host.querySelector(".cm-tooltip .lrp-card")).not.toBe(null));
+    page.type("; mine\n");
+    expect(page.host.querySelector(".lrp-card")).toBe(null);
   });
 
   it("sends what is typed meanwhile in one text when the first one is answered", () => {

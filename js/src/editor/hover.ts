@@ -1,7 +1,7 @@
 /** The card under the pointer: what a name or keyword is, its documentation, and the value a name has now. */
 
-import type { EditorState, Extension } from "@codemirror/state";
-import { hoverTooltip } from "@codemirror/view";
+import { EditorState, type Extension } from "@codemirror/state";
+import { closeHoverTooltips, hoverTooltip } from "@codemirror/view";
 import { outlineOf, treeOf } from "../language/lrp";
 import { lookedAt } from "../parts/study";
 import type { HoverView } from "../protocol";
@@ -10,7 +10,16 @@ import { h, prose } from "../ui/dom";
 import { chainAt, contextAt } from "./context";
 import { FORMS } from "./forms";
 
+/** What a card says is about the text as it was, and the card lies over what is being typed. */
+const closedByEdits = EditorState.transactionExtender.of(({ docChanged }) =>
+  docChanged ? { effects: closeHoverTooltips } : null,
+);
+
 export function hover(lab: Lab): Extension {
+  return [closedByEdits, cards(lab)];
+}
+
+function cards(lab: Lab): Extension {
   return hoverTooltip(
     async (view, offset) => {
       const chain = chainAt(view.state, offset);
