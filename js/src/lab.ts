@@ -38,6 +38,7 @@ import { enlarging } from "./ui/enlarge";
 import { Layout, type Panels, WITHHELD } from "./ui/layout";
 import { bringIntoSight, fitHeight } from "./ui/sight";
 import { watchTheme } from "./ui/theme";
+import { stepOf } from "./ui/undo";
 import { robotView } from "./world/members";
 import { type WorldPart, worldView } from "./world/view";
 
@@ -262,6 +263,11 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   });
   root.addEventListener("keydown", (event) => {
     event.stopPropagation(); // or the notebook, too, would act on it: `x` cuts away the cell
+    const step = stepOf(event);
+    if (step && editor) {
+      event.preventDefault(); // or the browser would undo what was typed, and could not redo it
+      editor[step]();
+    }
     const saves = event.key.toLowerCase() === "s" && (event.ctrlKey || event.metaKey);
     if (!saves || event.shiftKey || event.altKey) return;
     event.preventDefault();

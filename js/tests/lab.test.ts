@@ -54,6 +54,35 @@ describe("the editor", () => {
     expect(page.kernel.text.toString()).toBe("(machine other)");
   });
 
+  it("undoes and redoes what was typed from wherever the focus is, but in fields", async () => {
+    const text = () => page.editor.state.doc.toString();
+    const press = (selector: string, key: string, shiftKey = false) => {
+      const event = new KeyboardEvent("keydown", {
+        key,
+        ctrlKey: true,
+        shiftKey,
+        bubbles: true,
+        cancelable: true,
+      });
+      page.find(selector).dispatchEvent(event);
+    };
+    const before = text();
+    page.type("; mine\n");
+    for (const place of ["[data-lrp-state]", ".lrp-playhead", ".lrp-variable-name", ".lrp-canvas"]) {
+      for (const [key, shift] of [["y"], ["Z", true]] as const) {
+        press(place, "z");
+        expect(text()).toBe(before);
+        press(place, key, shift);
+        expect(text()).toBe(`; mine\n${before}`);
+      }
+    }
+    press("input.lrp-input", "z");
+    expect(text()).toBe(`; mine\n${before}`);
+    page.find('[data-lrp-action="edit-world"]').click();
+    press(".lrp-canvas", "z");
+    expect(text()).toBe(`; mine\n${before}`);
+  });
+
   it("closes the card over the text when the text changes", async () => {
     activateHover(page.editor, page.editor.state.doc.toString().indexOf("(machine") + 1, 1);
     await vi.waitFor(() => expect(page.host.querySelector(".cm-tooltip .lrp-card")).not.toBe(null));

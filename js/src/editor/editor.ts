@@ -5,6 +5,7 @@
 
 import { closeBrackets } from "@codemirror/autocomplete";
 import { collab, getSyncedVersion, receiveUpdates, sendableUpdates } from "@codemirror/collab";
+import { redo, undo } from "@codemirror/commands";
 import { bracketMatching, foldGutter, forceParsing, indentOnInput, indentUnit } from "@codemirror/language";
 import { lintGutter } from "@codemirror/lint";
 import { search } from "@codemirror/search";
@@ -337,6 +338,14 @@ export class Editor implements Typist {
     clearTimeout(this.redrawing);
     this.redrawing = 0;
     this.view.dispatch({ effects: liveChanged.of(null) });
+  }
+
+  undo(): void {
+    undo(this.view);
+  }
+
+  redo(): void {
+    redo(this.view);
   }
 
   goTo(kind: ElementKind, path: string): Item | undefined {

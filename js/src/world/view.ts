@@ -12,6 +12,7 @@ import { isOn, KeptSwitch, keepOn } from "../ui/kept";
 import { ASPECT } from "../ui/layout";
 import { item, type MenuItem, menuButton, switchItem } from "../ui/menu";
 import { below } from "../ui/point";
+import { stepOf } from "../ui/undo";
 import { WorldEdits } from "./edits";
 import { openWorld, saveDrawing, savePng } from "./files";
 import { legend, trailStyles } from "./legend";
@@ -185,12 +186,10 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     bridgePanel(lab),
   );
   element.addEventListener("keydown", (event) => {
-    const { key, shiftKey, target } = event;
-    if (!(event.ctrlKey || event.metaKey) || event.altKey || !store.state.world) return;
-    if (target instanceof HTMLInputElement || target instanceof HTMLTextAreaElement) return;
-    if (key.toLowerCase() === "z") (shiftKey ? redo : undo).click();
-    else if (key.toLowerCase() === "y") redo.click();
-    else return;
+    const step = stepOf(event);
+    const isOfWorld = !toolbar.hidden || !undo.disabled || !redo.disabled;
+    if (!step || !isOfWorld) return; // it is a step of the program
+    (step === "undo" ? undo : redo).click();
     consume(event);
   });
 
