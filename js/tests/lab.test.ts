@@ -83,6 +83,27 @@ describe("the editor", () => {
     expect(text()).toBe(`; mine\n${before}`);
   });
 
+  it("types at every cursor, which it sends, and the other ones are drawn", async () => {
+    const name = "moving";
+    const text = page.editor.state.doc.toString();
+    const from = text.indexOf(`(state ${name}`) + "(state ".length;
+    page.editor.dispatch({ selection: { anchor: from, head: from + name.length } });
+    const press = (key: string) =>
+      page.editor.contentDOM.dispatchEvent(
+        new KeyboardEvent("keydown", { key, ctrlKey: true, bubbles: true, cancelable: true }),
+      );
+    press("d");
+    press("d");
+    const heads = page.editor.state.selection.ranges.map(({ head }) => head);
+    expect(heads).toHaveLength(3);
+    page.editor.dispatch(page.editor.state.replaceSelection("go"), { userEvent: "input.type" });
+    expect(page.editor.state.doc.toString().match(/\bgo\b/g)).toHaveLength(3);
+    const { selection, cursors } = page.of("text").at(-1)!;
+    const now = page.editor.state.selection;
+    expect(selection).toEqual([now.main.anchor, now.main.head]);
+    expect([...cursors!, now.main.head].sort((a, b) => a - b)).toEqual(now.ranges.map(({ head }) => head));
+  });
+
   it("closes the card over the text when the text changes", async () => {
     activateHover(page.editor, page.editor.state.doc.toString().indexOf("(machine") + 1, 1);
     await vi.waitFor(() => expect(page.host.querySelector(".cm-tooltip .lrp-card")).not.toBe(null));

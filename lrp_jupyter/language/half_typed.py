@@ -6,7 +6,8 @@ itself, and the text *without the change at the cursor*, in which only that chan
 program. The second one runs instead of the first while
 
 - a number is being typed,
-- the word at the cursor brings an error into the text, or
+- the word at the cursor brings an error into the text,
+- the same word is being typed at several cursors, and would restart the program, or
 - the cursor is inside an active state, and what changed there brings an error into the text.
 
 A new transition is different: it runs although the state that it leads to is not there yet, so that it is
@@ -90,8 +91,10 @@ def judge(
 ) -> Judgement:
     """Return what a text means while cursors are in it: what is half typed at any of them waits."""
     left, waiting, hides = findings, [], False
-    for cursor in sorted(cursors):
-        there, span = _judge_at(text, program, findings, cursor, running, check)
+    every_cursor = sorted(cursors)
+    several = sum(not cursor.meant for cursor in every_cursor) > 1
+    for cursor in every_cursor:
+        there, span = _judge_at(text, program, findings, cursor, running, check, several)
         hides |= there.hides
         left = tuple(each for each in left if each in there.findings)
         if there.unmeant is not None:
@@ -115,6 +118,7 @@ def _judge_at(
     cursor: Cursor,
     running: Program,
     check: Check,
+    several: bool,
 ) -> tuple[Judgement, Span]:
     """Return what a text means while a cursor is in it, and the range of what is unfinished."""
     if program is None:
@@ -122,7 +126,7 @@ def _judge_at(
         return Judgement(None, left, hides=len(left) < len(findings)), Span(0, 0)
     word = None if cursor.meant else _word_at(text, cursor.offset)
     if word is not None:
-        left, unmeant = _without_word(program, word, findings, running, check)
+        left, unmeant = _without_word(program, word, findings, running, check, several)
         if unmeant is not None:
             return Judgement(program, left, unmeant, len(left) < len(findings)), word
     state = _state_at(program, cursor.offset)
@@ -135,13 +139,18 @@ def _judge_at(
 
 
 def _without_word(
-    program: Program, word: Span, findings: tuple[Finding, ...], running: Program, check: Check
+    program: Program,
+    word: Span,
+    findings: tuple[Finding, ...],
+    running: Program,
+    check: Check,
+    several: bool,
 ) -> tuple[tuple[Finding, ...], Unmeant | None]:
     """Return the findings that are not about a word that is being typed, and what waits because of it."""
     text = program.text
     left = _away_from(text, word, findings)
     is_number = text[word.start].isdecimal()
-    if not is_number and len(left) == len(findings) and not _has_errors(findings):
+    if not is_number and not several and len(left) == len(findings) and not _has_errors(findings):
         return findings, None
     instead = without_change(program, running, word)
     if is_number:
@@ -154,7 +163,7 @@ def _without_word(
         about = [each for each in errors if each not in left] or errors
         left = tuple(each for each in left if (each.code, each.message) in known)
         return left, Unmeant(instead, _reason(about[0]), always=True)
-    if len(left) == len(findings):
+    if len(left) == len(findings) and (not several or instead == program):
         return findings, None
     return left, Unmeant(instead, element=_element_at(program, word))
 

@@ -126,7 +126,12 @@ class PageConnection:
                 self._type(message)
             elif isinstance(message, CursorMessage):
                 self.texts.move_cursor(
-                    message.view, message.seq, message.revision, message.selection, message.meant
+                    message.view,
+                    message.seq,
+                    message.revision,
+                    message.selection,
+                    message.meant,
+                    message.cursors,
                 )
         except DecodeError as error:
             self._refuse(content, error)
@@ -142,7 +147,14 @@ class PageConnection:
         try:
             updates = [TextChanges.from_json(each) for each in message.updates]
             self.texts.type(
-                message.view, message.seq, message.base, updates, message.selection, message.meant, rename
+                message.view,
+                message.seq,
+                message.base,
+                updates,
+                message.selection,
+                message.meant,
+                rename,
+                message.cursors,
             )
         except ValueError:
             self._publisher.begin_again(message.view)

@@ -193,6 +193,16 @@ def test_a_word_of_one_hand_waits_while_the_cursor_of_the_other_is_elsewhere():
         assert found.unmeant.reason == "waits: `m` has no state `righ`"
 
 
+def test_a_word_that_is_typed_at_several_cursors_waits_where_it_would_restart_the_program():
+    text = BASE.replace("(state left", "(state le|").replace("far left", "far le|").replace("m left", "m le|")
+    found = judged(text.replace("-> left", "-> le|"))
+    assert codes(found) == codes(judged(BASE + "|"))
+    assert found.half_typed
+    assert not found.unmeant.always
+    assert found.unmeant.instead == scan(BASE)[0]
+    assert judged(BASE.replace("left", "left|")).unmeant is None
+
+
 def test_two_hands_in_one_word_wait_for_each_other():
     assert judged(edited("-> right", "-> ri|gh|")).unmeant.instead == scan(BASE)[0]
 

@@ -316,6 +316,18 @@ def test_the_cursor_of_a_view_that_closes_holds_nothing_back(bench):
     assert lab.session.program.text == half
 
 
+def test_what_is_typed_at_several_cursors_of_a_view_is_one_word(bench):
+    lab = bench(PROGRAM)
+    lab.session.step()
+    page = lab.page()
+    text = PROGRAM.replace("state a", "state aa").replace("a ->", "aa ->").replace("m a)", "m aa)")
+    *cursors, last = [text.index(piece) + len(piece) for piece in ("state aa", "eps aa", "m aa")]
+    page.type(text, at=last, cursors=cursors, meant=False)
+    assert lab.session.program.text == PROGRAM
+    page.moves(0)
+    assert lab.session.program.text == text
+
+
 def test_a_cursor_that_is_late_does_not_replace_that_of_a_newer_text(bench):
     lab = bench(PROGRAM)
     page, _ = lab.page(), lab.page("other")

@@ -41,6 +41,7 @@ import { alive } from "./alive";
 import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
+import { severalCursors } from "./cursors";
 import { Underlines } from "./diagnostics";
 import { openFixes } from "./fixes";
 import { format } from "./format";
@@ -123,6 +124,7 @@ export class Editor implements Typist {
       lintGutter(),
       foldGutter(),
       collab({ startVersion, clientID: this.connection.view, sharedEffects }),
+      severalCursors,
       otherHands,
       steps,
       renames,
@@ -223,7 +225,7 @@ export class Editor implements Typist {
   next(): Typed | null {
     if (!this.document) return null;
     const { state } = this.view;
-    const { main } = state.selection;
+    const { main, ranges } = state.selection;
     const { isDue, isHere, meant } = this.cursor;
     const all = sendableUpdates(state);
     const first = all.findIndex(({ effects }) => renameOf(effects)); // which is sent on its own
@@ -231,7 +233,9 @@ export class Editor implements Typist {
     const isAll = updates.length === all.length;
     if (isAll) this.cursor.isDue = false;
     const selection: [number, number] | null = isAll && isHere ? [main.anchor, main.head] : null;
-    if (!all.length) return isDue ? { type: "cursor", revision: this.revision, selection, meant } : null;
+    const cursors = selection ? ranges.filter((range) => range !== main).map(({ head }) => head) : [];
+    if (!all.length)
+      return isDue ? { type: "cursor", revision: this.revision, selection, meant, cursors } : null;
     const rename = first === 0 ? renameOf(all[0]!.effects) : null;
     return {
       type: "text",
@@ -240,6 +244,7 @@ export class Editor implements Typist {
       selection,
       meant: meant || !isAll,
       rename: rename && [rename.kind, rename.path, rename.name],
+      cursors,
     };
   }
 

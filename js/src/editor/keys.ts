@@ -18,7 +18,14 @@ import {
 } from "@codemirror/commands";
 import { foldKeymap } from "@codemirror/language";
 import { nextDiagnostic, previousDiagnostic } from "@codemirror/lint";
-import { closeSearchPanel, findNext, findPrevious, openSearchPanel } from "@codemirror/search";
+import {
+  closeSearchPanel,
+  findNext,
+  findPrevious,
+  openSearchPanel,
+  selectNextOccurrence,
+  selectSelectionMatches,
+} from "@codemirror/search";
 import type { KeyBinding } from "@codemirror/view";
 import { newLine } from "../language/indent";
 
@@ -30,6 +37,8 @@ export const keys: KeyBinding[] = [
   { key: "Mod-f", run: openSearchPanel, ...everywhere },
   { key: "F3", run: findNext, shift: findPrevious, ...everywhere },
   { key: "Mod-g", run: findNext, shift: findPrevious, ...everywhere },
+  { key: "Mod-d", run: selectNextOccurrence, preventDefault: true },
+  { key: "Mod-Shift-l", run: selectSelectionMatches, preventDefault: true },
   { key: "Escape", run: closeSearchPanel, scope: "editor search-panel" },
   { key: "F8", run: nextDiagnostic, shift: previousDiagnostic },
   { key: "Mod-/", run: toggleComment },

@@ -99,6 +99,7 @@ class TextMessage(PageMessage, type="text"):
     selection: tuple[int, int] | None = None  # where its anchor and head are then, in UTF-16 units
     meant: bool = True  # the word at the head is finished, not still being typed
     rename: tuple[ElementKind, str, str] | None = None  # kind and path of what these changes rename, and how
+    cursors: list[int] = field(default_factory=list)  # the heads of its other selections
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,7 @@ class CursorMessage(PageMessage, type="cursor"):
     revision: int  # that the selection refers to
     selection: tuple[int, int] | None
     meant: bool
+    cursors: list[int] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

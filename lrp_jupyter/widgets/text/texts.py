@@ -67,6 +67,7 @@ class _Hand:
     seq: int
     selection: Selection | None = None
     meant: bool = True
+    cursors: Sequence[int] = ()  # its others
 
     def move(self, changes: Iterable[TextChanges], are_own: bool = False) -> None:
         """Keep the selection at its place while the text changes."""
@@ -74,6 +75,7 @@ class _Hand:
             if self.selection is not None:
                 anchor, head = self.selection
                 self.selection = each.map_place(anchor, are_own), each.map_place(head, are_own)
+            self.cursors = [each.map_place(place, are_own) for place in self.cursors]
 
 
 class Texts:
@@ -137,6 +139,7 @@ class Texts:
         selection: Selection | None = None,
         meant: bool = True,
         rename: Rename | None = None,
+        cursors: Sequence[int] = (),
     ) -> None:
         """Merge what was typed into a view, and offer the text to the session unless edits are held.
 
@@ -155,13 +158,19 @@ class Texts:
             self._leave(self.text, is_typed=True, before=before)
             for name, each in self._hands.items():
                 each.move(merged, name == view)
-            hand.selection, hand.meant = selection, meant
+            hand.selection, hand.meant, hand.cursors = selection, meant, cursors
             hand.move(others)
             is_rename = rename is not None and before == running and not self.hold
             self._offer(view, seq, rename=rename if is_rename else None)
 
     def move_cursor(
-        self, view: str, seq: int, revision: int, selection: Selection | None, meant: bool
+        self,
+        view: str,
+        seq: int,
+        revision: int,
+        selection: Selection | None,
+        meant: bool,
+        cursors: Sequence[int] = (),
     ) -> None:
         """Move the cursor of a view, or leave its text, or mark the word there as finished.
 
@@ -171,7 +180,7 @@ class Texts:
             hand = self._hands.get(view)
             if hand is None or seq != hand.seq or not self.document.knows(revision):
                 return
-            hand.selection, hand.meant = selection, meant
+            hand.selection, hand.meant, hand.cursors = selection, meant, cursors
             hand.move(update.changes for update in self.document.since(revision))
             if self.judgement.half_typed:
                 self._offer()
@@ -238,10 +247,12 @@ class Texts:
 
     def _cursors(self) -> list[Cursor]:
         """Return where the text is being edited."""
-        places = [
-            (hand.selection[1], hand.meant) for hand in self._hands.values() if hand.selection is not None
+        return [
+            Cursor(self.document.offset(place), hand.meant)
+            for hand in self._hands.values()
+            if hand.selection is not None
+            for place in (hand.selection[1], *hand.cursors)
         ]
-        return [Cursor(self.document.offset(place), meant) for place, meant in places]
 
     def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
         if self.judgement.program is not None:
