@@ -183,6 +183,12 @@ describe("a pointer on the timeline", () => {
     expect(page.looks.at(-1)).toEqual({ do: "look" });
   });
 
+  it("goes to a moment after the last one that was asked about", async () => {
+    page.store.state.time = END + 4;
+    await page.click(END + 2);
+    expect(page.looks).toEqual([{ do: "look", time: expect.closeTo(END + 2, 5) }]);
+  });
+
   it("asks why the transition fired at the border of two visits, and goes to the moment beside it", async () => {
     const asked = () => page.asked.filter(({ type }) => type === "why");
     await page.click(8.5, 40);

@@ -54,9 +54,9 @@ _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no prog
 
 _PER_SECOND, _BURST = 30.0, 3.0  # frames
 _FEWEST, _MOST = 3, 24  # frames that may be in flight to a view
-_QUICK, _TO_QUICK = 0.1, 12  # s that a frame takes to a quick page, and how many may be in flight to it
-_ASKS, _ASKS_QUICK = 2, 8  # after how many frames one asks to be acknowledged at once
-_PRESENT = 1.5  # s after which a view is asked to acknowledge, however little is in flight
+_QUICK, _TO_QUICK = 0.1, 16  # s that a frame takes to a quick page, and how many may be in flight to it
+_ASKS, _ASKS_QUICK = 2, 12  # after how many frames one asks to be acknowledged at once
+_PRESENT = 1.5  # s after which a silent view is asked to acknowledge, however little is in flight
 _RECENT = 10.0  # s that a round trip is remembered
 _SLOWER = 1.4, 0.01  # a frame that takes longer than this, as a factor and s, has waited in a queue
 _SLOWEST = 1.0  # s that a link takes
@@ -80,7 +80,7 @@ class Window:
         self.size = _FEWEST
         self._asks = _ASKS
         self._sent: dict[int, tuple[float, int, bool]] = {}  # by number: when, as which in flight, if it asks
-        self._asked = float("-inf"), 0  # when, and the newest frame that was asked about or acknowledged
+        self._known = float("-inf"), 0  # when credit was asked for or came last, and for which frame
         self._trips: deque[tuple[float, float]] = deque()  # when, and how long, with few in flight
 
     @property
@@ -91,18 +91,17 @@ class Window:
     def send(self, number: int, now: float) -> bool:
         """Count a frame as sent; return whether it asks to be acknowledged at once."""
         place = len(self._sent) + 1
-        when, known = self._asked
+        when, known = self._known
         asks = number - known >= self._asks or place > self.size or now - when >= _PRESENT
         if asks:
-            self._asked = now, number
+            self._known = now, number
         self._sent[number] = now, place, asks
         return asks
 
     def credit(self, number: int, now: float) -> None:
         """Count a frame as arrived, and all before it: they come in order."""
         found = self._sent.get(number)
-        when, known = self._asked
-        self._asked = when, max(known, number)
+        self._known = now, max(self._known[1], number)
         self._sent = {other: each for other, each in self._sent.items() if other > number}
         if found is None or not found[2]:
             return

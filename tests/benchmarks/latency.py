@@ -29,6 +29,8 @@ from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import LabPage, NotebookPage
 from wire import Wire
 
+from lrp_jupyter import programs
+
 # Conditions that are true or false: the counts of faults would be most of the traffic.
 CALM = re.sub(r"and (left\d+)\]", r"and \1 > 0]", texts.long(190))
 PROGRAM = f"""{CALM}
@@ -38,6 +40,7 @@ PROGRAM = f"""{CALM}
 (spawn probe here)
 """
 SLOW_CELL = "import time\nprint(0)\nfor _ in range({}):\n    time.sleep(0.1)\n"
+STANDING = "(machine m (state a)) (spawn m a)"
 PROBE = (Path(__file__).parent / "probe.js").read_text()
 WATCH = (Path(__file__).parent / "watch.py").read_text()
 
@@ -47,7 +50,6 @@ class Table:
 
     def __init__(self) -> None:
         self.own: tuple[float, float] | None = None
-        print("\n| | p50 ms | p95 ms | p95 : own cell | n | to reach |\n|---|---:|---:|---:|---:|---|")
 
     def row(self, name: str, times: list[float], target: str = "") -> None:
         if len(times) < 2:
@@ -55,6 +57,7 @@ class Table:
             return
         p50, p95 = statistics.median(times), statistics.quantiles(times, n=20, method="inclusive")[-1]
         if self.own is None:
+            print("\n| | p50 ms | p95 ms | p95 : own cell | n | to reach |\n|---|---:|---:|---:|---:|---|")
             self.own = p50, p95
         ratio = p95 / self.own[1]
         print(f"| {name} | {p50:.0f} | {p95:.0f} | {ratio:.1f} | {len(times)} | {target} |", flush=True)
@@ -263,20 +266,24 @@ class Bench:
         self.kernel("setattr(session, 'rate', 10)")
 
     def traffic(self, seconds: float) -> None:
-        print("\n| traffic | to the kernel/s | to the page/s | kB/s | largest B |\n|---|---:|---:|---:|---:|")
-        for name, hertz in (("running at 10 Hz", 10), ("running at 100 Hz", 100)):
-            with self.rate(hertz):
-                self.traffic_row(name, seconds)
+        """Count the messages of one view while nothing is typed."""
+        print("\n| messages per second | to the kernel | to the page | of these, busy and idle | kB |")
+        print("|---|---:|---:|---:|---:|")
+        self.lab = self.notebook.open(programs.load("follower"), "m --world oval")
+        self.traffic_row("the follower drives", seconds)
         self.lab.pause()
-        self.page.wait_for_timeout(500)
-        self.traffic_row("paused", seconds)
-        self.lab.do("run")
-        self.lab.ready()
+        self.traffic_row("it is paused", seconds)
+        self.lab = self.notebook.open(STANDING, "m --world oval")
+        self.traffic_row("only the time goes on", seconds)
+        self.notebook.run_cell(2)
+        with self.rate(100):
+            self.traffic_row("the same at 100 Hz", seconds)
 
     def traffic_row(self, name: str, seconds: float) -> None:
-        sent, count, size, largest = self.wire.measure(lambda: self.page.wait_for_timeout(seconds * 1e3))
-        per_second = f"{sent / seconds:.1f} | {count / seconds:.1f} | {size / seconds / 1e3:.1f}"
-        print(f"| {name} | {per_second} | {largest} |", flush=True)
+        self.page.wait_for_timeout(seconds * 300)  # what came before is over
+        sent, received, size = self.wire.measure(lambda: self.page.wait_for_timeout(seconds * 1e3))
+        counts = (sent.total(), received.total(), received["status"], size / 1e3)
+        print(f"| {name} | {' | '.join(f'{each / seconds:.1f}' for each in counts)} |", flush=True)
 
     def disturbed(self, context: Any, server: Any, seconds: float) -> None:
         """A second tab on the same lab that does not listen: blocked, then frozen."""
@@ -360,6 +367,7 @@ def keys(page: Any, times: int, first: str = "") -> list[float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="see that it runs; the figures mean nothing")
+    parser.add_argument("--traffic", action="store_true", help="only count messages")
     parser.add_argument("--soak", type=float, default=60, help="seconds at 100 Hz, 600 at most")
     options = parser.parse_args()
     if lacking():
@@ -376,20 +384,21 @@ def main() -> None:
         context = browser.new_context(viewport={"width": 1600, "height": 1000})
         page = context.new_page()
         bench = Bench(page, server, Wire(page), times, seconds)
-        bench.type_in_a_cell()
-        bench.type()
-        bench.complete()
-        bench.repair()
-        bench.highlight(seconds)
-        bench.obey("", times // 4)
-        bench.look_back(times)
-        bench.obey_while_a_cell_runs()
-        bench.reload(2 if options.quick else 5)
-        bench.disturbed(context, server, seconds / 2)
-        bench.count_at_full_speed(seconds)
-        print("\n" + "\n".join(bench.notes))
+        if not options.traffic:
+            bench.type_in_a_cell()
+            bench.type()
+            bench.complete()
+            bench.repair()
+            bench.highlight(seconds)
+            bench.obey("", times // 4)
+            bench.look_back(times)
+            bench.obey_while_a_cell_runs()
+            bench.reload(2 if options.quick else 5)
+            bench.disturbed(context, server, seconds / 2)
+            bench.count_at_full_speed(seconds)
+            print("\n" + "\n".join(bench.notes))
+            bench.soak(min(600.0, 1 if options.quick else options.soak))
         bench.traffic(seconds)
-        bench.soak(min(600.0, 1 if options.quick else options.soak))
         browser.close()
 
 

@@ -26,7 +26,7 @@ const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
 );
 const INTERVAL = 250; // ms between two drawings of a run that goes on
 const NEWS_AFTER = 500; // ms between an answer and the next question
-const ALL_AFTER = 1000; // ms, where the page itself sees nothing new: what was done by hand, commands
+const ALL_AFTER = 3000; // ms, where the page itself sees nothing new: what was done by hand, commands
 const CALM = 300; // ms after an edit: first it is applied and drawn
 const NARROW = 700; // px of a lab in which the timeline is closed at first
 const OPEN = "timeline";
@@ -94,7 +94,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   /* ---------------------------------------------------------------- data */
 
-  const now = () => (store.state.looking ? happened.end : Math.max(happened.end, store.state.time));
+  const now = () => {
+    const { looking: moment, time } = store.state;
+    return Math.max(happened.end, moment ? moment.time + moment.ago : time);
+  };
   const askNow = () => {
     isNews = true;
     ask();
@@ -208,8 +211,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   /** Show the moment at the pointer; the present has no moment, nor has what comes after it. */
   const go = (event: MouseEvent) => {
     const time = timeAt(event);
-    if (!happened.last || (time > happened.end && !isPast())) return;
-    void look({ time: Math.max(happened.begin, Math.min(happened.end, time)) });
+    if (!happened.last || (time > now() && !isPast())) return;
+    void look({ time: Math.max(happened.begin, Math.min(now(), time)) });
   };
   /** Show a moment; the window stands still from now on. Resolves to whether it is shown. */
   const look = async (moment: Moment) => {
@@ -241,7 +244,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       move: (last) => go(last),
       end: (last, moved) => {
         if (!last && before) void look({ tick: before.tick });
-        else if (!last || timeAt(last) > happened.end) {
+        else if (!last || timeAt(last) > now()) {
           if (isPast()) returnToNow();
         } else if (moved) return;
         else if (mark) void look({ tick: Number(mark.getAttribute("data-tick")) });
@@ -266,7 +269,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     return Math.min(visit.end, now()) - visit.begin > 3 * near ? visit : null;
   };
   area.addEventListener("contextmenu", (event) => {
-    const time = Math.min(happened.end, timeAt(event));
+    const time = Math.min(now(), timeAt(event));
     const visit = isAtName(event) ? null : visitAt(event, time);
     if (!visit) return;
     consume(event);
