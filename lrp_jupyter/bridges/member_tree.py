@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import NoReturn, Protocol
 
 from lrp_jupyter.bridges.guarding.safety import Safety
-from lrp_jupyter.bridges.members import Member, MemberError, age_text, describe_value
+from lrp_jupyter.bridges.members import Member, MemberError, age_text, describe_value, signature_text
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue, StaleData, did_you_mean
 
@@ -185,8 +185,7 @@ class RobotMethod(NotAValue):
         if message is not None:
             self.signature = f"({', '.join(f'{name}=0.0' for name in message.WORDS or message.FIELDS)})"
         else:
-            bare = [p.replace(annotation=p.empty) for p in self._parameters.parameters.values()]
-            self.signature = str(inspect.Signature(bare))
+            self.signature = signature_text(self._parameters)
         self._filling: list[Message] = []
         self._redirected: Callable[[Message | inspect.BoundArguments], object] | None = None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import reprlib
 import typing
 from collections.abc import Iterable
@@ -74,6 +75,11 @@ class Member:
         """Return a JSON form; a value without one becomes a short text."""
         form = {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
         return {**form, "value": _json_value(self.value), "fields": [each.as_dict() for each in self.fields]}
+
+
+def signature_text(signature: inspect.Signature) -> str:
+    """Return a signature as one calls it: without annotations, which may be texts."""
+    return str(inspect.Signature([p.replace(annotation=p.empty) for p in signature.parameters.values()]))
 
 
 def age_text(seconds: float | None) -> str:

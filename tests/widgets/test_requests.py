@@ -66,7 +66,7 @@ def test_members_complete_by_the_living_value(page):
 
 
 def test_degrees_complete_and_are_explained_unless_the_notebook_has_that_name(lab, page):
-    assert options(page, "degr")["degrees"]["detail"] == "(angle: float) -> float"
+    assert options(page, "degr")["degrees"]["detail"] == "(angle)"
     assert "from degrees to radians" in page.ask("hover", chain="degrees", scope="m")["hover"]["doc"]
     lab.session.namespace["degrees"] = twice
     assert options(page, "degr")["degrees"]["info"] == "Return twice as much."
@@ -85,6 +85,16 @@ def test_hover_shows_kind_value_and_documentation(page):
     assert card("while") is None
     assert card("robot.wings") is None
     assert card("unknown") is None
+
+
+def test_a_card_shows_how_a_function_is_called_and_what_a_robot_has(lab, page):
+    def refuse(why: "str", *, loudly: bool = False) -> "NoReturn":  # noqa: F821
+        raise ValueError(why)
+
+    lab.session.namespace["refuse"] = refuse
+    cards = [page.ask("hover", chain=chain, scope="")["hover"] for chain in ("refuse", "robot", "robot.pen")]
+    assert [card["title"] for card in cards] == ["refuse(why, *, loudly=False)", "robot", "robot.pen(down=True)"]
+    assert cards[1]["value"].startswith("bumper, distance, front, gyro")
 
 
 class Marked:

@@ -16,7 +16,8 @@ from typing import Any
 from lrp_jupyter import codes
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod
-from lrp_jupyter.bridges.members import Member, MemberError
+from lrp_jupyter.bridges.members import Member, MemberError, signature_text
+from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.blocks.builtin_names import builtin, degrees
@@ -246,6 +247,8 @@ def _member_card(title: str, member: Member) -> HoverView:
 
 def _card(title: str, value: object) -> HoverView:
     kind = type(value).__name__
+    if isinstance(value, Robot):
+        return _hover_view(title, "", ", ".join(dir(value)))
     if callable(value):
         return _hover_view(title + _signature(value), kind, "", _doc(value))
     return _hover_view(title, kind, render(value), _doc(value) if inspect.ismodule(value) else "")
@@ -257,7 +260,7 @@ def _hover_view(title: str, kind: str, value: str, doc: str = "") -> HoverView:
 
 def _signature(value: Callable[..., object]) -> str:
     try:
-        return str(inspect.signature(value))
+        return signature_text(inspect.signature(value))
     except (TypeError, ValueError):
         return "(…)"
 
