@@ -93,7 +93,8 @@ def test_a_card_shows_how_a_function_is_called_and_what_a_robot_has(lab, page):
 
     lab.session.namespace["refuse"] = refuse
     cards = [page.ask("hover", chain=chain, scope="")["hover"] for chain in ("refuse", "robot", "robot.pen")]
-    assert [card["title"] for card in cards] == ["refuse(why, *, loudly=False)", "robot", "robot.pen(down=True)"]
+    titles = [card["title"] for card in cards]
+    assert titles == ["refuse(why, *, loudly=False)", "robot", "robot.pen(down=True)"]
     assert cards[1]["value"].startswith("bumper, distance, front, gyro")
 
 
