@@ -10,6 +10,9 @@ program. The second one runs instead of the first while
 - the same word is being typed at several cursors, and would restart the program, or
 - the cursor is inside an active state, and what changed there brings an error into the text.
 
+A text that is not a program is not judged while it is being typed: what is wrong changes with every letter.
+Views keep what they showed until the word is finished or left, or the text is a program.
+
 A new transition is different: it runs although the state that it leads to is not there yet, so that it is
 drawn at once; only its faults are not reported. Which words are still being typed is the editor's decision,
 by its timers: everything here is a function of its arguments.
@@ -34,8 +37,6 @@ from lrp_jupyter.language.resolution import resolve
 Check = Callable[[Program], tuple[Finding, ...]]
 
 _WORD = re.compile(r"[0-9][\w.]*|\w+")
-_SIGN = re.compile(r"\w+|[^\w\s]")
-_NEAR = 200  # characters before the cursor that are searched for the words beside it
 _ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
 """The errors about the names in a transition."""
 
@@ -122,8 +123,7 @@ def _judge_at(
 ) -> tuple[Judgement, Span]:
     """Return what a text means while a cursor is in it, and the range of what is unfinished."""
     if program is None:
-        left = findings if cursor.meant else _away_from(text, _unfinished(text, cursor.offset), findings)
-        return Judgement(None, left, hides=len(left) < len(findings)), Span(0, 0)
+        return Judgement(None, findings if cursor.meant else (), hides=not cursor.meant), Span(0, 0)
     word = None if cursor.meant else _word_at(text, cursor.offset)
     if word is not None:
         left, unmeant = _without_word(program, word, findings, running, check, several)
@@ -227,14 +227,6 @@ def _word_at(text: str, offset: int) -> Span | None:
         if match.end() >= offset:
             return Span(*match.span())
     return None
-
-
-def _unfinished(text: str, offset: int) -> Span:
-    """Return the range around a cursor that may be merely unfinished: the words beside it."""
-    begin = max(0, offset - _NEAR)
-    before = [match.start() + begin for match in _SIGN.finditer(text[begin:offset])][-2:]
-    after = _SIGN.search(text, offset)
-    return Span(before[0] if before else offset, after.end() if after else len(text))
 
 
 def _away_from(text: str, span: Span, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:

@@ -128,9 +128,10 @@ def test_a_robots_member_that_is_being_typed_has_no_mark():
     assert (found.program, codes(found), found.hides) == (None, [], True)
 
 
-def test_an_error_elsewhere_keeps_its_mark():
-    found = judged(edited("[forward])", "[forward]").replace("(on far", "(sta|) (on far"))
-    assert codes(found) == ["LRP101"]
+def test_a_text_that_is_not_a_program_is_judged_as_soon_as_its_last_word_is_meant():
+    text = edited("[forward])", "[forward]").replace("(on far", "(sta|) (on far")
+    assert (codes(judged(text)), judged(text).half_typed) == ([], True)
+    assert codes(judged(text, meant=True))[0] == "LRP101"
 
 
 @every("end", ["\n", "\r\n", "\r"])

@@ -93,6 +93,9 @@ def test_an_issue_names_the_finding_about_the_same_fault_until_it_is_resolved(be
     (issue,) = page.merged("issues").values()
     assert (finding["code"], issue["code"]) == ("LRP301", "LRP603")
     assert issue["finding"] == finding["id"]
+    page.type(f"{LOST}(", at=len(LOST) + 1, meant=False)  # the page still lists the finding
+    lab.publish()
+    assert page.merged("issues") == {"1": issue}
     page.type(LOST.replace("(on nowhere a -> b)", ""))
     lab.publish()
     (issue,) = page.merged("issues").values()

@@ -33,6 +33,7 @@ import { lrp, outlineOf } from "../language/lrp";
 import type { Item } from "../language/outline";
 import type { AnswerMessage, ElementKind, SnapshotMessage, TextRange, UpdateView } from "../protocol";
 import type { Connection, Typed, Typist } from "../session/connection";
+import { isJudged } from "../session/state";
 import type { Lab } from "../session/store";
 import { KeptSwitch } from "../ui/kept";
 import { pointOf } from "../ui/point";
@@ -75,8 +76,8 @@ export class Editor implements Typist {
   readonly pen: Pen;
   /** The kernel's text, of the revision that is known here. */
   private confirmed = Text.empty;
-  /** The last text answered, and the running one. */
-  private readonly answered = new Tracked();
+  /** The text that the findings are about, and the running one. */
+  private readonly judged = new Tracked();
   private readonly running = new Tracked();
   private readonly underlines = new Underlines();
   private readonly typing = new Typing(
@@ -107,7 +108,7 @@ export class Editor implements Typist {
     this.pen = new Pen(this.view, lab);
     const { store } = lab;
     store.watch(["findings", "issues", "revision"], () => {
-      if (this.document) this.underlines.show(this.view, lab, this.answered, this.running);
+      if (this.document) this.underlines.show(this.view, lab, this.judged, this.running);
     });
     store.watch(["breakpoints"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());
@@ -171,7 +172,7 @@ export class Editor implements Typist {
           if (update.selectionSet) this.typing.moved(update);
           return;
         }
-        for (const text of [this.answered, this.running, this.underlines.text]) text.add(update.changes);
+        for (const text of [this.judged, this.running, this.underlines.text]) text.add(update.changes);
         if (!update.transactions.some((transaction) => transaction.annotation(Transaction.remote)))
           this.typing.changed(update);
       }),
@@ -259,8 +260,8 @@ export class Editor implements Typist {
     else this.receive(updates, revision);
     this.document = document;
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
-    this.answered.begin(this.confirmed, this.ahead);
-    if (isOther) this.underlines.text.become(this.answered); // it has no marks yet
+    this.judged.begin(this.confirmed, this.ahead);
+    if (isOther) this.underlines.text.become(this.judged); // it has no marks yet
     this.running.differs(this.view.state.toText(running), this.view.state.doc);
     this.typing.answered(half_typed);
     if (!this.view.hasFocus) this.typing.left(); // it was typed before the page was loaded again
@@ -293,9 +294,10 @@ export class Editor implements Typist {
   }
 
   /** Handle the answer to a text; it is running if `applied`. */
-  wasAnswered({ updates, revision, applied, running, half_typed }: AnswerMessage): void {
+  wasAnswered(answer: AnswerMessage): void {
+    const { updates, revision, applied, running, half_typed } = answer;
     this.receive(updates, revision);
-    this.answered.begin(this.confirmed, this.ahead);
+    if (isJudged(answer)) this.judged.begin(this.confirmed, this.ahead);
     if (applied) this.running.begin(this.confirmed, this.ahead);
     else if (running !== null) this.running.differs(this.view.state.toText(running), this.view.state.doc);
     if (this.connection.isAnswered) this.typing.answered(half_typed);
@@ -360,7 +362,7 @@ export class Editor implements Typist {
   }
 
   goToRange(range: TextRange, ofRunning: boolean): void {
-    const span = (ofRunning ? this.running : this.answered).span(range);
+    const span = (ofRunning ? this.running : this.judged).span(range);
     if (span) select(this.view, span.from, span.to);
   }
 

@@ -4,6 +4,7 @@ import type { Camera } from "../graph/camera";
 import { isDrawnIn } from "../graph/inside";
 import { isIn, parentOf } from "../language/paths";
 import {
+  type AnswerMessage,
   type Changes,
   type ElementKind,
   EMPTY_VIEW_STATE,
@@ -96,7 +97,8 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
       ...carriedOver(state, frame.moved),
     };
   } else if (message.type === "answer") {
-    const { findings, accepted, applied, reason, pending } = message;
+    const { accepted, applied, reason, pending } = message;
+    const findings = isJudged(message) ? message.findings : state.findings;
     changes = { findings, accepted, patch: applied ? "" : reason, pending };
   } else if (message.type === "world") changes = { world: message.world };
   Object.assign(state, changes);
@@ -105,6 +107,11 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
   if (changed.has("program") && showAnother(state)) changed.add("machine");
   if (state.follow === "active" && changed.has("lit") && followActive(state)) changed.add("machine");
   return changed;
+}
+
+/** Whether a text is a program, or left as it is; until then, views show the findings of the last one that was. */
+export function isJudged({ accepted, half_typed }: AnswerMessage): boolean {
+  return accepted || !half_typed;
 }
 
 /**

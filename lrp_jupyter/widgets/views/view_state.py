@@ -84,6 +84,7 @@ class ViewStates:
         self._restarted = 0
         self._restarts: dict[str, RestartView] = {}
         self._numbers: dict[tuple[object, ...], int] = {}  # of issues, from 1
+        self._checked: tuple[str, tuple[Finding, ...]] = "", ()  # the running text, and what was found in it
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
         self._made_of: tuple[object, object] = None, None
         self._breakpoint_views: dict[str, BreakpointView] = {}
@@ -174,7 +175,9 @@ class ViewStates:
     def _issues(self, frame: Frame) -> dict[str, IssueView]:
         texts = self._texts
         text = frame.program.text
-        findings = texts.judgement.findings if texts.text == text else ()
+        if texts.text == text or self._checked[0] != text:
+            self._checked = text, texts.judgement.findings if texts.text == text else ()
+        findings = self._checked[1]
         views = {}
         key: tuple[object, ...]
         for index, issue in enumerate(frame.issues):

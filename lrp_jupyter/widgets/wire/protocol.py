@@ -498,7 +498,7 @@ class AnswerMessage(TypedDict):
     seq: int  # of the receiver's own text, or 0
     revision: int
     updates: list[UpdateView]  # lead to the text's revision from that of the answer before
-    findings: list[FindingView]
+    findings: list[FindingView]  # none yet of a text that is half typed, and not a program
     accepted: bool  # it is a program
     applied: bool  # it runs now
     reason: str  # why it does not run, or why it restarted
