@@ -149,23 +149,36 @@ def _going_on(session: Asked, start: ForkStart, program: Program | None, inputs:
 
 def what_if(session: Runner, at: Moment, program: str | Program | None, seconds: float) -> WhatIf:
     """Return how another program would go on from a moment, beside how it went."""
-    check_number("seconds", seconds, "a number of seconds", above=0)
-    if math.isinf(seconds):
-        raise ValueError("Both runs last so many `seconds`. Pass a number that is not infinite.")
-    session._driver.refuse_inside("what_if")
     if program is None and at is not None:
         program = session.program
-    other = _parsed(session, program)
-    starts = _starts(session, at, 1 if other is None else 2)
-    with _going_on(session, next(starts), other, True) as copy:
-        tick, begin = copy.frame.tick, copy.frame.time
-        changed, end, open_loop = _observed(copy, seconds)
-    if other is None:
-        recorded = changed
-    else:
-        with _going_on(session, next(starts), None, True) as copy:
-            recorded, _, _ = _observed(copy, seconds)
-    return WhatIf(tick, begin, end, recorded, changed, divergence(recorded, changed), open_loop)
+    others = [] if program is None else [program]
+    return _compared(session, "what_if", at, [None, *others], seconds)[-1]
+
+
+def try_programs(
+    session: Runner, programs: Iterable[str | Program], seconds: float, at: Moment
+) -> list[WhatIf]:
+    """Return how each of some programs would go on from a moment, beside how the first would."""
+    return _compared(session, "try_programs", at, _listed("programs", programs, "[text, other]"), seconds)
+
+
+def _compared(
+    session: Runner, what: str, at: Moment, programs: list[str | Program | None], seconds: float
+) -> list[WhatIf]:
+    """Run each program on from one moment in a fork, None as it went; compare each course with the first."""
+    check_number("seconds", seconds, "a number of seconds", above=0)
+    if math.isinf(seconds):
+        raise ValueError("All runs last so many `seconds`. Pass a number that is not infinite.")
+    session._driver.refuse_inside(what)
+    parsed, found = [_parsed(session, program) for program in programs], list[WhatIf]()
+    for program, start in zip(parsed, _starts(session, at, len(parsed)), strict=True):
+        with _going_on(session, start, program, True) as copy:
+            tick, begin = copy.frame.tick, copy.frame.time
+            changed, end, open_loop = _observed(copy, seconds)
+        recorded = found[0].recorded if found else changed
+        differs = divergence(recorded, changed)
+        found.append(WhatIf(tick, begin, end, recorded, changed, differs, open_loop))
+    return found
 
 
 def _observed(copy: Runner, seconds: float) -> tuple[Course, float, bool]:

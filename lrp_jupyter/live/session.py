@@ -805,6 +805,37 @@ class Session(Runner):
         """
         return questions.what_if(self, at, program, seconds)
 
+    def try_programs(
+        self, programs: Iterable[str | Program], seconds: float = 60.0, *, at: int | float | None = None
+    ) -> list[WhatIf]:
+        """Run on from one moment with each of some programs, each in a fork; nothing changes here.
+
+        What came from outside later is repeated in all, but for edits, as far as that is possible there. What
+        blocks do by themselves, past `robot`, they do again in each.
+
+        Parameters
+        ----------
+        programs : iterable
+            Texts or programs; each is applied at once, as an edit is.
+        seconds : float
+            How long, in seconds of the run; not infinite.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float. By default now.
+
+        Returns
+        -------
+        list of WhatIf
+            One for each program: its course beside that of the first, and their first difference.
+
+        Raises
+        ------
+        ValueError
+            The tick is not, or no longer, recorded; or what came later cannot be repeated, see :meth:`fork`.
+        LRPSyntaxError
+            A text is not a valid program.
+        """
+        return questions.try_programs(self, programs, seconds, at)
+
     def try_values(
         self,
         variable: str | Path,

@@ -193,7 +193,7 @@ def test_a_wrong_argument_anywhere_is_one_sentence(call, sentence):
         (
             lambda s: s.what_if(seconds=math.inf),
             ValueError,
-            "Both runs last so many `seconds`. Pass a number that is not infinite.",
+            "All runs last so many `seconds`. Pass a number that is not infinite.",
         ),
         (
             lambda s: s.try_values("n", [1], math.inf),
@@ -204,6 +204,11 @@ def test_a_wrong_argument_anywhere_is_one_sentence(call, sentence):
             lambda s: s.try_values("n", "123"),
             TypeError,
             "`values` must be a list, such as `[0.2, 0.3]`, not str.",
+        ),
+        (
+            lambda s: s.try_programs("x"),
+            TypeError,
+            "`programs` must be a list, such as `[text, other]`, not str.",
         ),
         (lambda s: s.try_values("n", [1], outcome=5), TypeError, "`outcome` must be a function, not int."),
         (

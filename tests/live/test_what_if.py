@@ -77,10 +77,21 @@ def test_white_space_makes_no_difference(session):
     assert str(same) == "There is no difference up to 14.9 s, where the comparison ends."
 
 
+def test_programs_are_compared_with_the_first_of_them(session):
+    slow, fast = (FOLLOWER.replace("(var forward := [0.2])", f"(var forward := [{v}])") for v in (0.1, 0.4))
+    same, other, first = session.try_programs([slow, fast, slow], 3)
+    assert same.recorded == other.recorded == first.recorded == same.changed
+    assert (same.divergence, first.divergence) == (None, None)
+    assert other.changed == session.what_if(program=fast, seconds=3).changed
+    assert other.divergence is not None
+    assert len(other.changed.way) == len(other.recorded.way) == 30
+
+
 def test_the_session_does_not_notice(session):
     before = session.frame.tick, session.frame.time, session.bridge.pose, session.timeline()
     session.what_if(50, INTO_THE_WALL, 10)
     session.what_if(seconds=3)
+    session.try_programs([INTO_THE_WALL, FOLLOWER], 3)
     assert (session.frame.tick, session.frame.time, session.bridge.pose, session.timeline()) == before
     assert session.program.text == FOLLOWER
 

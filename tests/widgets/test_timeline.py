@@ -209,6 +209,18 @@ def test_the_edited_program_is_shown_beside_what_was_recorded(lab, page):
     assert what_if["changed"]["way"] != what_if["recorded"]["way"]
 
 
+def test_the_courses_of_some_programs_are_told_at_once_and_the_running_one_is_left_alone(lab, page):
+    programs = [PROGRAM.replace("angular=1.0", f"angular={turn}") for turn in (1.0, 1.5, 1.6)]
+    frame = lab.session.frame
+    told = page.ask("try_programs", programs=programs, seconds=3)["what_ifs"]
+    assert [each["divergence"] is None for each in told] == [True, False, False]
+    assert [(each["begin"], len(each["changed"]["way"])) for each in told] == [(frame.time, 30)] * 3
+    assert (lab.session.frame.tick, lab.session.program.text) == (frame.tick, PROGRAM)
+    refused = page.ask("try_programs", programs=[PROGRAM, "(machine"], seconds=3)
+    assert refused["error"]
+    assert not refused.get("what_ifs")
+
+
 def test_a_collision_is_told_before_it_happens(lab, page):
     lab.session.edit(PROGRAM.replace("steps > 9", "steps > 900"))
     touch = page.ask("what_if", seconds=60)["what_if"]["changed"]["touch"]

@@ -59,3 +59,11 @@ def what_if(opened: OpenProgram, seconds: Annotated[float, Between(0.1, 600)]) -
     """Ask how the present program goes on from the moment looked at, or from now, for some seconds."""
     session = opened.session
     return session.what_if(opened.looking.tick(session), seconds=seconds)
+
+
+@question("what_ifs", 30.0)
+def try_programs(
+    opened: OpenProgram, programs: list[str], seconds: Annotated[float, Between(0.1, 600)]
+) -> list[WhatIf]:
+    """Ask how each of some programs goes on from now for some seconds, beside how the first does."""
+    return opened.session.try_programs(programs, seconds)
