@@ -1,10 +1,13 @@
 // @vitest-environment happy-dom
 
-import { beforeEach, describe, expect, it, vi } from "vitest";
+import { beforeEach, describe, expect, it } from "vitest";
 import type { Point, ReplyMessage, Waypoint, WhatIf, WorldView } from "../src/protocol";
+import type { Question } from "../src/session/connection";
+import type { Stepped } from "../src/session/state";
 import { type Lab, Store } from "../src/session/store";
 import { complete } from "../src/world/complete";
-import { ahead, ghostAt, paintGhost, partingOf } from "../src/world/ghost";
+import { coursesOf, isOther } from "../src/world/courses";
+import { ahead, ghostAt, paintGhost, partingOf, spread } from "../src/world/ghost";
 import type { Palette } from "../src/world/palette";
 import { firstPoses } from "../src/world/poses";
 import { Preview } from "../src/world/preview";
@@ -68,7 +71,8 @@ describe("a preview", () => {
   let store: Store;
   let preview: Preview;
   let foretells: { on: boolean };
-  let questions: { resolve: (reply: Partial<ReplyMessage>) => void }[];
+  let questions: { question: Question; resolve: (reply: Partial<ReplyMessage>) => void }[];
+  const asked = ({ question }: { question: Question }) => question.type;
   const frames = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 5)));
   const set = async (fields: Partial<Store["state"]>) => {
     Object.assign(store.state, fields);
@@ -84,12 +88,11 @@ describe("a preview", () => {
     store = new Store();
     questions = [];
     foretells = { on: true };
-    const ask = vi.fn(() => new Promise((resolve) => questions.push({ resolve })));
-    preview = new Preview(
-      { store, ask, closed: new AbortController().signal } as unknown as Lab,
-      foretells,
-      0,
-    );
+    const ask = (question: Question) => new Promise((resolve) => questions.push({ question, resolve }));
+    preview = new Preview({ store, ask, closed: new AbortController().signal } as unknown as Lab, foretells, {
+      calm: 0,
+      rest: 0,
+    });
     Object.assign(store.state, { status: "running", time: 5, revision: 1, world: {} });
     store.touch(["snapshot", "status", "time", "revision", "world"]);
     await frames();
@@ -161,6 +164,68 @@ describe("a preview", () => {
     expect(questions).toEqual([]);
   });
 
+  describe("of a number that is stepped through", () => {
+    const stepped = (now: string): Stepped => ({ values: ["1", now, `${now}1`], programs: ["p", now, "q"] });
+    const courses = (...y: number[]) =>
+      y.map((each) => whatIf(store.state.time, { recorded: course(5, y[0]), changed: course(5, each) }));
+    const shown = () => store.state.whatIf?.tried?.values[1];
+
+    beforeEach(async () => {
+      await answer({});
+      await set({ stepped: stepped("2") });
+    });
+
+    it("has all three courses, by one question, and its edits ask no other", async () => {
+      await set({ revision: 3 });
+      expect(questions.map(({ question }) => question)).toEqual([
+        { type: "try_programs", programs: ["p", "2", "q"], seconds: 3 },
+      ]);
+      await answer({ what_ifs: courses(1, 2, 3) });
+      expect(store.state.whatIf?.tried).toEqual({ values: ["1", "2", "21"], beyond: course(5, 3) });
+      await set({ revision: 4 });
+      expect(questions).toEqual([]);
+      await set({ stepped: null, revision: 5 });
+      expect(questions.map(asked)).toEqual(["what_if"]);
+    });
+
+    it("stays until that of the next step comes, which may be late", async () => {
+      await set({ stepped: stepped("3") });
+      await set({ stepped: stepped("4") });
+      await answer({ what_ifs: courses(1, 2, 3) });
+      expect([shown(), questions.length]).toEqual(["2", 1]);
+      await answer({ what_ifs: courses(1, 2, 3) });
+      expect([shown(), questions.length]).toEqual(["4", 0]);
+    });
+
+    it("is asked for again, once, before it is over", async () => {
+      await answer({ what_ifs: courses(1, 2, 3) });
+      await set({ time: 6.6 });
+      await set({ time: 6.7 });
+      expect([shown(), questions.length]).toEqual(["2", 1]);
+      await answer({ what_ifs: courses(1, 2, 3) });
+      expect([store.state.whatIf?.begin, questions.length]).toEqual([6.7, 0]);
+    });
+
+    it("is nothing where the number makes no difference, or the program is wrong", async () => {
+      await answer({ what_ifs: courses(1, 2, 3) });
+      for (const reply of [{ what_ifs: courses(1, 1, 1) }, { error: "A bracket is missing." }]) {
+        await set({ stepped: stepped(String(store.state.revision)) });
+        await answer(reply);
+        expect(store.state.whatIf).toBeNull();
+      }
+    });
+
+    it("is withheld in a quiet lab, and while edits wait", async () => {
+      await answer({});
+      const { settings } = store.state;
+      await set({ stepped: stepped("3"), settings: { ...settings, quiet: true } });
+      await set({ stepped: stepped("4"), settings: { ...settings, edits: "hold" } });
+      expect(questions).toEqual([]);
+      await set({ revision: 3 }); // now they are applied
+      expect(questions.map(asked)).toEqual(["what_if"]);
+    });
+  });
+
   it("leaves alone what was asked about the past", async () => {
     const past = whatIf(1, { divergence: { tick: 20, time: 2, text: "The robot takes another way." } });
     await answer({ what_if: whatIf(5) });
@@ -168,6 +233,36 @@ describe("a preview", () => {
     preview.check([2, 2, 0]);
     await set({ revision: 3, time: 0.5 });
     expect(store.state.whatIf).toBe(past);
+  });
+});
+
+describe("the courses of a number that is stepped through", () => {
+  const palette = {} as Palette;
+  const tried = (before: string, now: string, beyond: string) =>
+    coursesOf({ ...whatIf(), tried: { values: [before, now, beyond], beyond: course(0, 2) } }, palette);
+
+  it("are told apart, this one on top, and each value has one", () => {
+    const names = (values: [string, string, string]) => tried(...values).map(({ name }) => name);
+    expect(names(["1", "2", "3"])).toEqual(["next 3", "before 1", "now 2"]);
+    expect(names(["1", "1", "0"])).toEqual(["next 0", "now 1"]);
+    expect(names(["1", "2", "1"])).toEqual(["before 1", "now 2"]);
+    const drawn = tried("1", "2", "3").map(({ dash, color }) => `${dash} ${color}`);
+    expect(new Set(drawn).size).toBe(3);
+  });
+
+  it("differ where a robot or a solid goes another way", () => {
+    const one = course(0);
+    expect(isOther(one, course(0, 1.001))).toBe(false);
+    expect(isOther(one, course(0, 1.1))).toBe(true);
+    expect(isOther({ ...one, others: { b: one.way } }, { ...one, others: { b: course(0, 2).way } })).toBe(
+      true,
+    );
+    expect(isOther({ ...one, solids: [[0, [1, 1, 0]]] }, { ...one, solids: [[0, [1, 1.1, 0]]] })).toBe(true);
+  });
+
+  it("have labels that do not lie on each other", () => {
+    expect(spread([5, 1], 2)).toEqual([5, 1]);
+    expect(spread([1, 1, 1], 2)).toEqual([3, 1, -1]);
   });
 });
 

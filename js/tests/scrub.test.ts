@@ -5,6 +5,7 @@ import { EditorState } from "@codemirror/state";
 import { EditorView, runScopeHandlers } from "@codemirror/view";
 import { describe, expect, it } from "vitest";
 import { numberAt, scrubbing, stepped } from "../src/editor/scrub";
+import { type Lab, Store } from "../src/session/store";
 
 describe("the number that the cursor touches", () => {
   const at = (marked: string): string | undefined => {
@@ -45,11 +46,12 @@ describe("a step", () => {
 });
 
 describe("the keys", () => {
+  const lab = { store: new Store() } as unknown as Lab;
   const press = (view: EditorView, key: string, shiftKey = false) =>
     runScopeHandlers(view, new KeyboardEvent("keydown", { key, altKey: true, shiftKey }), "editor");
   const open = (doc: string, anchor: number) =>
     new EditorView({
-      state: EditorState.create({ doc, selection: { anchor }, extensions: [history(), scrubbing] }),
+      state: EditorState.create({ doc, selection: { anchor }, extensions: [history(), scrubbing(lab)] }),
     });
 
   it("step the number at the cursor, and are undone together", () => {
@@ -61,6 +63,21 @@ describe("the keys", () => {
     undo(view);
     expect(view.state.doc.toString()).toBe("[0.20 + 1]");
     expect(press(view, "ArrowUp")).toBe(true);
+    view.destroy();
+  });
+
+  it("tell the lab the values and the programs of the gesture, until something else is done", async () => {
+    const view = open("[2 + 7]", 2);
+    press(view, "ArrowUp");
+    press(view, "ArrowUp");
+    expect(lab.store.state.stepped).toEqual({
+      values: ["2", "4", "5"],
+      programs: ["[2 + 7]", "[4 + 7]", "[5 + 7]"],
+    });
+    press(view, "ArrowDown");
+    expect(lab.store.state.stepped?.values).toEqual(["2", "3", "2"]);
+    view.dispatch({ selection: { anchor: 6 } });
+    expect(lab.store.state.stepped).toBeNull();
     view.destroy();
   });
 

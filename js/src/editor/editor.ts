@@ -144,7 +144,7 @@ export class Editor implements Typist {
       completion(lab),
       hover(lab),
       navigation(lab),
-      scrubbing,
+      scrubbing(lab),
       followCursor(lab),
       live(lab.store.state, () => this.values.on),
       placeholder("(machine follower …) (spawn follower moving)"),

@@ -5,12 +5,16 @@
 
 import { Annotation, type EditorState, type Extension, Prec, StateField } from "@codemirror/state";
 import { EditorView, hoverTooltip, keymap } from "@codemirror/view";
+import type { Stepped } from "../session/state";
+import type { Lab } from "../session/store";
 import { h } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { pointOf } from "../ui/point";
 
-/** Marks a change that scrubbing made: it is meant at once. */
-export const scrubbed = Annotation.define<boolean>();
+type Values = Stepped["values"];
+
+/** Marks a change that scrubbing made, which is meant at once; null where it ends what was begun. */
+export const scrubbed = Annotation.define<Values | null>();
 
 const STEP = 4; // px of a drag for one step
 const NUMBER = /(?<![\w.])-?(?:\d+\.\d*|\.\d+|\d+)(?![\w.])/g;
@@ -45,23 +49,40 @@ export function stepped(text: string, steps: number): string {
   return (value + steps * size).toFixed(Math.min(places, 15)).replace(/^-(0(?:\.0*)?)$/, "$1");
 }
 
-function put(view: EditorView, { from, to }: Literal, text: string, isFirst: boolean): Literal {
+function put(
+  view: EditorView,
+  { from, to }: Literal,
+  text: string,
+  isFirst: boolean,
+  values: Values | null,
+): Literal {
   view.dispatch({
     changes: { from, to, insert: text },
     selection: { anchor: from, head: from + text.length },
     // this event joins the last one of the history, however long ago that was
     userEvent: isFirst ? "input.scrub" : "input.type.compose",
-    annotations: scrubbed.of(true),
+    annotations: scrubbed.of(values),
   });
   return { from, to: from + text.length, text };
 }
 
-/** Whether the last thing done was a step: the next one at the same number belongs to it. */
-const stepping = StateField.define<boolean>({
-  create: () => false,
+/** The number, if the last thing done was a step: the next one at the same number belongs to it. */
+const stepping = StateField.define<Values | null>({
+  create: () => null,
   update: (was, transaction) =>
-    transaction.annotation(scrubbed) ?? (was && !transaction.docChanged && !transaction.selection),
+    transaction.annotation(scrubbed) ?? (transaction.docChanged || transaction.selection ? null : was),
 });
+
+/** Tells the lab which number is stepped through. */
+const telling = ({ store }: Lab) =>
+  EditorView.updateListener.of(({ state, startState }) => {
+    const values = state.field(stepping);
+    if (values === startState.field(stepping, false)) return;
+    const { from, to } = state.selection.main; // a step selects its number
+    const [before, after] = [state.sliceDoc(0, from), state.sliceDoc(to)];
+    const programs = values?.map((value) => before + value + after);
+    store.set("stepped", values && programs ? { values, programs } : null);
+  });
 
 /** Changes the number at the cursor; false if there is none. */
 function byKey(steps: number) {
@@ -69,7 +90,9 @@ function byKey(steps: number) {
     const { from, to, head } = view.state.selection.main;
     const literal = numberAt(view.state, head);
     if (!literal || from < literal.from || to > literal.to) return false;
-    put(view, literal, stepped(literal.text, steps), !view.state.field(stepping));
+    const now = stepped(literal.text, steps);
+    const begun = view.state.field(stepping);
+    put(view, literal, now, !begun, [begun?.[0] ?? literal.text, now, stepped(now, steps)]);
     return true;
   };
 }
@@ -82,19 +105,22 @@ function byDrag(event: PointerEvent, view: EditorView): boolean {
   view.focus();
   let literal = begun;
   let isFirst = true;
-  const become = (text: string) => {
+  let steps = 0;
+  const become = (text: string, beyond: string | null) => {
     const isHere = view.state.sliceDoc(literal.from, literal.to) === literal.text; // not changed elsewhere
     if (!isHere || text === literal.text) return;
-    literal = put(view, literal, text, isFirst);
+    literal = put(view, literal, text, isFirst, beyond === null ? null : [begun.text, text, beyond]);
     isFirst = false;
   };
   trackDrag(view.contentDOM, event, {
     move: ({ clientX, shiftKey }) => {
-      const steps = Math.trunc((clientX - event.clientX) / STEP) * (shiftKey ? 10 : 1);
-      become(stepped(begun.text, steps));
+      const [size, before] = [shiftKey ? 10 : 1, steps];
+      steps = Math.trunc((clientX - event.clientX) / STEP) * size;
+      const next = steps + Math.sign(steps - before) * size;
+      become(stepped(begun.text, steps), stepped(begun.text, next));
     },
     end(last) {
-      if (!last) become(begun.text);
+      if (!last) become(begun.text, null);
     },
   });
   return true;
@@ -120,8 +146,9 @@ const card = hoverTooltip(
   { hoverTime: 600 },
 );
 
-export const scrubbing: Extension = [
+export const scrubbing = (lab: Lab): Extension => [
   stepping,
+  telling(lab),
   card,
   EditorView.domEventHandlers({ pointerdown: byDrag }),
   Prec.high(

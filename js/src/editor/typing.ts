@@ -32,7 +32,9 @@ export class Typing {
   /** Handle a change of the text that was made here. */
   changed({ state, transactions }: ViewUpdate): void {
     const isTyped = transactions.some(
-      (one) => (one.isUserEvent("input.type") || one.isUserEvent("delete")) && !one.annotation(scrubbed),
+      (one) =>
+        (one.isUserEvent("input.type") || one.isUserEvent("delete")) &&
+        one.annotation(scrubbed) === undefined,
     );
     this.stop();
     if (isTyped) {

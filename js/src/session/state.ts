@@ -6,6 +6,7 @@ import { isIn, parentOf } from "../language/paths";
 import {
   type AnswerMessage,
   type Changes,
+  type Course,
   type ElementKind,
   EMPTY_VIEW_STATE,
   type FromKernel,
@@ -16,6 +17,17 @@ import {
 
 /** How the kernel responds: not yet, at once, late, not for seconds, never again. */
 export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
+
+/** A number that is stepped through: its text before, now and one step on, and the program with each. */
+export interface Stepped {
+  values: readonly [before: string, now: string, beyond: string];
+  programs: readonly string[];
+}
+
+/** How it goes on; of a number that is stepped through also one step on, with the three values. */
+export interface Foretold extends WhatIf {
+  tried?: { values: Stepped["values"]; beyond: Course };
+}
 
 /** What a snapshot brings, of which answers and worlds replace some; its other fields belong to the editor. */
 type Told = Omit<
@@ -34,7 +46,9 @@ export interface LabState extends ViewState, Told {
   cameras: Record<string, Camera>;
   /** Which machine is shown automatically: the one with the innermost active state, the one around the cursor, or none. */
   follow: "active" | "cursor" | "nothing";
-  whatIf: WhatIf | null;
+  whatIf: Foretold | null;
+  /** The number that was changed by the last step in the editor, until something else is done there. */
+  stepped: Stepped | null;
 }
 
 /** The parts of the run that are shown unasked. */
@@ -75,6 +89,7 @@ export function initialState(): LabState {
     cameras: {},
     follow: "nothing",
     whatIf: null,
+    stepped: null,
   };
 }
 

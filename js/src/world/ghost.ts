@@ -1,17 +1,15 @@
 /** How another run goes: the path of the robot in it, and a ghost of the robot at its end. */
 
-import type { Course, Point, Pose, SolidView, WhatIf } from "../protocol";
-import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceDisc } from "./brush";
+import type { Point, Pose, SolidView, WhatIf } from "../protocol";
+import type { Foretold } from "../session/state";
+import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceDisc, write } from "./brush";
 import type { FullWorld } from "./complete";
+import { coursesOf, type Drawn, isElsewhere, type Way, wayOf } from "./courses";
 import { traceSolid } from "./paint";
-import { ofRobot, type Palette, shade } from "./palette";
+import { ofRobot, shade } from "./palette";
 import { mixed, type Snapshot } from "./poses";
 import { paintHeading } from "./robot";
 
-/** Poses with their times: (time, x, y, theta). */
-type Way = readonly (readonly number[])[];
-
-const STILL = 0.005; // metres and radians: a ghost in the robot itself would only blur it
 const DOT = 5; // px
 
 /** Where the robot is at a time in a way; null before it and after it. */
@@ -40,51 +38,79 @@ export function partingOf({ divergence, changed, recorded }: WhatIf): Point | nu
   return x === undefined || y === undefined ? null : [x, y];
 }
 
-/** The colours of the changed course and of the recorded one: greys, which no state's trail has. */
-export function courseColors(palette: Palette): { changed: string; recorded: string } {
-  return { changed: shade(0, palette), recorded: shade(125, palette) };
-}
-
 /**
  * Paint how it goes from now on: of each robot the changed course dashed, with a ghost at its end, the recorded one
  * plain; and the outlines of solids that will be elsewhere.
  */
-export function paintGhost(brush: Brush, world: FullWorld, whatIf: WhatIf, now: Snapshot): void {
+export function paintGhost(brush: Brush, world: FullWorld, whatIf: Foretold, now: Snapshot): void {
   const { c, palette } = brush;
-  const { changed, recorded, divergence } = whatIf;
-  const colors = courseColors(palette);
   c.save();
   c.lineJoin = "round";
-  for (const [index, pose] of changed.solids) {
+  for (const [index, pose] of whatIf.changed.solids) {
     const [solid, before] = [world.solids[index], now.solids[index]];
     if (solid && before && isElsewhere(before, pose)) paintSolid(brush, solid, pose);
   }
   c.lineCap = "butt";
+  const courses = coursesOf(whatIf, palette);
   world.robots.forEach(({ radius }, i) => {
-    const wayOf = (course: Course) => (i ? (Object.values(course.others)[i - 1] ?? []) : course.way);
-    const next = ahead(wayOf(changed), now.time);
-    const other = divergence ? ahead(wayOf(recorded), now.time) : [];
-    for (const way of [other, next]) paintWay(brush, way, palette.halo, 7);
-    paintWay(brush, other, colors.recorded, 3);
-    setDash(brush, 6, 4); // the recorded one is seen in between, where it is the same way
-    paintWay(brush, next, colors.changed, 3);
+    const drawn = courses.map((each) => ({ ...each, poses: ahead(wayOf(each.course, i), now.time) }));
+    for (const { poses } of drawn) paintWay(brush, poses, palette.halo, 7);
+    for (const { poses, color, dash } of drawn) {
+      setDash(brush, ...dash);
+      paintWay(brush, poses, color, 3);
+    }
     setDash(brush);
-    const [first, last] = [next[0], next.at(-1)];
-    if (first && last && isElsewhere(first, last))
-      paintRobot({ ...brush, palette: ofRobot(palette, i) }, last, radius);
+    const ghosts = drawn.flatMap(({ poses: [first, ...rest], ...each }) => {
+      const last = rest.at(-1);
+      const isShown = first && last && (each.isNow || each.label) && isElsewhere(first, last);
+      return isShown ? [{ ...each, last }] : [];
+    });
+    for (const ghost of ghosts) paintRobot({ ...brush, palette: ofRobot(palette, i) }, ghost, radius);
+    paintLabels(brush, world, radius, ghosts);
   });
   c.restore();
 }
 
-export function paintParting({ c, palette, pixels }: Brush, whatIf: WhatIf): void {
-  const parting = partingOf(whatIf);
-  if (!parting) return;
-  traceDisc(c, ...parting, DOT / pixels);
-  fillAndOutline(c, courseColors(palette).changed, palette.halo, 2.5 / pixels);
+const LABEL = 12; // px that the letters are high
+const LETTER = 7; // px that a digit is wide
+const PILL = 16; // px around them
+
+type Ghost = Drawn & { last: Pose };
+
+/** Write the labels of ghosts beside them, each at its own height. */
+function paintLabels(brush: Brush, { size }: FullWorld, radius: number, ghosts: readonly Ghost[]): void {
+  const { c, palette, pixels } = brush;
+  const labelled = ghosts.filter(({ label }) => label).sort((a, b) => b.last[1] - a.last[1]);
+  const heights = spread(
+    labelled.map(({ last }) => last[1]),
+    (PILL + 2) / pixels,
+  );
+  labelled.forEach(({ last: [x], label, color, isNow }, i) => {
+    const width = (label.length * LETTER + PILL / 2) / pixels;
+    const beside = radius + 4 / pixels;
+    const left = x + beside + width > size[0] ? x - beside - width : x + beside;
+    const [y, height] = [heights[i]!, PILL / pixels];
+    c.beginPath();
+    c.roundRect(left, y - height / 2, width, height, height / 3);
+    const [ink, ground] = isNow ? [palette.halo, color] : [color, palette.halo];
+    fillAndOutline(c, ground, color, 1 / pixels);
+    write(brush, label, [left + width / 2, y], LABEL / pixels, ink, { halo: false });
+  });
 }
 
-function isElsewhere(a: Pose, b: Pose): boolean {
-  return Math.hypot(b[0] - a[0], b[1] - a[1]) > STILL || Math.abs(b[2] - a[2]) > STILL;
+/** Falling heights, moved apart to be `gap` from each other, as near as that to where they were. */
+export function spread(heights: readonly number[], gap: number): number[] {
+  const placed = [...heights];
+  for (let i = 1; i < placed.length; i++) placed[i] = Math.min(placed[i]!, placed[i - 1]! - gap);
+  const shift = heights.reduce((sum, height, i) => sum + height - placed[i]!, 0) / (heights.length || 1);
+  return placed.map((height) => height + shift);
+}
+
+export function paintParting({ c, palette, pixels }: Brush, whatIf: Foretold): void {
+  const parting = whatIf.tried ? null : partingOf(whatIf);
+  if (!parting) return;
+  traceDisc(c, ...parting, DOT / pixels);
+  fillAndOutline(c, shade(0, palette), palette.halo, 2.5 / pixels);
 }
 
 /** `width` is in px. */
@@ -94,10 +120,9 @@ function paintWay({ c, pixels }: Brush, poses: readonly Pose[], color: string, w
   drawPath(c, color, width / pixels);
 }
 
-/** Draw the path in the colour of the changed course. */
-function outline({ c, palette, pixels }: Brush): void {
+function outline({ c, pixels }: Brush, color: string): void {
   c.globalAlpha = 0.75;
-  drawPath(c, courseColors(palette).changed, Math.max(0.006, 2 / pixels));
+  drawPath(c, color, Math.max(0.006, 2 / pixels));
 }
 
 function paintSolid(brush: Brush, solid: SolidView, pose: Pose): void {
@@ -105,18 +130,19 @@ function paintSolid(brush: Brush, solid: SolidView, pose: Pose): void {
   paintAt(c, pose, () => {
     traceSolid(c, solid);
     setDash(brush, 6, 4);
-    outline(brush);
+    outline(brush, shade(0, brush.palette));
   });
 }
 
-function paintRobot(brush: Brush, pose: Pose, r: number): void {
+function paintRobot(brush: Brush, { last, color, dash, isNow, label }: Ghost, r: number): void {
   const { c, palette } = brush;
-  paintAt(c, pose, () => {
+  paintAt(c, last, () => {
     traceDisc(c, 0, 0, r);
-    c.globalAlpha = 0.45;
+    c.globalAlpha = isNow ? 0.45 : 0.1;
     c.fillStyle = palette.robot;
     c.fill();
-    outline(brush);
-    paintHeading(c, r, courseColors(palette).changed);
+    if (label) setDash(brush, ...dash);
+    outline(brush, color);
+    paintHeading(c, r, color);
   });
 }

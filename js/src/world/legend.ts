@@ -3,7 +3,8 @@
 import { nameOf } from "../language/paths";
 import type { Point, ProgramView } from "../protocol";
 import { h, reconcile, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
-import { courseColors, partingOf } from "./ghost";
+import { coursesOf } from "./courses";
+import { partingOf } from "./ghost";
 import type { Style } from "./palette";
 import type { Stage } from "./stage";
 
@@ -90,15 +91,10 @@ interface Entry {
   isDashed: boolean;
 }
 
-/** What the lines in the world mean: two courses that part, and the states of the trail. */
+/** What the lines in the world mean: courses that part, and the states of the trail. */
 function entriesOf({ whatIf, palette, trail, latest, showsTrail, styleOf }: Stage): Entry[] {
-  const { changed, recorded } = courseColors(palette);
-  const courses: Entry[] = whatIf?.divergence
-    ? [
-        { title: "How it goes with the edit", name: "with the edit", color: changed, isDashed: true },
-        { title: "How it was recorded", name: "as recorded", color: recorded, isDashed: false },
-      ]
-    : [];
+  const drawn = whatIf ? coursesOf(whatIf, palette).reverse() : [];
+  const courses = drawn.length < 2 ? [] : drawn.map((each) => ({ ...each, isDashed: each.dash.length > 0 }));
   if (!showsTrail.on) return courses;
   const states = trail.states(latest?.time ?? 0).filter((state) => state !== "");
   return [

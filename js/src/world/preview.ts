@@ -1,41 +1,52 @@
-/** What an edit is going to do: after each one the next seconds are asked for, and shown as a ghost's way. */
+/**
+ * What an edit is going to do: after each one the next seconds are asked for, and shown as a ghost's way. While a
+ * number is stepped through, also how it would go with the number before and with the next one.
+ */
 
-import type { WhatIf } from "../protocol";
 import { newest } from "../session/newest";
+import type { Foretold, Stepped } from "../session/state";
 import type { Lab } from "../session/store";
 import type { KeptSwitch } from "../ui/kept";
+import { isOther } from "./courses";
 import { ghostAt } from "./ghost";
 
 const SECONDS = 3;
-const CALM = 300; // ms after an edit: first it is applied and drawn
+const PACE = {
+  calm: 300, // ms after an edit: first it is applied and drawn
+  rest: 1, // after an answer about a number, as many times as long as it took: the robot needs the kernel, too
+};
 const LATE = 1; // s of the session: what is older is no news
+const LINGER = 10_000; // ms after the last step of a number in which it is foretold again and again
 const ASTRAY = 0.1; // metres: something else has happened than was foretold
 
 export class Preview {
   /** The newest preview, whether or not it is still shown. */
-  private latest: WhatIf | null = null;
+  private latest: Foretold | null = null;
   private revision: number | null = null;
   private time = 0;
   private edited = 0; // when, in ms
+  private renewed: Foretold | null = null;
+  private rested = 0;
   private readonly ask: () => void;
 
   constructor(
     private readonly lab: Lab,
     private readonly foretells: Pick<KeptSwitch, "on">,
-    calm = CALM,
+    private readonly pace = PACE,
   ) {
     this.ask = newest(
       lab.closed,
-      () => this.edited + calm,
+      () => Math.max(this.edited + (this.stepped ? 0 : pace.calm), this.rested),
       () => this.foretell(),
     );
     lab.store.watch(["revision", "snapshot"], (changed) => {
       const { revision } = lab.store.state;
       const isEdit = revision !== this.revision && !changed.has("snapshot");
       this.revision = revision;
-      if (!isEdit) return;
-      this.edited = performance.now();
-      this.ask();
+      if (isEdit && !this.stepped) this.wasEdited();
+    });
+    lab.store.watch(["stepped"], () => {
+      if (this.stepped) this.wasEdited();
     });
     lab.store.watch(["time", "looking", "world"], () => this.check());
   }
@@ -49,6 +60,26 @@ export class Preview {
     const foretold = at && ghostAt(whatIf.changed.way, time);
     const isAstray = foretold && Math.hypot(at[0]! - foretold[0], at[1]! - foretold[1]) > ASTRAY;
     if (!this.foretells.on || looking || isBack || time >= whatIf.end || isAstray) this.show(null);
+    else if (whatIf.tried && time >= (whatIf.begin + whatIf.end) / 2) this.renew(whatIf);
+  }
+
+  /** Ask once more while the number may still be in the hand. */
+  private renew(whatIf: Foretold): void {
+    const isOver = !this.stepped || performance.now() > this.edited + LINGER;
+    if (isOver || this.renewed === whatIf) return;
+    this.renewed = whatIf;
+    this.ask();
+  }
+
+  private wasEdited(): void {
+    this.edited = performance.now();
+    this.ask();
+  }
+
+  /** The number that is stepped through, unless edits wait until they are applied. */
+  private get stepped(): Stepped | null {
+    const { settings, stepped } = this.lab.store.state;
+    return settings.edits === "hold" ? null : stepped;
   }
 
   private get isWanted(): boolean {
@@ -58,14 +89,31 @@ export class Preview {
   }
 
   private async foretell(): Promise<void> {
-    const { edited } = this;
-    const whatIf = this.isWanted && (await this.lab.ask({ type: "what_if", seconds: SECONDS })).what_if;
-    if (edited !== this.edited) return; // there is a newer edit
+    const { edited, stepped } = this;
+    const begun = performance.now();
+    const whatIf = this.isWanted && (stepped ? await this.tried(stepped) : await this.next());
+    const now = performance.now();
+    this.rested = stepped ? now + this.pace.rest * (now - begun) : 0;
+    const isNewer = edited !== this.edited;
+    if (isNewer && !(stepped && this.stepped)) return; // than the answer; of the same number it is shown meanwhile
     const isNews = whatIf && this.isWanted && this.lab.store.state.time - whatIf.begin <= LATE;
     this.show(isNews ? whatIf : null);
   }
 
-  private show(whatIf: WhatIf | null): void {
+  private async next(): Promise<Foretold | undefined> {
+    return (await this.lab.ask({ type: "what_if", seconds: SECONDS })).what_if;
+  }
+
+  /** How it goes on with each of the three values; null if that makes no difference to the world. */
+  private async tried({ values, programs }: Stepped): Promise<Foretold | null> {
+    const reply = await this.lab.ask({ type: "try_programs", programs: [...programs], seconds: SECONDS });
+    const [, now, beyond] = reply.what_ifs ?? [];
+    if (!now || !beyond) return null;
+    const isFelt = isOther(now.recorded, now.changed) || isOther(now.changed, beyond.changed);
+    return isFelt ? { ...now, tried: { values, beyond: beyond.changed } } : null;
+  }
+
+  private show(whatIf: Foretold | null): void {
     const { store } = this.lab;
     if (!whatIf && store.state.whatIf !== this.latest) return; // there is none, or it is not a preview
     this.latest = whatIf;

@@ -1,6 +1,7 @@
 /** The canvas of a world: a cached layer for what stands still, and frames interpolated between poses. */
 
-import type { Point, StrokeView, WhatIf, WorldView } from "../protocol";
+import type { Point, StrokeView, WorldView } from "../protocol";
+import type { Foretold } from "../session/state";
 import type { KeptSwitch } from "../ui/kept";
 import { pngOf } from "../ui/picture";
 import type { Brush } from "./brush";
@@ -47,7 +48,7 @@ export class Stage {
   /** The number of edits that the kernel has not answered yet. */
   awaited = 0;
   isPast = false;
-  whatIf: WhatIf | null = null;
+  whatIf: Foretold | null = null;
   styleOf: (state: string) => Style = () => ({ color: "gray", dash: [] });
   /** Called when another part of the world may be shown, or the robot no longer followed. */
   viewed = () => {};
