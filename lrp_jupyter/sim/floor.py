@@ -3,12 +3,14 @@
 A stroke is cut into pieces (segments and arcs). Each piece is entered into the cells of a grid
 that it can touch, so that a query visits the few pieces of one cell, however long trails have
 become. Marks are only ever appended: the floor at an earlier moment is a prefix. The
-description has a grid of its own below that of the marks, so that a stroke that is drawn costs only itself.
+description has a grid of its own below that of the marks, so that a stroke that is drawn costs little
+more than itself, and a copy of a world finds it ready.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -108,14 +110,17 @@ class LiveFloor:
             _enter(self._trails, paint, piece)
 
     def paint(self, floor: FloorSpec) -> None:
-        """Change the description, below the marks. More strokes than before cost only those."""
+        """Change the description, below the marks. More strokes than before cost those and a copy."""
         known = len(self._strokes)
-        if floor.strokes[:known] != self._strokes:
-            known, self._painted = 0, {}
-        for stroke in floor.strokes[known:]:
-            paint = Paint(stroke.width / 2, stroke.grey, False)
-            for piece in _pieces(stroke):
-                _enter(self._painted, paint, piece)
+        if known and floor.strokes[:known] == self._strokes:
+            if more := floor.strokes[known:]:
+                self._painted = {
+                    cell: [(paint, [*pieces]) for paint, pieces in groups]
+                    for cell, groups in self._painted.items()
+                }
+                _enter_strokes(self._painted, more)
+        else:
+            self._painted = _cells_of(floor.strokes)
         self.grey, self._strokes, self.raster = float(floor.grey), floor.strokes, None
 
     def ink(self, paint: Paint, start: Point, end: Point, step: int) -> None:
@@ -147,6 +152,21 @@ def distance_to(floor: FloorSpec, x: float, y: float) -> float:
 @lru_cache(maxsize=8)
 def _all_pieces(floor: FloorSpec) -> list[_Piece]:
     return [piece for stroke in floor.strokes for piece in _pieces(stroke)]
+
+
+@lru_cache(maxsize=8)
+def _cells_of(strokes: tuple[Stroke, ...]) -> _Cells:
+    """Return the cells of strokes; shared by all worlds that begin with them, so none may change it."""
+    cells: _Cells = {}
+    _enter_strokes(cells, strokes)
+    return cells
+
+
+def _enter_strokes(cells: _Cells, strokes: Iterable[Stroke]) -> None:
+    for stroke in strokes:
+        paint = Paint(stroke.width / 2, stroke.grey, False)
+        for piece in _pieces(stroke):
+            _enter(cells, paint, piece)
 
 
 def _enter(cells: _Cells, paint: Paint, piece: _Piece) -> None:

@@ -91,6 +91,14 @@ def test_the_grid_of_cells_hides_nothing(x, y):
         assert seen == 255
 
 
+def test_what_is_painted_on_a_floor_is_on_no_copy_of_it():
+    line = PathStroke(((0, 0), (1, 0)))
+    floor, copy = LiveFloor(FloorSpec(255, (line,))), LiveFloor(FloorSpec(255, (line,)))
+    floor.paint(FloorSpec(255, (line, PathStroke(((0.5, -1), (0.5, 1))))))
+    assert (floor.light(0.5, 0.5), copy.light(0.5, 0.5)) == (0, 255)
+    assert floor.light(0.2, 0) == copy.light(0.2, 0)
+
+
 def test_ink_darkens_and_never_lightens():
     floor = LiveFloor(FloorSpec(255, (PathStroke(((0, 0), (1, 0))),)))
     floor.ink(Paint(0.01, 120, True), (0.5, -1), (0.5, 1), step=3)
