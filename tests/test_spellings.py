@@ -126,6 +126,7 @@ COMMANDS = ANY | {
         "variable",
         in_session(lambda s, wanted: s.plots([wanted if isinstance(wanted, str) else "/".join(wanted)])),
     ),
+    "plots of an event": ("event", in_session(lambda s, wanted: s.plots(event=wanted))),
     "svg": ("machine", lambda wanted: svg(parse(TEXT), machine_path=wanted)),
     "with_initial": ("variable", lambda wanted: with_initial(TEXT, wanted, "7")),
     "new_state": ("machine", drawn(drawing.new_state, "fresh")),

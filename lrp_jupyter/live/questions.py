@@ -72,12 +72,13 @@ def timeline(session: Runner, since: TimelineCursor | None, plots: Mapping[str, 
     return session._value("timeline", lambda loop: timeline_of(loop, since, plots))()
 
 
-def plots(session: Runner, names: Iterable[str]) -> list[Plot]:
+def plots(session: Runner, names: Iterable[str], event: str | Path | None, seconds: float) -> list[Plot]:
     """Return the recorded samples of variables and readings."""
     wanted = _listed("names", names, '["robot.light.data"]')
+    check_number("seconds", seconds, "a number of seconds", above=0)
     for name in wanted:
         check_type("names", name, str, "a list of texts")
-    return session._value("plots", lambda loop: plotting_named(loop, wanted))()
+    return session._value("plots", lambda loop: plotting_named(loop, wanted, event, seconds))()
 
 
 def answer(session: Runner, question: Question, name: str | Path, at: Moment) -> Reason:

@@ -39,6 +39,7 @@ Paper: §5.1 (the loop and its rate), §6 (live programming), §6.3 (pause), §6
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError, Future
@@ -649,7 +650,9 @@ class Session(Runner):
         """
         return questions.timeline(self, since, plots)
 
-    def plots(self, names: Iterable[str]) -> list[Plot]:
+    def plots(
+        self, names: Iterable[str] = (), event: str | Path | None = None, seconds: float = math.inf
+    ) -> list[Plot]:
         """Return the recorded samples of variables and readings, with what conditions compare them with.
 
         Parameters
@@ -657,6 +660,10 @@ class Session(Runner):
         names : iterable of str
             Variables by path as spawned, or by name where only one has it now; ``robot.`` and the names of
             readings.
+        event : str or path, optional
+            An event: then only its condition counts; without names, what that reads is returned.
+        seconds : float
+            The samples of the last seconds only.
 
         Returns
         -------
@@ -666,9 +673,9 @@ class Session(Runner):
         Raises
         ------
         UnknownElementError
-            There is no such variable or reading, or several variables have that name.
+            There is no such variable, reading or event, or several have that name.
         """
-        return questions.plots(self, names)
+        return questions.plots(self, names, event, seconds)
 
     def why_not(self, transition: str | Path, at: int | float | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.

@@ -61,6 +61,24 @@ def test_readings_of_the_robot_are_plotted_with_their_limits():
         assert set(plot.thresholds[0].values) == {138.0}
 
 
+def test_the_last_seconds_of_what_an_event_reads_come_with_the_thresholds_of_its_condition():
+    with Session(programs.load("follower"), "sim", world="line") as session:
+        session.run(5)
+        (whole,) = session.plots(["robot.light.data"])
+        (light,) = session.plots(event="outofline", seconds=2)
+        assert (light.name, light.times) == ("robot.light.data", whole.times[-20:])
+        assert light.values == whole.values[-20:]
+        assert [each.text for each in light.thresholds] == ["lightlim + 10"]
+        assert session.plots(["robot.light.data"], "outofline", 2) == [light]
+        assert [each.name for each in session.plots(event="bumping")] == [
+            "robot.bumper.data",
+            "follower/nobump",
+        ]
+        assert session.plots([], seconds=2) == []
+        with pytest.raises(UnknownElementError, match="no event `nothing`"):
+            session.plots(event="nothing")
+
+
 def test_a_variable_that_did_not_exist_has_no_samples_then():
     program = """\
     (machine m

@@ -209,6 +209,13 @@ def test_the_edited_program_is_shown_beside_what_was_recorded(lab, page):
     assert what_if["changed"]["way"] != what_if["recorded"]["way"]
 
 
+def test_the_last_seconds_of_a_value_are_asked_for_alone(lab, page):
+    (steps,) = page.ask("plots", names=["m/steps"], event="", seconds=1)["plots"]
+    assert (steps["name"], len(steps["times"])) == ("m/steps", 10)
+    assert [each["text"] for each in steps["thresholds"]] == ["9"]
+    assert "no event `late`" in page.ask("plots", names=[], event="late", seconds=1)["error"]
+
+
 def test_the_courses_of_some_programs_are_told_at_once_and_the_running_one_is_left_alone(lab, page):
     programs = [PROGRAM.replace("angular=1.0", f"angular={turn}") for turn in (1.0, 1.5, 1.6)]
     frame = lab.session.frame

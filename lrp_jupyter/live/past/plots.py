@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -16,14 +17,17 @@ from typing import Literal, NamedTuple
 
 from lrp_jupyter.language.blocks.expressions import UnknownValueError, evaluate, expression_of, names_in
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
-from lrp_jupyter.language.lookup import called, missing
-from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.lookup import called, find, missing
+from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.why.recorded_robot import RecordedRobot
 
 _ROBOT = "robot."
 _MOST = 6  # maximum number of thresholds in a plot
+_READ = 3  # maximum number of plots of what one condition reads
+
+_Tested = tuple[Block, Scope]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +65,18 @@ def plottable(loop: Loop) -> list[str]:
     return variables + [_ROBOT + name for name, value in loop.record.readings.items() if _is_number(value)]
 
 
-def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
-    """Copy the samples of each name after a tick; return a function that plots them, on any thread."""
+def plotting(
+    loop: Loop, wanted: Mapping[str, int], tested: Iterable[_Tested] | None = None
+) -> Callable[[], list[Plot]]:
+    """Copy the samples of each name after a tick; return a function that plots them, on any thread.
+
+    `tested`: the conditions whose comparisons are thresholds; by default those of all transitions.
+    """
     if not wanted:
         return list
     program, first = loop.interpreter.program, min(wanted.values())
-    compared = {name: list(_compared(program, name)) for name in wanted}
+    conditions = list(_conditions(program) if tested is None else tested)
+    compared = {name: list(_compared(conditions, name)) for name in wanted}
     paths = {as_path(name) for name in wanted if not name.startswith(_ROBOT)}
     paths |= {path for each in compared.values() for other in each for path in other.variables.values()}
     reads = any(name.startswith(_ROBOT) for name in wanted) or any(
@@ -117,16 +127,25 @@ class _Column:
         return Plot(self._name, kind, tuple(self._times[::-1]), tuple(self._values[::-1]), thresholds)
 
 
-def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]:
-    """Return a function as :func:`plotting` does, for all samples of names written by a person.
+def plotting_named(
+    loop: Loop, names: Iterable[str], event: str | Path | None = None, seconds: float = math.inf
+) -> Callable[[], list[Plot]]:
+    """Return a function as :func:`plotting` does, for the last samples of names written by a person.
 
+    `event`: the one whose condition has the thresholds and, without names, what is plotted.
     Raises UnknownElementError: several variables have that name. The function raises it if none ever had it.
     """
-    whole = [_whole(loop, name) for name in names]
     program = loop.interpreter.program
+    tested = None if event is None else _condition(program, event)
+    whole = [_whole(loop, name) for name in names]
+    if tested is not None and not whole:
+        whole = _read_by(loop, *tested)
     present = {name for name in whole if _is_present(loop, name)}
     readings = [each for each in plottable(loop) if each.startswith(_ROBOT)]
-    compute = plotting(loop, dict.fromkeys(whole, 0))
+    history = loop.interpreter.history
+    first = bisect_left(history.ticks, loop.timing.now - seconds, key=history.time)
+    after = history.ticks.start + first - 1
+    compute = plotting(loop, dict.fromkeys(whole, after), None if tested is None else [tested])
 
     def plots() -> list[Plot]:
         found = compute()
@@ -137,6 +156,36 @@ def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]
         return found
 
     return plots
+
+
+def _condition(program: Program, event: str | Path) -> _Tested:
+    path = find(program, "event", event).path
+    scope = resolve(program).by_path[path[:-1]]
+    return scope.events[path[-1]].condition, scope
+
+
+def _read_by(loop: Loop, block: Block, scope: Scope) -> list[str]:
+    """Return the names to plot of a condition, compared readings first; none is in a threshold."""
+    tree, known = expression_of(block.text), set(plottable(loop))
+    if tree is None:
+        return []
+    names: dict[str, str] = {}  # by how they are written
+    sides: set[str] = set()
+    for node in ast.walk(tree):
+        text = ast.unparse(node) if isinstance(node, (ast.Name, ast.Attribute)) else ""
+        owner = scope.visible.get(text)
+        name = text if owner is None else _whole(loop, path_text((*owner.path, text)))
+        if name in known:
+            names[text] = name
+        if isinstance(node, ast.Compare):
+            sides.update(ast.unparse(side) for side in (node.left, *node.comparators))
+    found: list[str] = []
+    covered: set[str] = set()
+    for text in sorted(names, key=lambda each: (each not in sides, not each.startswith(_ROBOT))):
+        if text not in covered:
+            found.append(names[text])
+            covered |= {ast.unparse(node) for other in _others(tree, text) for node in ast.walk(other)}
+    return found[:_READ]
 
 
 def _whole(loop: Loop, name: str) -> str:
@@ -221,15 +270,19 @@ class _Followed:
         return Threshold(self._compared.text, tuple(self._values[::-1]))
 
 
-def _compared(program: Program, name: str) -> Iterator[_Compared]:
-    """Yield the expressions that the conditions of a program compare a name with."""
+def _conditions(program: Program) -> Iterator[_Tested]:
+    """Yield the conditions of all transitions."""
+    for arrow in chain.from_iterable(resolve(program).arrows.values()):
+        if arrow.tested is not None:
+            yield arrow.tested
+
+
+def _compared(conditions: Iterable[_Tested], name: str) -> Iterator[_Compared]:
+    """Yield the expressions that conditions compare a name with."""
     is_reading, path = name.startswith(_ROBOT), as_path(name)
     written = name if is_reading else path[-1]
     seen: set[object] = set()
-    for arrow in chain.from_iterable(resolve(program).arrows.values()):
-        if arrow.tested is None:
-            continue
-        block, scope = arrow.tested
+    for block, scope in conditions:
         tree = expression_of(block.text)
         if tree is None or not (is_reading or _means(scope, path)):
             continue

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated
 
+from lrp_jupyter.live.past.plots import Plot
 from lrp_jupyter.live.past.timeline import Timeline, TimelineCursor
 from lrp_jupyter.live.past.what_if import WhatIf
 from lrp_jupyter.widgets.acts.messages import OpenProgram, act, question
@@ -22,6 +23,14 @@ def timeline(
     up to which the page has its samples.
     """
     return opened.session.timeline(None if epoch is None else TimelineCursor(epoch, tick), plots)
+
+
+@question("plots")
+def plots(
+    opened: OpenProgram, names: list[str], event: str, seconds: Annotated[float, Between(0.1, 700)]
+) -> list[Plot]:
+    """Ask for the last seconds of variables and readings, or of what the condition of an event reads."""
+    return opened.session.plots(names, event or None, seconds)
 
 
 @act(is_noted=False)
