@@ -28,11 +28,18 @@ from lrp_jupyter.grading.workers import HowRun
 _MOST = 1000  # values of a variable
 
 
-def grade_files(files: Sequence[str], name: str, seeds: int | None, out: Sequence[Path], how: HowRun) -> int:
+def grade_files(
+    files: Sequence[str],
+    name: str,
+    seeds: int | None,
+    out: Sequence[Path],
+    how: HowRun,
+    given: Path | None = None,
+) -> int:
     """Grade one program and explain its grade, or those of a class and list them; return the exit code."""
     task = load(name)
     check_outputs(out, tuple(FORMS))
-    submissions = _submissions(files, task)
+    submissions = _submissions(files, task, given)
     alone = len(files) == 1 and not Path(files[0]).is_dir()
     if alone and submissions[0].text is None:
         raise FileError(submissions[0].problem)
@@ -138,11 +145,11 @@ def _listed(name: str, text: str) -> tuple[Value, ...]:
     return tuple(dict.fromkeys(values))
 
 
-def _submissions(files: Sequence[str], task: Challenge) -> list[Submission]:
+def _submissions(files: Sequence[str], task: Challenge, given: Path | None) -> list[Submission]:
     found: list[Submission] = []
     for file in files:
         if Path(file).exists():
-            found += find_submissions([file], task)
+            found += find_submissions([file], task, given)
         else:
             source = read_source(file)
             found.append(Submission(source.name, source.name, source.text))
@@ -165,6 +172,8 @@ def _list(marks: Marks) -> None:
         points = Text(f"{grade.points:g} of {grade.out_of:g}", "green" if grade.passed else "bold red")
         runs = Text(f"{grade.runs_passed} of {grade.runs}")
         reason = grade.first_failed.reason.partition("\n")[0] if grade.first_failed else ""
+        if mark.submission.as_given:
+            reason = f"as given. {reason}"
         table.add_row(
             Text(mark.submission.student, "bold"),
             points,

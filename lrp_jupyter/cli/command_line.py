@@ -519,6 +519,13 @@ def grade(
     out: Annotated[
         list[Path] | None, Option(metavar="FILE", help="Write the marks as `.csv`, `.json` or `.xml`.")
     ] = None,
+    given: Annotated[
+        Path | None,
+        Option(
+            metavar="FILE",
+            help="What was given out: marks say who has changed nothing; default: the challenge's beginning.",
+        ),
+    ] = None,
     limit: Limit = 60,
     memory: Memory = 1000,
     jobs: Processes = None,
@@ -539,7 +546,8 @@ def grade(
     from lrp_jupyter.cli.batches import grade_files
     from lrp_jupyter.grading.workers import HowRun
 
-    raise typer.Exit(grade_files(files, challenge, seeds, out or [], HowRun(limit, memory, jobs, scheduler)))
+    how = HowRun(limit, memory, jobs, scheduler)
+    raise typer.Exit(grade_files(files, challenge, seeds, out or [], how, given))
 
 
 def _challenge_in(file: str) -> str | None:

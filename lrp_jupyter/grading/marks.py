@@ -45,7 +45,8 @@ class Marks:
     def csv(self) -> str:
         """Return a table with a row for each submission; ``first_…`` describes its first failed run."""
         columns = ("student", "file", "challenge", "points", "out_of", "passed", "runs_passed", "runs")
-        return csv_text((*columns, "first_world", "first_seed", "first_reason", "first_hint"), self._rows())
+        last = ("first_world", "first_seed", "first_reason", "first_hint", "as_given")
+        return csv_text((*columns, *last), self._rows())
 
     def _rows(self) -> Iterator[tuple[object, ...]]:
         for submission, grade in self.marks:
@@ -55,6 +56,7 @@ class Marks:
                 *("yes" if grade.passed else "no", grade.runs_passed, grade.runs),
                 *(first.world if first else "", first.seed if first else ""),
                 *(first.reason.partition("\n")[0] if first else "", grade.hint),
+                "yes" if submission.as_given else "no",
             )
 
     def to_json(self) -> str:
@@ -71,6 +73,7 @@ class Marks:
         return {
             "student": submission.student,
             "file": submission.file,
+            "as_given": submission.as_given,
             "points": grade.points,
             "passed": grade.passed,
             "runs": grade.runs,

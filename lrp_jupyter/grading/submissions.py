@@ -1,7 +1,8 @@
 """What students hand in: files, or a folder with a file or a sub-folder for each of them.
 
-A program is a file ``*.lrp``, or a ``%%lrp`` cell of a notebook. The layouts of Moodle and nbgrader, which
-have a folder for each student, are read as they are.
+A program is a file ``*.lrp``, or a ``%%lrp`` cell of a notebook, into which the lab writes its text when the
+notebook is saved. A lab without such a cell is saved with its text in its output. The layouts of Moodle and
+nbgrader, which have a folder for each student, are read as they are.
 """
 
 from __future__ import annotations
@@ -31,19 +32,25 @@ class Submission(NamedTuple):
         terminal obeys or no file can hold is shown by its number.
     `text`: None if it cannot be read.
     `problem`: why it cannot be read, a sentence.
+    `as_given`: whether it is the text that was given out, apart from white space.
     """
 
     student: str
     file: str
     text: str | None = None
     problem: str = ""
+    as_given: bool = False
 
 
-def find_submissions(paths: Sequence[str | Path], task: Challenge) -> list[Submission]:
+def find_submissions(
+    paths: Sequence[str | Path], task: Challenge, given: Path | None = None
+) -> list[Submission]:
     """Return the submissions in files and folders; one that cannot be read says why.
 
+    `given`: the file that was given out; default: the text with which a lab of the challenge begins.
     Raises FileError: a path does not exist, or there is no submission in any of them.
     """
+    first = task.beginning if given is None else read_submission(given, task)
     found = []
     for path in map(Path, paths):
         if path.is_dir():
@@ -58,7 +65,11 @@ def find_submissions(paths: Sequence[str | Path], task: Challenge) -> list[Submi
             f"There is no submission in {listed}. Put a file `NAME.lrp` or `NAME.ipynb` for each student "
             "there, or a folder with one."
         )
-    return found
+    return [each._replace(as_given=_is(each.text, first)) for each in found]
+
+
+def _is(text: str | None, first: str) -> bool:
+    return text is not None and text.split() in ([], first.split())
 
 
 def _in_folder(folder: Path, task: Challenge) -> Iterator[Submission]:
@@ -125,7 +136,8 @@ def _read(student: str, files: Sequence[Path], place: Path, task: Challenge) -> 
 def _fits(file: Path, task: Challenge) -> bool:
     """Return whether a file says by its name or its cells that it is for a challenge."""
     return _slug(_student(file.stem)) == _slug(task.name) or (
-        file.suffix == ".ipynb" and any(_is_for(options, task) for options, _ in _cells(file))
+        file.suffix == ".ipynb"
+        and any(_is_for(options, task) for options, _ in (*_cells(file), *_labs(file)))
     )
 
 
@@ -142,18 +154,21 @@ def _reading(student: str, file: Path, task: Challenge) -> Submission:
 def read_submission(file: Path, task: Challenge) -> str:
     """Return the program in a file: its text or, of a notebook, that of the ``%%lrp`` cell for a challenge.
 
-    This is the last cell with the challenge as its option, or else the only ``%%lrp`` cell.
+    This is the last cell with the challenge as its option, or the last lab of the challenge in the output of
+    another cell; or else the only ``%%lrp`` cell, or the only lab.
 
     Raises FileError: the file cannot be read, or it is not clear which cell is meant.
     """
     if file.suffix != ".ipynb":
         return read_text(file)
-    cells = _cells(file)
-    fitting = [text for options, text in cells if _is_for(options, task)]
-    if fitting:
-        return fitting[-1]
-    if len(cells) == 1:
-        return cells[0][1]
+    cells, labs = _cells(file), _labs(file)
+    for programs in (cells, labs):
+        fitting = [text for options, text in programs if _is_for(options, task)]
+        if fitting:
+            return fitting[-1]
+    for programs in (cells, labs):
+        if len(programs) == 1:
+            return programs[0][1]
     what = "no `%%lrp` cell" if not cells else f"{len(cells)} `%%lrp` cells, and none is for this challenge"
     raise FileError(
         f"`{shown(file)}` has {what}. Begin the cell to be graded with "
@@ -161,21 +176,42 @@ def read_submission(file: Path, task: Challenge) -> str:
     )
 
 
-def _cells(file: Path) -> list[tuple[list[str], str]]:
-    """Return the words after ``%%lrp`` and the program of each such cell of a notebook."""
+def _code_cells(file: Path) -> list[dict[str, Any]]:
     try:
         notebook: Any = json.loads(read_text(file))
-        sources = ["".join(cell["source"]) for cell in notebook["cells"] if cell.get("cell_type") == "code"]
+        cells = [dict(cell) for cell in notebook["cells"] if cell.get("cell_type") == "code"]
+        for cell in cells:
+            cell["source"] = "".join(cell["source"])
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
         raise FileError(
             f"`{shown(file)}` is not a notebook that can be read. Save it again in Jupyter."
         ) from error
+    return cells
+
+
+def _cells(file: Path) -> list[tuple[list[str], str]]:
+    """Return the words after ``%%lrp`` and the program of each such cell of a notebook."""
     found = []
-    for source in sources:
-        head, _, text = source.lstrip().partition("\n")
+    for code in _code_cells(file):
+        head, _, text = code["source"].lstrip().partition("\n")
         cell = _CELL.match(head)
         if cell is not None and text.strip():
             found.append((_words(cell[1]), text))
+    return found
+
+
+def _labs(file: Path) -> list[tuple[list[str], str]]:
+    """Return the same of each lab that is saved in the output of another cell."""
+    found = []
+    for cell in _code_cells(file):
+        for output in cell.get("outputs", ()):
+            try:
+                about, text = output["metadata"]["lrp_jupyter"], "".join(output["data"]["text/plain"])
+                words = ["--challenge", about["challenge"]] if "challenge" in about else []
+            except (TypeError, KeyError):  # of another kind
+                continue
+            if text.strip() and not _CELL.match(cell["source"]):
+                found.append((words, text))
     return found
 
 

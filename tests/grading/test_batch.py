@@ -153,6 +153,42 @@ def test_the_cell_for_the_challenge_is_the_program_of_a_notebook(hand_in, cells,
     assert found(folder)["ada"].endswith(text) or text in found(folder)["ada"]
 
 
+def lab_in(source, text, **about):
+    """Return the cell of a notebook whose output is a lab, as Jupyter saves it."""
+    output = {
+        "output_type": "execute_result",
+        "data": {"image/svg+xml": "<svg/>", "text/plain": text.splitlines(True)},
+        "metadata": {"lrp_jupyter": {"program": "x", **about}},
+    }
+    plot = {"output_type": "display_data", "data": {"image/png": ""}, "metadata": {}}
+    return {"cell_type": "code", "source": source, "outputs": [plot, output]}
+
+
+def test_a_lab_without_a_cell_of_its_own_is_saved_with_its_text(hand_in):
+    mine = lab_in("Lab(challenge='first move')", "1\n", challenge="first move")
+    other = lab_in("Lab('follower')", "2")
+    cell = lab_in("%%lrp x --challenge square\n3", "4", challenge="square")
+    folder = hand_in({
+        "ada.ipynb": json.dumps({"cells": [other, mine, cell]}),
+        "bob.ipynb": json.dumps({"cells": [other]}),
+    })  # fmt: skip
+    assert found(folder) == {"ada": "1\n", "bob": "2"}
+    assert found(folder, challenge("square"))["ada"] == "3"
+
+
+def test_a_submission_in_which_nothing_was_changed_says_so(hand_in):
+    beginning = f"{FIRST.beginning}\n\n"
+    folder = hand_in({"ada.lrp": beginning, "bob.lrp": "(machine a)", "carl.lrp": "", "dora.lrp": DRIVE})
+    given = hand_in({"given/lesson.ipynb": notebook("%%lrp x\n(machine  a)\n")}) / "given/lesson.ipynb"
+
+    def as_given(*given):
+        files = sorted(folder.glob("*.lrp"))
+        return [each.student for each in find_submissions(files, FIRST, *given) if each.as_given]
+
+    assert as_given() == ["ada", "carl"]
+    assert as_given(given) == ["bob", "carl"]
+
+
 @pytest.mark.parametrize("content", ["{", "[]", '{"cells": [1]}', b"\xff\xfe"])
 def test_a_notebook_that_cannot_be_read_says_so(hand_in, content):
     (submission,) = find_submissions([hand_in({"ada.ipynb": content}) / "ada.ipynb"], FIRST)
@@ -201,7 +237,7 @@ def test_a_folder_without_submissions_is_an_error(tmp_path):
 def marks():
     submissions = [
         Submission("Ada", "ada.lrp", DRIVE),
-        Submission("=cmd|' /C calc'!A0", "bob.lrp", SLOW),
+        Submission("=cmd|' /C calc'!A0", "bob.lrp", SLOW, as_given=True),
         Submission("Carl \x01", "carl.lrp", None, "`carl.lrp` cannot be read."),
     ]
     return grade_class(submissions, FIRST, 2)
@@ -213,6 +249,7 @@ def test_the_table_of_marks_has_a_row_for_each_submission(marks):
     ada, bob, carl = csv.DictReader(io.StringIO(text.removeprefix("\ufeff")))
     assert (ada["points"], ada["out_of"], ada["passed"], ada["runs_passed"]) == ("10", "10", "yes", "2")
     assert (ada["first_reason"], ada["first_hint"]) == ("", "")
+    assert [each["as_given"] for each in (ada, bob, carl)] == ["no", "yes", "no"]
     assert 0 < float(bob["points"]) < 10
     assert bob["first_reason"].startswith("gets 30 cm away from its start")
     assert (carl["points"], carl["runs"], carl["first_reason"]) == (
