@@ -14,7 +14,7 @@ function actsOn(doc: string): Acts {
   clock.mockRestore();
   const lab = { store: new Store() } as unknown as Lab;
   lab.store.set("machine", "finger");
-  return new Acts(lab, new Pen(view, lab), document.body);
+  return new Acts(lab, new Pen(view, lab), () => []);
 }
 
 it("a machine that was just drawn is drawn on, also before the kernel has told of it", () => {

@@ -83,6 +83,26 @@ describe("a field on the graph", () => {
     expect(closed).toHaveBeenCalledTimes(1);
   });
 
+  it("is all in sight, as near as possible, and beside what it is about", () => {
+    const size = (name: "offsetWidth" | "offsetHeight", px: number) =>
+      vi.spyOn(HTMLElement.prototype, name, "get").mockReturnValue(px);
+    const sizes = [size("offsetWidth", 300), size("offsetHeight", 100)];
+    vi.spyOn(lab, "getBoundingClientRect").mockReturnValue(new DOMRect(0, 0, 840, 600));
+    const [left, right] = [new DOMRect(60, 180, 60, 30), new DOMRect(230, 180, 60, 30)];
+    const placed = (x: number, y: number, about: DOMRect[]) => {
+      openField(lab, { x, y }, { ...field, about, submit: async () => null });
+      const { style } = lab.querySelector("form")!;
+      return [style.left, style.top];
+    };
+    expect(placed(250, 190, [])).toEqual(["250px", "190px"]);
+    expect(placed(800, 590, [])).toEqual(["534px", "494px"]);
+    expect(placed(250, 200, [left, right])).toEqual(["250px", "216px"]); // below both
+    expect(placed(250, 590, [new DOMRect(230, 460, 60, 140)])).toEqual(["296px", "494px"]); // to the right
+    expect(placed(800, 590, [new DOMRect(780, 570, 60, 30)])).toEqual(["474px", "494px"]); // to the left
+    expect(placed(400, 300, [new DOMRect(0, 0, 840, 600)])).toEqual(["400px", "300px"]); // there is no other place
+    for (const each of sizes) each.mockRestore();
+  });
+
   it("does not close that of another lab", () => {
     const other = h("div", { class: "lrp-lab" });
     document.body.append(other);

@@ -9,7 +9,8 @@ import type { Drawn } from "./elements";
 import { type Entry, openField } from "./field";
 import { showMachine } from "./shown";
 
-const TRIGGER = "event, n > 3, 2 s, or eps";
+const TRIGGER = "event, n > 3, or 2 s";
+const AT_ONCE = "An event, a condition or a time. Nothing, or `eps`: at once, without waiting.";
 
 /** What a block contains, in its brackets. */
 const block = (text: string) => (/^\s*(\[[\s\S]*\]|\(spawn\b[\s\S]*\))\s*$/.test(text) ? text : `[${text}]`);
@@ -18,7 +19,8 @@ export class Acts {
   constructor(
     readonly lab: Lab,
     private readonly pen: Pen,
-    private readonly host: HTMLElement,
+    /** The rectangles of states in the window, by their paths. */
+    private readonly boxes: (...paths: string[]) => DOMRect[],
   ) {}
 
   /** The machine drawn on, also one that was drawn a moment ago, of which the kernel has not told yet. */
@@ -53,7 +55,7 @@ export class Acts {
 
   newState(at: Point, place: readonly [number, number] | null = null): void {
     const { machine } = this;
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title: "New state",
       entries: [{ label: "State", value: this.freeName(machine) }],
       submit: ([name = ""]) =>
@@ -75,9 +77,11 @@ export class Acts {
     const options = ["eps", ...this.pen.triggers(machine)];
     const when: Entry = { label: "When", placeholder: TRIGGER, optional: true, options };
     const to: Entry = { label: "To", value: this.freeName(machine), options: this.statesOf(machine) };
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title: `Transition from ${nameOf(source)}`,
       entries: destination ? [when] : [to, when],
+      note: AT_ONCE,
+      about: this.boxes(source, `${machine}/${destination}`),
       ...(closed ? { closed } : {}),
       ...(nameOf(source) === "*" ? {} : { check: "from any state" }),
       submit: (values, every) => {
@@ -93,15 +97,16 @@ export class Acts {
   }
 
   rename(at: Point, kind: "state" | "machine", path: string): void {
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title: `New name of ${kind} ${nameOf(path)}`,
       entries: [{ label: "Name", value: nameOf(path) }],
+      about: this.boxes(path),
       submit: ([to = ""]) => this.pen.draw({ act: "rename", kind, path, to }),
     });
   }
 
   change(at: Point, path: string): void {
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title: `Transition ${path}`,
       entries: [{ label: "Transition", value: this.pen.source("transition", path) }],
       submit: ([form = ""]) => this.pen.draw({ act: "change", kind: "transition", path, form }),
@@ -116,9 +121,10 @@ export class Acts {
     entry: Entry,
     before: string,
   ) {
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title,
       entries: [entry],
+      about: this.boxes(path),
       submit: ([text = ""]) =>
         this.pen.draw({ act: "form", kind, path, form: before ? `${before} ${block(text)}` : text }),
     });
@@ -128,7 +134,7 @@ export class Acts {
   private named(at: Point, keyword: "var" | "event", label: string): void {
     const { machine } = this;
     const sign = keyword === "var" ? " :=" : "";
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title: `New ${keyword === "var" ? "variable" : "event"}`,
       entries: [{ label: "Name" }, { label }],
       ...(machine ? { check: "for the whole program" } : {}),
@@ -144,7 +150,7 @@ export class Acts {
 
   /** Ask for the other state of an act. */
   private other(at: Point, label: string, act: Act, names: readonly string[]): void {
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title: label,
       entries: [{ label, options: names }],
       submit: ([to = ""]) => this.pen.draw({ ...act, to }),
@@ -235,7 +241,7 @@ export class Acts {
 
   /** A machine in a state, or at the top; it is shown at once. */
   private newMachine(at: Point, path: string): void {
-    openField(this.host, at, {
+    openField(this.lab.root, at, {
       title: "New machine",
       entries: [{ label: "Machine" }],
       submit: async ([name = ""]) => {

@@ -1,6 +1,6 @@
 /** A small form in the graph: a name or a trigger is written where it is drawn. */
 
-import { freshId, h, setProse } from "../ui/dom";
+import { freshId, h, prose, setProse } from "../ui/dom";
 import { type Point, placeInSight } from "../ui/point";
 import { openPopup } from "../ui/popup";
 
@@ -19,6 +19,10 @@ export interface Entry {
 interface Field {
   title: string;
   entries: Entry[];
+  /** What can be written. */
+  note?: string;
+  /** What it is about, and must not cover: rectangles of the window. */
+  about?: readonly DOMRect[];
   /** A switch below the entries. */
   check?: string;
   /** Apply what was written; resolves to the sentence that refuses it, or null. */
@@ -59,12 +63,13 @@ export function openField(host: HTMLElement, at: Point, field: Field): void {
       },
     },
     ...inputs.map(({ row }) => row),
+    field.note && h("p", { class: "lrp-field-note lrp-faint" }, ...prose(field.note)),
     check && h("label", { class: "lrp-field-check" }, check, field.check),
     error,
     h("button", { type: "submit", class: "lrp-button lrp-primary lrp-field-apply" }, "OK"),
   );
   const close = openPopup(host, form, field.closed);
-  placeInSight(host, form, at, EDGE);
+  placeInSight(host, form, at, EDGE, field.about);
   const first = inputs[0]!.control;
   first.focus({ preventScroll: true });
   const { cursor } = field.entries[0]!;

@@ -28,7 +28,6 @@ export function attachPencil(
   put: (path: string, x: number, y: number) => void,
 ): Acts {
   const host = svg.parentElement!;
-  const acts = new Acts(lab, pen, host);
   const layer = s("g", { class: "lrp-layer-pencil" });
   const line = s("path", { class: "lrp-rubber", hidden: "" });
   root.append(layer);
@@ -50,6 +49,9 @@ export function attachPencil(
   /** All states, the topmost first. */
   const boxes = () => [...root.querySelectorAll<SVGGElement>(".lrp-state")].reverse();
   const frameOf = (node: Element) => (node.querySelector(".lrp-box") ?? node).getBoundingClientRect();
+  const acts = new Acts(lab, pen, (...paths) =>
+    boxes().flatMap((node) => (paths.includes(pathOf(node)) ? [frameOf(node)] : [])),
+  );
   /** The path of a state, `m/*` for the fictional one of the wildcards. */
   const pathOf = (node: Element) => node.getAttribute("data-lrp-state") ?? `${lab.store.state.machine}/*`;
   const isReal = (node: Element) =>
@@ -70,8 +72,7 @@ export function attachPencil(
   const isFree = (event: MouseEvent) => {
     const target = event.target as Element;
     return (
-      !target.closest?.("[data-of], .lrp-state, .lrp-handle, .lrp-field, button, select") &&
-      !stateAt(pointOf(event))
+      !target.closest?.("[data-of], .lrp-state, .lrp-handle, button, select") && !stateAt(pointOf(event))
     );
   };
 

@@ -22,12 +22,37 @@ export function middleOf(element: Element): Point {
   return { x: left + width / 2, y: top + height / 2 };
 }
 
-/** Put an element over its host at a point, or as near as it is all in sight; `edge` px around it stay free. */
-export function placeInSight(host: HTMLElement, element: HTMLElement, at: Point, edge: number): void {
+/**
+ * Put an element over its host at a point, or as near as it is all in sight and beside what it is about: rectangles
+ * of the window. `edge` px around it stay free.
+ */
+export function placeInSight(
+  host: HTMLElement,
+  element: HTMLElement,
+  at: Point,
+  edge: number,
+  about: readonly DOMRect[] = [],
+): void {
   const frame = host.getBoundingClientRect();
   const { top, bottom } = partInSight(host);
-  const left = Math.min(at.x - frame.left, frame.width - element.offsetWidth - edge);
-  const highest = Math.min(at.y - frame.top, bottom - element.offsetHeight - edge);
-  element.style.left = `${Math.max(edge, left)}px`;
-  element.style.top = `${Math.max(top + edge, highest)}px`;
+  const [width, height] = [element.offsetWidth, element.offsetHeight];
+  const across = [at.x, ...about.flatMap(({ left, right }) => [right + edge, left - edge - width])];
+  const down = [at.y, ...about.flatMap((box) => [box.bottom + edge, box.top - edge - height])];
+  const columns = across.map((x) => Math.max(edge, Math.min(x - frame.left, frame.width - width - edge)));
+  const rows = down.map((y) => Math.max(top + edge, Math.min(y - frame.top, bottom - height - edge)));
+  const places = rows.flatMap((y) =>
+    columns.map((x) => new DOMRect(x + frame.left, y + frame.top, width, height)),
+  );
+  const spot = new DOMRect(at.x, at.y);
+  const free = places.filter((place) => about.every((box) => gap(place, box) > 0));
+  const place = free.sort((a, b) => gap(a, spot) - gap(b, spot))[0] ?? places[0]!;
+  element.style.left = `${place.left - frame.left}px`;
+  element.style.top = `${place.top - frame.top}px`;
+}
+
+/** How far apart two rectangles are. */
+function gap(a: DOMRect, b: DOMRect): number {
+  const across = Math.max(0, a.left - b.right, b.left - a.right);
+  const down = Math.max(0, a.top - b.bottom, b.top - a.bottom);
+  return Math.hypot(across, down);
 }
