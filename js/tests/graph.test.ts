@@ -3,12 +3,15 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { AutoFit, LEGIBLE } from "../src/graph/autofit";
 import { type Box, Camera } from "../src/graph/camera";
 import { Dragging } from "../src/graph/drag";
-import { draw, type Layers, makeLayers } from "../src/graph/draw";
+import { draw, drawCones, drawMachines, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
+import { boxAround, nestAround, placesOf, shapeFor } from "../src/graph/inside";
 import { lastFired, marking } from "../src/graph/marks";
 import { ScrollBars, scroll } from "../src/graph/scroll";
+import { follow, followRun, showMachine } from "../src/graph/shown";
 import type { Layout, StateShape, TransitionShape } from "../src/protocol";
 import { initialState, type LabState } from "../src/session/state";
+import { Store } from "../src/session/store";
 import { AFTERGLOW } from "../src/ui/timers";
 import fc from "./laws";
 import recording from "./page/recording.json";
@@ -145,6 +148,117 @@ describe("a nested machine inside its state", () => {
     marking(layers, state)();
     expect(node("m/a/i/x")?.hasAttribute("data-active")).toBe(true);
     expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-of")).toBe("m/a/i:t");
+  });
+});
+
+describe("the nest", () => {
+  const at = (machine: string, states: StateShape[], width = 100): Layout => ({
+    ...layout(states),
+    ...{ machine, view: [0, 0, width, 80], frame: [0, 0, width, 80] },
+  });
+  const inner = { id: "m/a", machines: ["i", "j"], x: 50, y: 40 };
+  const layouts = {
+    m: at("m", [shape("b"), shape("a", inner)]),
+    "m/a/i": at("m/a/i", [shape("x", { id: "m/a/i/x", machines: ["k"] })]),
+    "m/a/j": at("m/a/j", []),
+    "m/a/i/x/k": at("m/a/i/x/k", []),
+  };
+
+  it("has what is around a machine, and the first ones in it; none twice that is drawn inside its state", () => {
+    const whole = ["m", "m/a/i", "m/a/i/x/k"];
+    for (const machine of whole) expect(nestAround(machine, layouts)).toEqual(whole);
+    expect(nestAround("m/a/j", layouts)).toEqual(["m", "m/a/j"]);
+    const open = at("m", [shape("a", { ...inner, inside: [{ machine: "m/a/i", x: 0, y: 0 }] })]);
+    expect(nestAround("m/a/i", { ...layouts, m: open })).toEqual(["m", "m/a/i/x/k"]);
+  });
+
+  it("is shown where there is room, side by side in a wide panel and one below the other in a high one", () => {
+    expect([shapeFor(520, 300, "one"), shapeFor(900, 500, "one")]).toEqual(["one", "row"]);
+    expect([shapeFor(400, 650, "one"), shapeFor(400, 420, "column")]).toEqual(["column", "column"]);
+    const nest = ["m", "m/a/i"];
+    const [row, column] = (["row", "column"] as const).map((form) => placesOf(nest, layouts, form, []));
+    expect(row).toEqual([
+      { machine: "m", x: 0, y: 0 },
+      { machine: "m/a/i", x: 148, y: 0 },
+    ]);
+    expect(column?.[1]).toEqual({ machine: "m/a/i", x: 0, y: 128 });
+    expect(boxAround(row!, layouts)).toEqual({ x: 0, y: 0, width: 248, height: 80 });
+  });
+
+  it("moves a machine only out of the way of one that grows", () => {
+    const nest = ["m", "m/a/i"];
+    const places = placesOf(nest, layouts, "row", []);
+    const grown = (width: number) => ({ ...layouts, m: at("m", layouts.m.states, width) });
+    const wide = placesOf(nest, grown(130), "row", places);
+    expect(wide[1]!.x).toBe(178);
+    expect(placesOf(nest, grown(90), "row", wide)).toEqual(wide);
+  });
+
+  it("is joined by a cone from the state that contains the machine", () => {
+    const places = placesOf(["m", "m/a/i"], layouts, "row", []);
+    drawMachines(layers.root, places, layouts);
+    drawCones(layers.frame, places, layouts, true);
+    expect(node("m/a/i/x")).not.toBeNull();
+    expect(layers.frame.querySelector(".lrp-cone")?.getAttribute("d")).toBe("M148 0L80 22V58L148 80");
+    drawMachines(layers.root, places.slice(0, 1), layouts);
+    expect(node("m/a/i/x")).toBeNull();
+  });
+});
+
+describe("following the run", () => {
+  let lab: { store: Store; closed: AbortSignal };
+  let end: AbortController;
+  beforeEach(() => {
+    vi.useFakeTimers();
+    end = new AbortController();
+    lab = { store: new Store(), closed: end.signal };
+    Object.assign(lab.store.state, { machine: "m", follow: "active" });
+    lab.store.state.settings = { ...lab.store.state.settings, graph: "live" };
+  });
+  afterEach(() => {
+    end.abort();
+    vi.useRealTimers();
+  });
+  const lit = (...paths: string[]) => {
+    lab.store.set("lit", paths);
+    vi.advanceTimersByTime(300);
+  };
+
+  it("shows the machine of the innermost active state when it has been so for a second, not before", () => {
+    followRun(lab);
+    for (let turn = 0; turn < 20; turn++) lit(...(turn % 2 ? ["m/b"] : ["m/a", "m/a/i/x"]));
+    expect(lab.store.state.machine).toBe("m");
+    for (const state of ["x", "y", "x", "y", "x"]) lit("m/a", `m/a/i/${state}`);
+    expect(lab.store.state.machine).toBe("m/a/i");
+  });
+
+  it("leaves what is seen, waits while one types or points, and does not act where it is not wanted", () => {
+    let busy = true;
+    const seen = ["m", "m/b/j"];
+    followRun(
+      lab,
+      (machine) => seen.includes(machine),
+      () => busy,
+    );
+    lit("m/b", "m/b/j/x");
+    vi.advanceTimersByTime(5000);
+    lit("m/a", "m/a/i/x");
+    vi.advanceTimersByTime(5000);
+    expect(lab.store.state.machine).toBe("m");
+    busy = false;
+    vi.advanceTimersByTime(1000);
+    expect(lab.store.state.machine).toBe("m/a/i");
+    showMachine(lab.store, "m/a/i"); // also of the one that is shown: it stays
+    expect(lab.store.state.follow).toBe("nothing");
+    showMachine(lab.store, "m");
+    lit("m/a");
+    lit("m/a", "m/a/i/y");
+    vi.advanceTimersByTime(5000);
+    expect([lab.store.state.machine, lab.store.state.follow]).toEqual(["m", "nothing"]);
+    follow(lab.store, "active");
+    vi.advanceTimersByTime(50);
+    expect(lab.store.state.machine).toBe("m/a/i"); // at once: it was asked for
+    localStorage.clear();
   });
 });
 

@@ -729,7 +729,8 @@ describe("the page", () => {
     await page.drawn();
     document.removeEventListener("lrp-together", sent);
     expect(other.find(".lrp-graph").getAttribute("aria-label")).toBe("State graph of lookalgo");
-    expect(sent).toHaveBeenCalledTimes(1);
+    const told = sent.mock.calls.filter(([event]) => event.detail.message.machine);
+    expect(told).toHaveLength(1);
     other.close();
     other.host.remove();
   });
@@ -804,6 +805,42 @@ describe("the page", () => {
     await page.drawn();
     const all = ["follower", inner, "a", "b"];
     expect([listed("graph"), listed("tree"), isFolded()]).toEqual([[], all, false]);
+  });
+
+  it("shows the whole nest in a large panel; what is chosen of it, and what runs in it, changes nothing", async () => {
+    const inner = "follower/looking/lookalgo";
+    const svg = page.find(".lrp-graph");
+    const resize = (width: number, height: number) => {
+      Object.defineProperty(svg, "clientWidth", { value: width, configurable: true });
+      Object.defineProperty(svg, "clientHeight", { value: height, configurable: true });
+    };
+    resize(420, 200);
+    page.find('[data-lrp-action="zoom-fit"]').click();
+    resize(420, 700);
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
+    svg.dispatchEvent(new KeyboardEvent("keydown", { key: "Tab", bubbles: true }));
+    expect(svg.querySelectorAll("[data-drawing]")).toHaveLength(1);
+    await vi.advanceTimersByTimeAsync(1100); // and a pause
+    vi.useRealTimers();
+    const places = () =>
+      [...svg.querySelectorAll("[data-drawing]")].map((each) => [
+        each.getAttribute("data-drawing"),
+        each.getAttribute("transform"),
+      ]);
+    const before = places();
+    expect(before.map(([machine]) => machine)).toEqual(["follower", inner]);
+    expect(svg.getAttribute("aria-label")).toBe("State graph of follower, lookalgo");
+    expect(svg.querySelectorAll(".lrp-cone")).toHaveLength(1);
+    page.deliver({ type: "frame", frame: 9, lit: ["follower/looking", `${inner}/lookleft`] });
+    page.find('[data-lrp-machine="follower"]').click();
+    await page.drawn();
+    expect(places()).toEqual(before);
+    expect(page.find('[aria-selected="true"]').dataset.lrpMachine).toBe("follower");
+    expect(
+      [...svg.querySelectorAll("[data-active]")].map((each) => each.getAttribute("data-lrp-state")),
+    ).toEqual(["follower/looking", `${inner}/lookleft`]);
+    page.find('[data-lrp-action="arrange"]').click();
+    expect(page.commands("arrange")).toMatchObject([{ path: "follower" }, { path: inner }]);
   });
 
   it("cuts long names in the middle, and keeps characters whole", async () => {

@@ -142,13 +142,3 @@ it("shows the enclosing machine when the one shown is removed", () => {
   apply(state, frame({ program: program(["a", "m"]) }));
   expect(state.machine).toBe("m");
 });
-
-it("follows the innermost active state only when asked to", () => {
-  const state = initialState();
-  apply(state, snapshot(["m", "m/s/n"]));
-  apply(state, frame({ lit: ["m/s", "m/s/n/x"] }));
-  expect(state.machine).toBe("m");
-  state.follow = "active";
-  apply(state, frame({ lit: ["m/s", "m/s/n/y"] }));
-  expect(state.machine).toBe("m/s/n");
-});

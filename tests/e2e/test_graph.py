@@ -215,6 +215,7 @@ def type_beside_the_graph(lab):
 
 def keep_what_is_selected(lab):
     """What is selected, and the machine that is shown, stay so through edits and renames."""
+    lab.sees('[data-lrp-machine="m"]').click()  # the run is followed no more
     lab.sees('[data-lrp-transition$="a->b"] .lrp-hit').dispatch_event("click")
     arrow = lab.sees(".lrp-transition[data-chosen]").element_handle()
     lab.replace("90000", "70000")

@@ -53,8 +53,7 @@ export class Acts {
     this.lab.send({ do: "pin", path, name, x: Math.round(place[0]), y: Math.round(place[1]) });
   }
 
-  newState(at: Point, place: readonly [number, number] | null = null): void {
-    const { machine } = this;
+  newState(at: Point, place: readonly [number, number] | null = null, machine = this.machine): void {
     openField(this.lab.root, at, {
       title: "New state",
       entries: [{ label: "State", value: this.freeName(machine) }],
@@ -208,8 +207,7 @@ export class Acts {
     ];
   }
 
-  ofSpace(at: Point, place: readonly [number, number] | null): (MenuItem | null)[] {
-    const { machine } = this;
+  ofSpace(at: Point, place: readonly [number, number] | null, machine = this.machine): (MenuItem | null)[] {
     const ofMachine = machine
       ? [
           item("Rename machine…", "draw-rename", () => this.rename(at, "machine", machine)),
@@ -221,7 +219,7 @@ export class Acts {
         ]
       : [];
     return [
-      item("New state…", "draw-state", () => this.newState(at, place), { hint: "N" }),
+      item("New state…", "draw-state", () => this.newState(at, place, machine), { hint: "N" }),
       item("New variable…", "draw-var", () => this.named(at, "var", "Value")),
       item("New event…", "draw-event", () => this.named(at, "event", "Condition")),
       item("New machine…", "draw-machine", () => this.newMachine(at, "")),

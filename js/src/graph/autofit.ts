@@ -38,6 +38,8 @@ export class AutoFit {
     private readonly svg: SVGSVGElement,
     camera: Camera,
     private readonly place: () => void,
+    /** Draw something else if that is for a panel of this size; returns whether it did. */
+    private readonly redraw: () => boolean = () => false,
   ) {
     this.camera = camera;
   }
@@ -73,12 +75,13 @@ export class AutoFit {
   /** The size of the panel has changed: what is in its middle stays there. */
   resized(focus: Box | null): void {
     const { camera } = this;
-    if (camera.placed && !this.isQuiet()) {
+    if (camera.placed && !this.isQuiet) {
       this.stop();
       this.place();
       this.check();
       return;
     }
+    if (this.redraw()) return;
     const before = this.size;
     this.measure();
     if (!camera.placed) {
@@ -147,7 +150,8 @@ export class AutoFit {
     return width > 0 && height > 0 && (width !== this.size.width || height !== this.size.height);
   }
 
-  private isQuiet(): boolean {
+  /** Whether the user neither types nor points. */
+  get isQuiet(): boolean {
     return !this.held && !this.pressed && performance.now() - this.lastAct >= QUIET;
   }
 
@@ -157,7 +161,7 @@ export class AutoFit {
     const isResized = this.isResized();
     if (!(isResized || this.wanted || (!camera.moved && this.isCutOff()))) return;
     clearTimeout(this.timer);
-    if (!this.isQuiet()) {
+    if (!this.isQuiet) {
       this.svg.setAttribute("data-unsettled", "");
       this.timer = setTimeout(this.check, this.lastAct + QUIET - performance.now() + 1);
       return;

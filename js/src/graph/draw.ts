@@ -4,7 +4,7 @@
  */
 
 import { parentOf } from "../language/paths";
-import type { Label, Layout, Port, StateShape, TransitionShape } from "../protocol";
+import type { Inside, Label, Layout, Port, StateShape, TransitionShape } from "../protocol";
 import { reconcile, s, setAttribute, setText } from "../ui/dom";
 
 const STATE_FONT = 13;
@@ -141,26 +141,60 @@ function updateState(element: Element, shape: StateShape, layouts: Record<string
     element.setAttribute("data-body", body);
     element.replaceChildren(...stateBody(shape));
   }
-  drawInside(element, shape, layouts);
+  drawMachines(element, shape.inside, layouts);
 }
 
-const insides = new WeakMap<Element, Map<string, Layers>>();
+const drawings = new WeakMap<Element, Map<string, Layers>>();
 
-/** Draw nested machines inside their state; their elements are reused, too. */
-function drawInside(element: Element, shape: StateShape, layouts: Record<string, Layout>): void {
-  const before = insides.get(element);
+/** Draw machines in an element, where they are placed; their elements are reused, too. */
+export function drawMachines(
+  parent: Element,
+  places: readonly Inside[],
+  layouts: Record<string, Layout>,
+): void {
+  const before = drawings.get(parent);
   const now = new Map<string, Layers>();
-  for (const { machine, x, y } of shape.inside) {
+  for (const { machine, x, y } of places) {
     const layout = layouts[machine];
     if (!layout) continue;
     const layers = before?.get(machine) ?? makeLayers();
     now.set(machine, layers);
+    setAttribute(layers.root, "data-drawing", machine);
     setAttribute(layers.root, "transform", `translate(${x} ${y})`);
-    if (layers.root.parentNode !== element) element.append(layers.root);
+    if (layers.root.parentNode !== parent) parent.append(layers.root);
     draw(layers, layout, layouts);
   }
   for (const [machine, { root }] of before ?? []) if (!now.has(machine)) root.remove();
-  insides.set(element, now);
+  drawings.set(parent, now);
+}
+
+/** Join each machine with the state that contains it, where both are drawn: as if seen through a lens. */
+export function drawCones(
+  layer: Element,
+  places: readonly Inside[],
+  layouts: Record<string, Layout>,
+  isRow: boolean,
+): void {
+  const cones = places.slice(1).flatMap(({ machine, x, y }, index) => {
+    const around = places[index]!;
+    const shape = layouts[around.machine]?.states.find(({ id }) => id === parentOf(machine));
+    const [left = 0, top = 0, width = 0, height = 0] = layouts[machine]?.frame ?? [];
+    if (!shape) return [];
+    const state = { x: around.x + shape.x, y: around.y + shape.y };
+    const [right, low] = [state.x + shape.width / 2, state.y + shape.height / 2];
+    const d = isRow
+      ? `M${x + left} ${y + top}L${right} ${low - shape.height}V${low}L${x + left} ${y + top + height}`
+      : `M${x + left} ${y + top}L${right - shape.width} ${low}H${right}L${x + left + width} ${y + top}`;
+    return [{ machine, d }];
+  });
+  const make = () => s("path", { class: "lrp-cone" });
+  reconcile(
+    layer,
+    cones,
+    ({ machine }) => machine,
+    make,
+    (cone, { d }) => setAttribute(cone, "d", d),
+  );
 }
 
 /** The body is drawn around its centre, so that moving a state changes one attribute. */

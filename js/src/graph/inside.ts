@@ -1,9 +1,19 @@
-/** Which machines a drawing contains: nested ones can be drawn inside their states. */
+/** The machines of a drawing, and where they stand: nested ones inside their states, or beside the one around them. */
 
-import type { Layout } from "../protocol";
+import { parentOf } from "../language/paths";
+import type { Inside, Layout } from "../protocol";
+import type { Box } from "./camera";
+
+type Layouts = Record<string, Layout>;
+/** One machine, or the whole nest: one beside or below the other. */
+export type Shape = "one" | "row" | "column";
+
+const ROOM = 200_000; // px², from which a panel shows the whole nest
+const GAP = 48; // px between two machines
+const KEPT = 1.25; // how much more or less changes nothing: a panel's size is not quite still
 
 /** The layouts that a drawing consists of, that of the machine itself first. */
-export function layoutsIn(machine: string, layouts: Record<string, Layout>): Layout[] {
+export function layoutsIn(machine: string, layouts: Layouts): Layout[] {
   const layout = layouts[machine];
   if (!layout) return [];
   const inner = layout.states.flatMap(({ inside }) => inside);
@@ -11,6 +21,61 @@ export function layoutsIn(machine: string, layouts: Record<string, Layout>): Lay
 }
 
 /** Whether a machine is seen where another one is shown. */
-export function isDrawnIn(path: string, shown: string, layouts: Record<string, Layout>): boolean {
+export function isDrawnIn(path: string, shown: string, layouts: Layouts): boolean {
   return layoutsIn(shown, layouts).some(({ machine }) => machine === path);
+}
+
+/** What a panel of this size shows; `before`: what it has shown so far. */
+export function shapeFor(width: number, height: number, before: Shape): Shape {
+  if (width * height < (before === "one" ? ROOM : ROOM / KEPT)) return "one";
+  const isClear = before === "one" || Math.abs(Math.log(width / height)) > Math.log(KEPT);
+  return isClear ? (width >= height ? "row" : "column") : before;
+}
+
+/** A machine with those around it and the first ones in it, the outermost first. */
+export function nestAround(machine: string, layouts: Layouts): string[] {
+  const nest: string[] = [];
+  for (let path = machine; layouts[path]; path = parentOf(parentOf(path))) nest.unshift(path);
+  const firstIn = (path: string) =>
+    layouts[path]?.states
+      .flatMap(({ id, machines }) => machines.map((name) => `${id}/${name}`))
+      .find((inner) => layouts[inner]);
+  for (let inner = firstIn(machine); inner; inner = firstIn(inner)) nest.push(inner);
+  return nest.filter((path, index) => !nest.slice(0, index).some((outer) => isDrawnIn(path, outer, layouts)));
+}
+
+/** Where machines stand; one that has room where it was `before` stays there. */
+export function placesOf(
+  nest: readonly string[],
+  layouts: Layouts,
+  shape: Shape,
+  before: readonly Inside[],
+): Inside[] {
+  const isRow = shape === "row";
+  const first = layouts[nest[0] ?? ""];
+  let end = Number.NEGATIVE_INFINITY;
+  return nest.map((machine, index) => {
+    const [left = 0, top = 0, width = 0, height = 0] = layouts[machine]!.view;
+    const [begin, length] = isRow ? [left, width] : [top, height];
+    const old = before.find((each) => each.machine === machine);
+    const along = index
+      ? Math.max(end + GAP - begin, old?.[isRow ? "x" : "y"] ?? Number.NEGATIVE_INFINITY)
+      : 0;
+    const across = old?.[isRow ? "y" : "x"] ?? first!.view[isRow ? 1 : 0]! - (isRow ? top : left);
+    end = along + begin + length;
+    return isRow ? { machine, x: along, y: across } : { machine, x: across, y: along };
+  });
+}
+
+/** The rectangle around some machines. */
+export function boxAround(places: readonly Inside[], layouts: Layouts): Box {
+  const boxes = places.map(({ machine, x, y }) => {
+    const [left = 0, top = 0, width = 0, height = 0] = layouts[machine]!.view;
+    return [left + x, top + y, left + x + width, top + y + height] as const;
+  });
+  if (!boxes.length) return { x: 0, y: 0, width: 0, height: 0 };
+  const [x, y] = [Math.min(...boxes.map(([left]) => left)), Math.min(...boxes.map(([, top]) => top))];
+  const right = Math.max(...boxes.map(([, , end]) => end));
+  const bottom = Math.max(...boxes.map(([, , , end]) => end));
+  return { x, y, width: right - x, height: bottom - y };
 }

@@ -12,7 +12,7 @@ import type { Layers } from "./draw";
 type Counts = Record<string, CountAndTick>;
 
 /** Return what updates the marks from the state; a watcher of the store. */
-export function marking({ root }: Layers, state: LabState): () => void {
+export function marking({ root }: Pick<Layers, "root">, state: LabState): () => void {
   let before = { entered: {} as Counts, fired: {} as Counts, machine: "", tick: 0 };
   /** Whether something happened since the last update; a renamed element keeps its count. */
   const grown = (now: CountAndTick | undefined, then: CountAndTick | undefined) =>

@@ -52,8 +52,10 @@ export function attachPencil(
   const acts = new Acts(lab, pen, (...paths) =>
     boxes().flatMap((node) => (paths.includes(pathOf(node)) ? [frameOf(node)] : [])),
   );
+  const machineOf = (node: Element | undefined) =>
+    node?.closest("[data-drawing]")?.getAttribute("data-drawing") ?? undefined;
   /** The path of a state, `m/*` for the fictional one of the wildcards. */
-  const pathOf = (node: Element) => node.getAttribute("data-lrp-state") ?? `${lab.store.state.machine}/*`;
+  const pathOf = (node: Element) => node.getAttribute("data-lrp-state") ?? `${machineOf(node)}/*`;
   const isReal = (node: Element) =>
     node.classList.contains("lrp-state") && node.hasAttribute("data-lrp-state");
   const within = ({ x, y }: Point, { left, right, top, bottom }: DOMRect, margin: number) =>
@@ -69,6 +71,15 @@ export function attachPencil(
       const depth = Math.min(NEAR - 2, frame.height / 5);
       return within(point, frame, NEAR) && !within(point, frame, -depth);
     });
+  /** The machine to whose free space a point belongs, and the point in its drawing. */
+  const spaceAt = (point: Point): [place: [number, number], machine: string | undefined] => {
+    const { machine, layouts } = lab.store.state;
+    const isShown = (frame: Element) => machineOf(frame) === machine;
+    const frames = machine in layouts ? [...root.querySelectorAll<SVGGElement>(".lrp-frame")] : [];
+    const frame =
+      frames.findLast((each) => within(point, each.getBoundingClientRect(), 0)) ?? frames.find(isShown);
+    return [inside(point, frame?.closest<SVGGElement>("[data-drawing]") ?? root), machineOf(frame)];
+  };
   const isFree = (event: MouseEvent) => {
     const target = event.target as Element;
     return (
@@ -239,7 +250,7 @@ export function attachPencil(
       if (it?.kind === "transition") acts.edit(it, at);
       else if (node && isReal(node) && !node.querySelector(".lrp-nested"))
         acts.edit({ kind: "state", path: pathOf(node) }, at);
-      else if (isFree(event)) acts.newState(at, inside(at));
+      else if (isFree(event)) acts.newState(at, ...spaceAt(at));
       else return;
       event.stopImmediatePropagation();
       event.preventDefault();
@@ -249,13 +260,18 @@ export function attachPencil(
   host.addEventListener("contextmenu", (event) => {
     if (event.button !== 2 || !isFree(event)) return;
     consume(event);
-    openMenu(lab.root, pointOf(event), acts.ofSpace(pointOf(event), inside(pointOf(event))), "State graph");
+    openMenu(
+      lab.root,
+      pointOf(event),
+      acts.ofSpace(pointOf(event), ...spaceAt(pointOf(event))),
+      "State graph",
+    );
   });
   svg.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const it = drawnAt(event.target);
     const at = middleOf((event.target as Element).closest(".lrp-state, .lrp-transition") ?? svg);
-    if (event.key === "n") acts.newState(at);
+    if (event.key === "n") acts.newState(at, null, machineOf(event.target as Element));
     else if (event.key === "t" && it?.kind === "state") acts.newTransition(at, it.path, "");
     else if (event.key === "F2" && it) acts.edit(it, at);
     else if ((event.key === "Delete" || event.key === "Backspace") && it) void acts.delete(it);

@@ -7,12 +7,16 @@ import { type Extension, Transaction } from "@codemirror/state";
 import { ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import { DRAWN } from "../editor/pen";
 import { outlineOf } from "../language/lrp";
-import type { LabState } from "../session/state";
+import { parentOf } from "../language/paths";
+import { besideGraph, type LabState } from "../session/state";
 import type { Lab, Store } from "../session/store";
 import { iconButton } from "../ui/button";
 import { setHidden } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
+import { whenSteady } from "../ui/timers";
 import { isDrawnIn } from "./inside";
+
+const STEADY = 1000; // ms
 
 type Followed = LabState["follow"];
 
@@ -21,7 +25,6 @@ const KEPT = { active: "follow-active", cursor: "follow-cursor" };
 
 /** Show a machine, and stop following the active one, which would soon replace it. */
 export function showMachine(store: Store, path: string): void {
-  if (path === store.state.machine) return;
   if (store.state.follow === "active") store.set("follow", "nothing");
   store.set("machine", path);
 }
@@ -32,12 +35,17 @@ export function follow(store: Store, what: Followed): void {
   for (const [each, name] of Object.entries(KEPT)) keepOn(name, each === what);
 }
 
+/** Follow what the user chose to follow; at first the run. */
+export function followAsKept(store: Store): void {
+  const kept = isOn(KEPT.cursor, false) ? "cursor" : isOn(KEPT.active, true) ? "active" : "nothing";
+  store.set("follow", kept);
+}
+
 /** The switches in the heading of the graph. */
 export function followSwitches(store: Store): HTMLButtonElement[] {
   const active = "Follow the run: show the machine of the innermost active state";
   const cursor = "Follow the cursor: show the machine in which it is";
-  if (isOn(KEPT.cursor, false)) store.set("follow", "cursor");
-  else if (isOn(KEPT.active, false)) store.set("follow", "active");
+  followAsKept(store);
   const switches = {
     active: iconButton("follow", active, "follow", () => flip("active")),
     cursor: iconButton("cursor", cursor, "follow-cursor", () => flip("cursor")),
@@ -49,6 +57,45 @@ export function followSwitches(store: Store): HTMLButtonElement[] {
   });
   store.watch(["settings"], () => setHidden(switches.active, store.state.settings.quiet));
   return Object.values(switches);
+}
+
+/**
+ * Follow the run while that is wanted: show the machine of the innermost active state when it has been the same for
+ * a while, so that nothing swings where states change often; `reveal` brings the state into view, later still.
+ */
+export function followRun(
+  { store, closed }: Pick<Lab, "store" | "closed">,
+  isSeen: (machine: string) => boolean = (machine) =>
+    isDrawnIn(machine, store.state.machine, store.state.layouts),
+  isBusy: () => boolean = () => false,
+  reveal: () => void = () => {},
+): void {
+  const isWanted = () => store.state.follow === "active" && store.state.settings.graph === "live";
+  const innermost = () =>
+    besideGraph(store.state).lit.reduce((a, b) => (b.split("/").length > a.split("/").length ? b : a), "");
+  const show = () => {
+    const machine = parentOf(innermost());
+    if (!machine || isSeen(machine) || !isWanted()) return true;
+    if (isBusy()) return false;
+    store.set("machine", machine);
+    return true;
+  };
+  const look = () => {
+    if (isWanted()) reveal();
+    return true;
+  };
+  const shows = whenSteady(STEADY, closed, show);
+  const looks = whenSteady(STEADY, closed, look);
+  store.watch(["lit", "snapshot"], () => {
+    const state = innermost();
+    shows(parentOf(state));
+    looks(state);
+  });
+  let before = store.state.follow;
+  store.watch(["follow"], () => {
+    if (store.state.follow !== before && show()) look(); // the user has just asked for it
+    before = store.state.follow;
+  });
 }
 
 /** Follow the cursor while that is wanted: show its machine as soon as it is in the program. */

@@ -4,7 +4,7 @@ import { nameOf, parentOf } from "../language/paths";
 import { looked, showLock } from "../parts/study";
 import { pathView } from "../parts/tree";
 import { askWhy } from "../parts/why";
-import type { GraphMode, Layout, StateShape } from "../protocol";
+import type { GraphMode, Inside, Layout, StateShape } from "../protocol";
 import { inGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, iconButton, panel } from "../ui/button";
@@ -13,91 +13,140 @@ import { trackDrag } from "../ui/drag";
 import { item, menuButton, openMenu } from "../ui/menu";
 import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
 import { middleOf, type Point, pointOf } from "../ui/point";
-import { calledAfter } from "../ui/timers";
 import { AutoFit } from "./autofit";
 import { type Box, Camera } from "./camera";
 import { drawDots } from "./dots";
 import { Dragging } from "./drag";
-import { draw, makeLayers } from "./draw";
+import { drawCones, drawMachines } from "./draw";
 import { type Drawn, drawnAt, menuOf } from "./elements";
 import { keepOneTabStop, walkWithArrows } from "./focus";
-import { layoutsIn } from "./inside";
+import { boxAround, layoutsIn, nestAround, placesOf, type Shape, shapeFor } from "./inside";
 import { marking } from "./marks";
 import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
-import { followSwitches, showMachine } from "./shown";
+import { followRun, followSwitches, showMachine } from "./shown";
 
 const MODE_WORDS = { live: "Live", static: "Static", hidden: "Hidden" };
 const MODES = "Live: redraw after every edit, and show the run. Static: redraw on request.";
 const PRIMARY = 1; // the left button, a finger, a pen: of a press with another one the release is a menu's
 const RESIZED_FOR = 150; // ms without another size before the kernel gets it
-const ACTIVE_FOR = 300; // ms that a state is active before it is brought into view
 
 export function graphView(lab: Lab): HTMLElement {
   const { store } = lab;
-  const layers = makeLayers();
-  const svg = s("svg", { class: "lrp-graph", role: "group", "aria-label": "State graph" }, layers.root);
+  const [cones, machines] = [s("g"), s("g")];
+  const root = s("g", {}, cones, machines);
+  const svg = s("svg", { class: "lrp-graph", role: "group", "aria-label": "State graph" }, root);
   let camera = new Camera();
-  let shown: Layout | null = null;
-  let drawn: Layout[] = []; // that of the machine shown, then those inside its states
+  let shown = ""; // the machine
+  let form: Shape = "one";
+  let places: Inside[] = []; // of this machine, or of its whole nest
+  let drawn: Record<string, Layout> = {}; // the layouts of these, and of the machines inside their states
   const mode = () => store.state.settings.graph;
 
   const place = () => {
-    setAttribute(layers.root, "transform", camera.transform);
+    setAttribute(root, "transform", camera.transform);
     scrollBars.update(camera, contents(), size());
   };
   const size = () => ({ width: svg.clientWidth, height: svg.clientHeight });
+  let resizing: ReturnType<typeof setTimeout> | undefined;
+  let told = "";
+  /** Tell the kernel how much room each machine has. */
+  const tellSize = () => {
+    const { width, height } = size();
+    const parts = places.length || 1;
+    const room = {
+      width: width / (form === "row" ? parts : 1),
+      height: height / (form === "column" ? parts : 1),
+    };
+    if (!width || !store.state.name || JSON.stringify(room) === told) return;
+    clearTimeout(resizing);
+    resizing = setTimeout(() => {
+      told = JSON.stringify(room);
+      lab.send({ do: "fit", ...room });
+    }, RESIZED_FOR);
+  };
   const scrollBars = new ScrollBars();
-  const fitting = new AutoFit(svg, camera, place);
+  const fitting = new AutoFit(svg, camera, place, () => {
+    const { width, height } = size();
+    const isSuited = mode() !== "live" || !width || shapeFor(width, height, form) === form;
+    if (!isSuited) redraw(true);
+    return !isSuited;
+  });
   const dragging = new Dragging(
     (path, x, y) => lab.send({ do: "pin", path: parentOf(path), name: nameOf(path), x, y }),
     () => fitting.release(),
   );
-  const contents = (): Box => {
-    const [x = 0, y = 0, width = 0, height = 0] = shown?.view ?? [];
-    return { x, y, width, height };
-  };
-  /** The state that must be in view: the active one, or where the machine starts. */
+  const contents = (): Box => boxAround(places, drawn);
+  /** The state that must be in view: the innermost active one, or where the machine starts. */
   const focus = (): Box | null =>
     boxOf(({ id }) => inGraph(store.state).lit.includes(id)) ?? boxOf(({ start }) => start);
-  const boxOf = (isMeant: (shape: StateShape) => unknown): Box | null => {
-    const shape = shown?.states.find(isMeant);
-    return shape ? around(shape) : null;
-  };
+  const boxOf = (isMeant: (shape: StateShape) => unknown): Box | null =>
+    places
+      .map(({ machine, x, y }) => {
+        const found = drawn[machine]?.states.find(isMeant);
+        return found ? around(found, x, y) : null;
+      })
+      .findLast(Boolean) ?? null;
+  /** Where each state is drawn. */
+  const spots = () =>
+    new Map(
+      places.flatMap(({ machine, x, y }) =>
+        (drawn[machine]?.states ?? []).map((state) => [state.id, `${state.x + x} ${state.y + y}`]),
+      ),
+    );
   const redraw = (force = false) => {
-    const layout = store.state.layouts[store.state.machine] ?? null;
+    const { machine, layouts } = store.state;
     svg.toggleAttribute("hidden", mode() === "hidden");
-    if (mode() === "hidden" || !layout) {
-      if (!layout) layers.root.setAttribute("visibility", "hidden");
+    if (mode() === "hidden" || !layouts[machine]) {
+      if (!layouts[machine]) root.setAttribute("visibility", "hidden");
       return;
     }
-    layers.root.removeAttribute("visibility");
-    const other = shown?.machine !== layout.machine;
-    const parts = layoutsIn(layout.machine, store.state.layouts);
-    const isSame = parts.length === drawn.length && parts.every((part, index) => part === drawn[index]);
-    if (isSame && !force) return;
+    root.removeAttribute("visibility");
+    const { width, height } = size();
+    const next = width && (force || !places.length) ? shapeFor(width, height, form) : form;
+    const nest = next === "one" ? [machine] : nestAround(machine, layouts);
+    const other = next !== form || places[0]?.machine !== nest[0];
+    const parts = nest.flatMap((each) => layoutsIn(each, layouts));
+    const old = Object.values(drawn);
+    const isSame = !other && parts.length === old.length && parts.every((part, i) => part === old[i]);
     const isChosen =
-      other && (!shown || store.state.program.machines.some(({ path }) => path === shown?.machine));
+      shown !== machine && (!shown || store.state.program.machines.some(({ path }) => path === shown));
+    if (isSame && !force) {
+      if (isChosen) showPart(machine);
+      return;
+    }
     if (mode() === "static" && !isChosen && !force) {
       element.dataset.stale = "";
       return;
     }
     delete element.dataset.stale;
-    const known = new Map(shown?.states.map((shape) => [shape.id, shape]));
-    const fresh = layout.states.find(({ id }) => !known.has(id));
-    const isRearranged = known.size > 1 && !layout.states.some((shape) => isAt(shape, known.get(shape.id)));
-    shown = layout;
-    drawn = parts;
-    draw(layers, layout, store.state.layouts);
-    drawDots(layers.root, store.state);
+    const known = spots();
+    if (next !== form) store.state.cameras = {}; // they are of another drawing
+    form = next;
+    places = placesOf(nest, layouts, form, other ? [] : places);
+    drawn = Object.fromEntries(parts.map((part) => [part.machine, part]));
+    const now = [...spots()];
+    const fresh = now.find(([id]) => !known.has(id))?.[0];
+    const isRearranged = known.size > 1 && !now.some(([id, spot]) => known.get(id) === spot);
+    drawCones(cones, places, layouts, form === "row");
+    drawMachines(machines, places, layouts);
+    drawDots(root, store.state);
     keepOneTabStop(svg);
-    svg.setAttribute("aria-label", `State graph of ${layout.name}`);
+    svg.setAttribute("aria-label", `State graph of ${nest.map((path) => layouts[path]!.name).join(", ")}`);
     if (other) {
-      camera = store.state.cameras[layout.machine] ??= new Camera();
+      camera = store.state.cameras[nest[0]!] ??= new Camera();
       fitting.show(camera, contents(), focus());
     } else if (isRearranged) fitting.rearranged(contents(), focus());
-    else fitting.update(contents(), fresh ? () => boxOf(({ id }) => id === fresh.id) : null);
+    else fitting.update(contents(), fresh ? () => boxOf(({ id }) => id === fresh) : null);
+    if (isChosen && !other) showPart(machine);
+    shown = machine;
     dragging.drawn(parts);
+  };
+  /** Bring one of the machines that are drawn into view: the user has chosen it. */
+  const showPart = (machine: string) => {
+    shown = machine;
+    const part = places.filter((each) => each.machine === machine);
+    if (part.length) fitting.reveal(() => boxAround(part, drawn), true);
   };
 
   // a hidden one is shown again by the menu, which only a whole lab has
@@ -124,7 +173,7 @@ export function graphView(lab: Lab): HTMLElement {
   const isNested = () =>
     Object.values(store.state.layouts).some(({ states }) => states.some(({ inside }) => inside.length));
   const save = (kind: "svg" | "png") => {
-    const picture = svgDocument(svg, layers.root, contents());
+    const picture = svgDocument(svg, root, contents());
     const file =
       kind === "svg" ? new Blob([picture], { type: "image/svg+xml" }) : pngOfSvg(picture, contents());
     void savePicture(`${store.state.machine.replaceAll("/", "-")}.${kind}`, file, lab.notify);
@@ -154,7 +203,11 @@ export function graphView(lab: Lab): HTMLElement {
       item("Save as PNG", "save-png", () => save("png"), { disabled }),
     ];
   });
-  const arrange = () => void lab.act({ do: "arrange", path: store.state.machine });
+  const arrange = () => {
+    const paths = places.map(({ machine }) => machine);
+    places = places.slice(0, 1); // the others stand where there is room again
+    for (const path of paths) void lab.act({ do: "arrange", path });
+  };
   const { element, heading } = panel(
     "graph",
     "State graph",
@@ -181,7 +234,10 @@ export function graphView(lab: Lab): HTMLElement {
 
   if (isLab) heading.after(pathView(lab));
 
-  store.watch(["layouts", "machine", "snapshot"], () => redraw());
+  store.watch(["layouts", "machine", "snapshot"], () => {
+    redraw();
+    tellSize();
+  });
   let before = mode();
   store.watch(["settings"], () => {
     modes.value = element.dataset.mode = mode();
@@ -191,22 +247,18 @@ export function graphView(lab: Lab): HTMLElement {
   });
   store.watch(
     ["lit", "entered", "fired", "machine", "layouts", "chosen", "settings"],
-    marking(layers, store.state),
+    marking({ root }, store.state),
   );
-  store.watch(["breakpoints"], () => drawDots(layers.root, store.state));
-  const follow = calledAfter(ACTIVE_FOR, () => {
-    if (store.state.follow === "active") fitting.reveal(focus);
-  });
-  store.watch(["lit", "follow"], () => {
-    if (store.state.follow === "active" && mode() === "live") follow();
-  });
-  let resizing: ReturnType<typeof setTimeout> | undefined;
+  store.watch(["breakpoints"], () => drawDots(root, store.state));
+  followRun(
+    lab,
+    (machine) => machine in drawn,
+    () => !fitting.isQuiet,
+    () => fitting.reveal(focus),
+  );
   new ResizeObserver(() => {
     fitting.resized(focus());
-    clearTimeout(resizing);
-    resizing = setTimeout(() => {
-      if (svg.clientWidth) lab.send({ do: "fit", width: svg.clientWidth, height: svg.clientHeight });
-    }, RESIZED_FOR);
+    tellSize();
   }).observe(svg);
   const FUNCTION_KEY = /^F\d/; // types nothing; F9 makes this panel larger
   lab.root.addEventListener("keydown", ({ key }) => void (FUNCTION_KEY.test(key) || fitting.acted()), true);
@@ -272,7 +324,7 @@ export function graphView(lab: Lab): HTMLElement {
   /* ---------------------------------------------------------------- choose, open, menu */
 
   const open = ({ kind, path }: Drawn) => {
-    const shapes = drawn.flatMap(({ states }) => states);
+    const shapes = Object.values(drawn).flatMap(({ states }) => states);
     const inner = kind === "state" && shapes.find((shape) => shape.id === path)?.machines[0];
     if (inner) showMachine(store, `${path}/${inner}`);
   };
@@ -317,17 +369,12 @@ export function graphView(lab: Lab): HTMLElement {
     const box = { x, y, width: width / camera.scale, height: height / camera.scale };
     fitting.reveal(() => box, true);
   });
-  const acts =
-    lab.pen && attachPencil(lab, svg, layers.root, lab.pen, (path, x, y) => dragging.put(path, x, y));
+  const acts = lab.pen && attachPencil(lab, svg, root, lab.pen, (path, x, y) => dragging.put(path, x, y));
   return element;
 }
 
-function around({ x, y, width, height }: StateShape): Box {
-  return { x: x - width / 2, y: y - height / 2, width, height };
-}
-
-function isAt({ x, y }: StateShape, before: StateShape | undefined): boolean {
-  return before?.x === x && before.y === y;
+function around({ x, y, width, height }: StateShape, left: number, top: number): Box {
+  return { x: left + x - width / 2, y: top + y - height / 2, width, height };
 }
 
 function emptyNote(lab: Lab): HTMLElement {

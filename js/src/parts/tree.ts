@@ -3,7 +3,7 @@
  * them: they stand in the heading of the graph, as a path.
  */
 
-import { follow, showMachine } from "../graph/shown";
+import { follow, followAsKept, followRun, showMachine } from "../graph/shown";
 import { nameOf } from "../language/paths";
 import type { MachineItem } from "../protocol";
 import { besideGraph, type LabState } from "../session/state";
@@ -28,6 +28,7 @@ export function treeView(lab: Lab): HTMLElement {
   const switches = isPart ? [followSwitch(lab)] : [];
   const { element } = panel("tree", "Machines", switches, list);
   store.watch(["program", "snapshot"], () => element.toggleAttribute("data-folded", isFolded()));
+  if (isPart) followRun(lab);
   new ResizeObserver(update).observe(element);
   return element;
 }
@@ -42,6 +43,7 @@ export function pathView(lab: Lab): HTMLElement {
 
 function followSwitch(lab: Lab): HTMLElement {
   const { store } = lab;
+  followAsKept(store);
   const element = toggle("Follow", "Always show the machine of the innermost active state", "follow", (on) =>
     follow(store, on ? "active" : "nothing"),
   );

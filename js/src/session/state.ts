@@ -1,8 +1,7 @@
 /** The state of a view: one value, changed only by `apply`, which returns the changed fields. */
 
 import type { Camera } from "../graph/camera";
-import { isDrawnIn } from "../graph/inside";
-import { isIn, parentOf } from "../language/paths";
+import { isIn } from "../language/paths";
 import {
   type AnswerMessage,
   type Changes,
@@ -120,7 +119,6 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
   const changed = new Set(Object.keys(changes) as Topic[]);
   if (message.type === "snapshot") changed.add("snapshot");
   if (changed.has("program") && showAnother(state)) changed.add("machine");
-  if (state.follow === "active" && changed.has("lit") && followActive(state)) changed.add("machine");
   return changed;
 }
 
@@ -177,16 +175,5 @@ function showAnother(state: LabState): boolean {
   if (machines.some((machine) => machine.path === state.machine)) return false;
   const around = machines.findLast(({ path }) => isIn(state.machine, path));
   state.machine = (around ?? machines[0])?.path ?? "";
-  return true;
-}
-
-/** Show the machine of the innermost active state. */
-function followActive(state: LabState): boolean {
-  let deepest = "";
-  for (const path of besideGraph(state).lit)
-    if (path.split("/").length > deepest.split("/").length) deepest = path;
-  const machine = parentOf(deepest);
-  if (!machine || machine === state.machine || isDrawnIn(machine, state.machine, state.layouts)) return false;
-  state.machine = machine;
   return true;
 }
