@@ -113,7 +113,7 @@ describe("the layout", () => {
     expect(place(layout, "editor", "top")).toBeGreaterThan(0);
   });
 
-  it("puts a challenge under its world, at the left of the program", async () => {
+  it("puts a challenge over its world, at the left of the program", async () => {
     layout = layoutOf(1400);
     expect(layout.panels.goal.hasAttribute("data-away")).toBe(true);
     expect(place(layout, "editor", "left")).toBe(0);

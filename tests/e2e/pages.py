@@ -258,6 +258,11 @@ class LabPage:
         """Press a button."""
         self.find(f'[data-lrp-action="{action}"]').first.click()
 
+    def open_tab(self, name):
+        """Bring one of the panels that share a place to the front."""
+        self.find(f'[data-lrp-tab="{name}"]').click()
+        self.sees(f'[data-lrp="{name}"]:not([data-behind])')
+
     def pause(self):
         self.do("pause")
         self.ready("paused")

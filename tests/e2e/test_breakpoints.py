@@ -97,8 +97,7 @@ def keep_dots_beside_a_broken_text(lab):
 
 
 def watch_a_condition(lab):
-    if not lab.find(".lrp-breakpoint-list[open]").count():
-        lab.find(".lrp-breakpoint-list > summary").click()
+    lab.open_tab("breakpoints")
     field = lab.find(".lrp-condition input")
     field.fill("visits = 3")
     field.press("Enter")
@@ -120,16 +119,13 @@ def watch_a_condition(lab):
 def find_the_list_in_a_low_panel(lab):
     lab.page.set_viewport_size({"width": 1280, "height": 800})
     lab = lab.notebook.open(BLINK.replace("(state here", "(event unused [visits > 9])\n  (state here"), "low")
-    lab.sees(".lrp-issue")
+    lab.open_tab("breakpoints")
     for line in ("here tback", "there tgo"):
         lab.select(line)
         lab.page.keyboard.press("Control+F8")
     lab.sees(".lrp-breakpoint-item >> nth=1")
-    panel = lab.box('[data-lrp="issues"]')
-    for selector in (".lrp-breakpoint-list > summary", ".lrp-breakpoint-item > .lrp-link"):
+    panel = lab.box(".lrp-breakpoint-list")
+    for selector in (".lrp-condition input", ".lrp-breakpoint-item:last-child > .lrp-link"):
         box = lab.box(selector)
         assert panel["y"] <= box["y"]
         assert box["y"] + box["height"] <= panel["y"] + panel["height"]
-    lab.find(".lrp-condition input").focus()  # the last of the list
-    box = lab.box(".lrp-condition")
-    assert box["y"] + box["height"] <= panel["y"] + panel["height"] + 1

@@ -9,7 +9,8 @@ from e2e.pages import APP
 from e2e.programs import COUNTER, FOLLOWER
 
 DIAMETER = 0.16  # m, of the bundled robot
-PANELS = ("editor", "tree", "graph", "world", "variables", "issues")
+PANELS = ("editor", "graph", "world", "variables")
+TABS = ("robot", "issues", "breakpoints", "variables")
 STACKED = "(panels, stacked) => panels.hasAttribute('data-stacked') === stacked"
 FRAMES = "async () => { for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame); }"
 SCREENS = [(1600, 1000), (1900, 1000), (1280, 800), (900, 900), (700, 900)]
@@ -59,25 +60,18 @@ def is_stacked(lab):
 
 
 def is_side_by_side(lab):
-    """The world is the widest picture, and the robot can be seen."""
+    """The world is the largest picture, and the robot can be seen."""
     left, right = lab.place(0, 0)[0], lab.place(1, 0)[0]
-    assert DIAMETER * (right - left) >= 24
-    canvas = lab.box(".lrp-canvas")
-    assert canvas["width"] >= 0.39 * lab.box()["width"]
-    assert canvas["width"] >= box(lab, "graph")["width"]
-
-
-def has_a_whole_head(lab):
-    """The head of the graph shows its title and its mode whole."""
-    title, mode = '[data-lrp="graph"] .lrp-title', '[data-lrp="graph"] .lrp-select'
-    lab.until("select => select.offsetWidth >= 56", mode)  # with less the arrow lies on its word
-    assert lab.box(title)["x"] + lab.box(title)["width"] <= lab.box(mode)["x"]
+    assert DIAMETER * (right - left) >= 30
+    canvas, whole = lab.box(".lrp-canvas"), lab.box()
+    assert canvas["width"] * canvas["height"] >= 0.25 * whole["width"] * whole["height"]
 
 
 def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page):
     lab = open_lab(FOLLOWER, "follower --world line")
     lab.type_after("(state end", "ing")  # a program with findings shows more
-    lab.sees("[data-lrp-issue]")
+    lab.sees('[data-lrp="issues"]:not([data-behind]) [data-lrp-issue]')  # an error brings its list to the front
+    lab.open_tab("variables")
     lab.pause()
     for theme in ("dark", "light"):
         axe.choose_theme(lab, theme)
@@ -89,15 +83,15 @@ def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page
             lab.until(STACKED, ".lrp-panels", width < 1000)
             lab.at_rest('[data-lrp="world"]')
             nothing_overlaps(lab)
-            has_a_whole_head(lab)
             (is_side_by_side if width >= 1280 else is_stacked)(lab)
         axe.finds_nothing_serious(lab)
     page.set_viewport_size({"width": 1280, "height": 800})
     lab.root.evaluate("root => root.scrollIntoView()")
     for part in PANELS:
         in_sight(lab, f'[data-lrp="{part}"]')
-    panel, title = box(lab, "issues"), lab.box(".lrp-breakpoint-list > summary")
-    assert title["y"] + title["height"] <= panel["y"] + panel["height"] + 0.5
+    for tab in TABS:
+        lab.open_tab(tab)
+        in_sight(lab, f'[data-lrp="{tab}"]')
     before = lab.box('[data-lrp-state="follower/moving"]')["width"]
     lab.do("graph-menu")
     lab.choose("menu-zoom-in")
@@ -175,10 +169,11 @@ def enlarge_panels(lab):
     for part in PANELS:
         lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').focus()
         lab.page.keyboard.press("F9")
-        assert box(lab, part) == lab.box(".lrp-panels"), part
+        place = lab.box(".lrp-tabs") if part == "variables" else box(lab, part)
+        assert place == lab.box(".lrp-panels"), part
         axe.finds_nothing_serious(lab)
         lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
-        assert lab.find('[role="separator"]:visible').count() == 4
+        assert lab.find('[role="separator"]:visible').count() == 3
     before = box(lab, "world")
     lab.find('[data-lrp="world"] .lrp-title').dblclick()
     assert box(lab, "world") == lab.box(".lrp-panels")
@@ -247,8 +242,8 @@ def resize_and_reload(lab):
         bar.press("ArrowRight")
     assert box(lab, "world")["width"] == pytest.approx(usual - 0.1 * lab.box()["width"], abs=3)
     lab.do("menu")
-    lab.choose("panel-issues")
-    assert not lab.find('[data-lrp="issues"]').is_visible()
+    lab.choose("panel-robot")
+    assert not lab.find('[data-lrp-tab="robot"]').is_visible()
     left = box(lab, "world")["width"]
     lab.root.scroll_into_view_if_needed()
     before = lab.box()
@@ -266,28 +261,28 @@ def resize_and_reload(lab):
     lab.ready()
     assert lab.box()["height"] == pytest.approx(0.7 * (before["height"] - 100), abs=3)
     assert box(lab, "world")["width"] == pytest.approx(left, abs=1)
-    assert not lab.find('[data-lrp="issues"]').is_visible()
+    assert not lab.find('[data-lrp-tab="robot"]').is_visible()
     lab.do("menu")
     lab.choose("usual-sizes")
     assert lab.box()["height"] == pytest.approx(before["height"] - 100, abs=3)
     lab.find('[role="separator"][aria-label="Width of the world"]:visible').dblclick()
     assert box(lab, "world")["width"] == pytest.approx(usual, abs=3)
     whole = lab.box(".lrp-panels")
-    for part in ("editor", "tree", "graph", "variables"):  # the place of hidden ones goes to the others
+    others = ("editor", "tree", "graph", "variables", "issues", "breakpoints")
+    for part in others:  # the place of hidden ones goes to the others
         lab.do("menu")
         lab.choose(f"panel-{part}")
     assert box(lab, "world") == whole
 
 
 def push_nothing_by_notes(lab):
-    """Notes push nothing; the counter of restarts comes when the notice goes, and its reason can be read."""
-    for part in ("editor", "tree", "graph", "variables", "issues"):
+    """Notes push nothing; restarts are counted, and the reason can be read."""
+    for part in ("editor", "tree", "graph", "variables", "robot", "issues", "breakpoints"):
         lab.do("menu")
         lab.choose(f"panel-{part}")
     before = places_of(lab)
     lab.replace("n = n + 1", "n = n + 2")  # in the active state
     lab.sees(".lrp-notice:not([hidden])")
-    assert lab.find(".lrp-restarts:visible").count() == 0
     lab.do("hold")
     lab.replace("(state rest)", "(state rest) (state more)")
     lab.sees('.lrp-note:not([hidden]) [data-lrp-action="apply"]')

@@ -117,7 +117,7 @@ function demo({ width, height, lab }: Room, { aspect }: Shown): Plan {
   );
 }
 
-/** A challenge: the world and what is to be done at the left, the program at the right. */
+/** A challenge: what is to be done and the world at the left, the program at the right. */
 function challenge({ width, height, lab }: Room, { aspect }: Shown, arrangement: Arrangement): Plan {
   const world = fitted(PART[arrangement] * lab, aspect, {
     width: (arrangement === "work" ? 0.46 : 0.6) * width,
@@ -129,10 +129,10 @@ function challenge({ width, height, lab }: Room, { aspect }: Shown, arrangement:
     Math.max(44, (100 * world.width) / width),
     rows(
       `${arrangement}-goal-world`,
-      "Height of the world",
-      (100 * (world.height + HEAD)) / height,
-      "world",
+      "Height of the goal",
+      100 - (100 * (world.height + HEAD)) / height,
       "goal",
+      "world",
     ),
     rows(
       `${arrangement}-goal-program`,

@@ -4,7 +4,6 @@ import { consume, h, setAttribute } from "./dom";
 import { keep, kept } from "./kept";
 
 const CHOSEN = "tab";
-const TOOLS = 60; // px of the panel's own buttons beside the tabs
 /** Set while another tab is in front. */
 export const BEHIND = "data-behind";
 
@@ -48,8 +47,10 @@ export class Tabs {
       setAttribute(tab, "tabindex", name === front ? "0" : "-1");
       this.panels[name]!.toggleAttribute(BEHIND, name !== front);
     }
-    const tab = this.tabs.get(front ?? "");
-    if (tab) this.strip.scrollLeft = tab.offsetLeft + tab.offsetWidth + TOOLS - this.strip.clientWidth;
+    const [tab, panel] = [this.tabs.get(front ?? ""), this.panels[front ?? ""]];
+    const tools = panel?.querySelector<HTMLElement>(".lrp-head")?.offsetWidth ?? 0;
+    this.strip.style.paddingRight = `${tools}px`;
+    if (tab) this.strip.scrollLeft = tab.offsetLeft + tab.offsetWidth + tools - this.strip.clientWidth;
   }
 
   private choose(name: string): void {
