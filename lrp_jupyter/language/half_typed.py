@@ -15,7 +15,8 @@ Views keep what they showed until the word is finished or left, or the text is a
 
 A new transition is different: it runs although the state that it leads to is not there yet, so that it is
 drawn at once; only its faults are not reported. Which words are still being typed is the editor's decision,
-by its timers: everything here is a function of its arguments.
+by its timers: everything here is a function of its arguments. But who types slowly has the cursor in a word
+that is taken for finished: while it is an error, its finding is shown, and its faults are not reported.
 
 Deviation: §6.1 applies every text that is a program at once. Without a cursor that is what happens.
 """
@@ -124,8 +125,8 @@ def _judge_at(
     """Return what a text means while a cursor is in it, and the range of what is unfinished."""
     if program is None:
         return Judgement(None, findings if cursor.meant else (), hides=not cursor.meant), Span(0, 0)
-    word = None if cursor.meant else _word_at(text, cursor.offset)
-    if word is not None:
+    word = _word_at(text, cursor.offset)
+    if word is not None and not cursor.meant:
         left, unmeant = _without_word(program, word, findings, running, check, several)
         if unmeant is not None:
             return Judgement(program, left, unmeant, len(left) < len(findings)), word
@@ -135,6 +136,12 @@ def _judge_at(
         errors = _new_errors(findings, instead, check)
         if errors:
             return Judgement(program, findings, Unmeant(instead, _reason(errors[0]))), state.span
+    if word is not None and cursor.meant:
+        errors = [each for each in findings if each.severity == "error"]
+        element = _element_at(program, word) if len(_away_from(text, word, errors)) < len(errors) else None
+        if element is not None:
+            instead = without_change(program, running, word)
+            return Judgement(program, findings, Unmeant(instead, element=element)), word
     return Judgement(program, findings), Span(0, 0)
 
 
@@ -229,7 +236,7 @@ def _word_at(text: str, offset: int) -> Span | None:
     return None
 
 
-def _away_from(text: str, span: Span, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+def _away_from(text: str, span: Span, findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return the findings that do not touch a range of the text."""
     place = Program(text=text).place
     begin, end = place(span.start), place(span.end)

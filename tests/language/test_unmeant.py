@@ -64,9 +64,10 @@ def test_a_word_that_breaks_something_waits_and_what_was_there_goes_on(old, new,
     assert set(codes(found)) <= set(codes(judged(BASE + "|")))
 
 
-def test_a_word_that_is_meant_does_not_wait():
+def test_a_word_that_is_meant_does_not_wait_but_its_faults_do():
     found = judged(edited("-> right", "-> righ|"), meant=True)
-    assert found.unmeant is None
+    assert not found.unmeant.always
+    assert found.unmeant.element == ("transition", ("m", "on:left->righ"))
     assert "LRP303" in codes(found)
 
 

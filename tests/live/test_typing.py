@@ -16,12 +16,23 @@ START = """\
   (on off moving -> looking))
 (spawn follower moving)
 """
+HALF_TYPED = [
+    ("(on off moving -> looking)", " (on off looking -> lookdown", ")"),
+    ("(on off moving -> looking)", " (on off * -> lookdown", ")"),
+    ("(on off moving -> looking)", " (eps looking -> lookdown", ")"),
+    ("(state lookleft)", " (exit off lookleft -> lookdown", ")"),
+    ("(state moving)", " (state other (onentry (spawn lookalgo lookdown", ")))"),
+    ("(on off moving -> looking)", " (on [unknown", "] looking -> moving)"),
+    ("(running [speed", "; unknown", ""),
+]
+UNKNOWN_MACHINE = ("(spawn follower moving)", " (spawn other lookdown", ")")  # an error away from the cursor
 
 
 class Typist:
     """A session and its text, which changes letter by letter."""
 
-    def __init__(self, text=START, **options):
+    def __init__(self, text=START, types_slowly=False, **options):
+        self.types_slowly = types_slowly
         self.session = Session(text, clock=VirtualClock(), **options)
         self.text = text
         self.session.step()
@@ -36,6 +47,9 @@ class Typist:
             at += 1
             patch = self.offers(at)
             self.session.step()
+            if self.types_slowly:
+                self.offers(at, True)
+                self.session.step()
         if meant:
             patch = self.offers(at, True)
             self.session.step()
@@ -75,19 +89,7 @@ def test_while_the_cursor_is_in_the_active_state_an_error_in_it_waits_even_if_it
     assert typist.offers(0, True).restarted
 
 
-@every(
-    ("before", "letters", "brackets"),
-    [
-        ("(on off moving -> looking)", " (on off looking -> lookdown", ")"),
-        ("(on off moving -> looking)", " (on off * -> lookdown", ")"),
-        ("(on off moving -> looking)", " (eps looking -> lookdown", ")"),
-        ("(state lookleft)", " (exit off lookleft -> lookdown", ")"),
-        ("(state moving)", " (state other (onentry (spawn lookalgo lookdown", ")))"),
-        ("(spawn follower moving)", " (spawn other lookdown", ")"),
-        ("(on off moving -> looking)", " (on [unknown", "] looking -> moving)"),
-        ("(running [speed", "; unknown", ""),
-    ],
-)
+@every(("before", "letters", "brackets"), [*HALF_TYPED, UNKNOWN_MACHINE])
 def test_what_is_half_typed_is_no_fault_in_the_timeline_either(before, letters, brackets):
     for mode in ("restart", "keep"):
         typist = Typist(on_active_edit=mode)
@@ -96,9 +98,19 @@ def test_what_is_half_typed_is_no_fault_in_the_timeline_either(before, letters, 
         assert [each for each in typist.session.timeline().happenings if each.kind == "issue"] == []
 
 
-def test_the_transition_that_is_meant_fails_and_that_is_told():
+@every(("before", "letters", "brackets"), HALF_TYPED)
+def test_who_types_slowly_makes_no_faults_either(before, letters, brackets):
+    typist = Typist(types_slowly=True)
+    typist.types(before, letters, brackets)
+    assert [each for each in typist.session.timeline().happenings if each.kind == "issue"] == []
+
+
+def test_the_transition_that_the_cursor_has_left_fails_and_that_is_told():
     typist = Typist()
     typist.types("(on off moving -> looking)", " (on off looking -> lookdown", ")", meant=True)
+    assert "LRP303" in [finding.code for finding in typist.session.findings]
+    typist.offers(0, True)
+    typist.session.step()
     (told,) = [each for each in typist.session.timeline().happenings if each.kind == "issue"]
     assert told.text == "The machine `follower` has no state `lookdown`."
     assert "has no state `lookdown`" in str(typist.session.why_not("off:looking->lookdown"))
@@ -120,6 +132,9 @@ def test_a_destination_typed_letter_by_letter_raises_no_issue_and_does_not_pause
     assert typist.session.status == "paused"  # by `step`, not for a reason
     assert typist.session.frame.reason == ""
     typist.types("looking -> res", "ting", meant=True)
+    assert typist.session.issues == ()
+    typist.offers(0, True)
+    typist.session.step()
     (issue,) = typist.session.issues
     assert "resting" in issue.message
 

@@ -349,8 +349,9 @@ def test_a_word_that_is_not_meant_waits_and_is_marked_when_it_is_sent_again(benc
     assert [finding["code"] for finding in answer["findings"]] == []
     assert lab.session.program.text == C
     answer = page.moves(text.index("cc") + 2)
-    assert (answer["applied"], answer["reason"], answer["half_typed"]) == (True, "", False)
+    assert (answer["applied"], answer["reason"], answer["half_typed"]) == (True, "", True)
     assert "LRP303" in [finding["code"] for finding in answer["findings"]]
+    assert not page.moves(0)["half_typed"]  # from now on its faults are told
 
 
 def test_the_running_text_is_sent_while_only_a_part_of_a_text_runs(bench):
