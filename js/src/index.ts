@@ -1,7 +1,7 @@
 /** The widget: one class for every part of the lab; its `view` trait says which one. */
 
 import type { HostedModel } from "./host/notebook";
-import { showLabs } from "./host/shared";
+import { showLabs } from "./host/outputs";
 import { openLab } from "./lab";
 import type { PartName } from "./protocol";
 import type { Model } from "./session/connection";

@@ -1,6 +1,6 @@
 import { expect, it, vi } from "vitest";
 import type { WidgetManager } from "../src/host/notebook";
-import { showLabs } from "../src/host/shared";
+import { showLabs } from "../src/host/outputs";
 
 const VIEW = "application/vnd.jupyter.widget-view+json";
 
