@@ -260,6 +260,18 @@ describe("keys on the playhead", () => {
   });
 });
 
+it("stands with its words over no number of the axis while one looks back", async () => {
+  const hidden = () =>
+    [...page.root.querySelectorAll('.lrp-timeline-time[visibility="hidden"]')].map(
+      (each) => each.textContent,
+    );
+  expect(hidden()).toEqual([]);
+  await page.click(10);
+  expect(hidden()).toEqual(["10 s"]);
+  await page.key("End");
+  expect(hidden()).toEqual([]);
+});
+
 describe("the menu of a visit", () => {
   it("asks why it began and why it ended", async () => {
     const open = (time: number) =>

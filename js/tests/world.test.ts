@@ -5,6 +5,7 @@ import { complete } from "../src/world/complete";
 import { trailStyles } from "../src/world/legend";
 import { barLength, gripAt } from "../src/world/overlay";
 import { between, firstPoses, poseBytes, readPoses } from "../src/world/poses";
+import { paintRobot } from "../src/world/robot";
 import {
   dragged,
   drawn,
@@ -82,6 +83,30 @@ function near(found: number[], wanted: number[]): void {
   expect(found).toHaveLength(wanted.length);
   found.forEach((number, i) => expect(number).toBeCloseTo(wanted[i]!, 6));
 }
+
+it("a robot has the values of its light sensors beside it, and none on it", () => {
+  const robots = fc.record({ angle, along: real(-0.1, 0.1), aside: real(-0.06, 0.06), value: fc.nat(255) });
+  fc.assert(
+    fc.property(robots, real(30, 500), ({ angle, along, aside, value }, pixels) => {
+      const written: { x: number; y: number; size: number; text: string }[] = [];
+      const pen = { at: [0, 0] as Point, size: 0 };
+      const notes: Record<string, (...given: never[]) => void> = {
+        translate: (...point: Point) => void Object.assign(pen, { at: point }),
+        scale: (factor: number) => void Object.assign(pen, { size: 12 * factor }),
+        fillText: (text: string) => void written.push({ x: pen.at[0], y: pen.at[1], size: pen.size, text }),
+      };
+      const c = new Proxy({}, { get: (_, name) => notes[String(name)] ?? (() => {}), set: () => true });
+      const shape = { ...world.robots[0]!, light: [[along, aside] as Point] };
+      const pose: Pose = [1, 1, angle];
+      const robot = { ...firstPoses(world, null).robots[0]!, pose, lights: [value] };
+      paintRobot({ c: c as never, palette: { dim: false } as never, pixels }, shape, robot);
+      const { x, y, size: high, text } = written[0]!;
+      const beyond = (distance: number, half: number) => Math.max(0, Math.abs(distance) - half);
+      const free = Math.hypot(beyond(x - 1, 0.32 * text.length * high), beyond(y - 1, 0.45 * high));
+      expect(free).toBeGreaterThan(1.1 * shape.radius);
+    }),
+  );
+});
 
 describe("poses", () => {
   it("are read: robots first, then what can be pushed; the rest is unchanged", () => {

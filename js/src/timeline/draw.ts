@@ -5,7 +5,7 @@
 
 import { nameOf } from "../language/paths";
 import type { HappeningKind } from "../protocol";
-import { s, unmarked } from "../ui/dom";
+import { s, setAttribute, unmarked } from "../ui/dom";
 import type { Style } from "../world/palette";
 import type { Lane, Mark, Plotted, Segment } from "./happened";
 import { PLOT, plotOf } from "./plots";
@@ -142,6 +142,26 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   svg.replaceChildren(...parts);
 }
 
+<<<<<<< HEAD
+=======
+/** Leave out the numbers of the axis on which a text stands that begins, or ends, at `x`. */
+export function clearAxis(svg: SVGSVGElement, text: string, x: number, ends: boolean): void {
+  const length = LETTER * text.length + 2 * GAP;
+  const middle = x + (ends ? -length : length) / 2;
+  for (const time of svg.querySelectorAll(".lrp-timeline-time")) {
+    const near = (length + LETTER * (time.textContent ?? "").length) / 2;
+    const isCovered = text !== "" && Math.abs(Number(time.getAttribute("x")) - middle) < near;
+    setAttribute(time, "visibility", isCovered ? "hidden" : null);
+  }
+}
+
+/** What is different after an edit of the past. */
+function wordsOf({ divergence, end, isOpenLoop }: Other): string {
+  const words = divergence ? unmarked(divergence.text) : `there is no difference up to ${end.toFixed(1)} s.`;
+  return `with the edit${isOpenLoop ? " (open loop: the readings are the recorded ones)" : ""}: ${words}`;
+}
+
+>>>>>>> 397c5e37 (Keep the words of world and timeline off the robot and the numbers of the axis)
 function marksOf(drawing: Drawing, y: number): Node[] {
   const { left, width, marks } = drawing;
   const shown: Node[] = [];

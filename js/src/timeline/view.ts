@@ -11,7 +11,7 @@ import { isOn, keep, keepOn, kept } from "../ui/kept";
 import { item, openMenu } from "../ui/menu";
 import { pointOf } from "../ui/point";
 import { trailStyles } from "../world/legend";
-import { type Drawing, draw, heightOf, laneAt, roomFor } from "./draw";
+import { clearAxis, type Drawing, draw, heightOf, laneAt, roomFor } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking, type Moment } from "./looking";
 import { rounded, shortOf } from "./plots";
@@ -180,7 +180,13 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const words = whatIf ? whatIfWords(whatIf) : "";
     const ago = `${at.toFixed(1)} s, ${Math.max(0, now() - at).toFixed(1)} s ago${words && `, ${words}`}`;
     setAttribute(playhead, "aria-valuetext", isPast() ? ago : "now"); // or it would be read out in every tick
+<<<<<<< HEAD
     playhead.dataset.label = `${at.toFixed(1)} s${valuesAt(at)}${words && ` · ${words}`}`;
+=======
+    const label = `${at.toFixed(1)} s${valuesAt(at)}`;
+    playhead.dataset.label = label;
+    clearAxis(svg, isPast() ? label : "", x, isRight);
+>>>>>>> 397c5e37 (Keep the words of world and timeline off the robot and the numbers of the axis)
   };
   const valuesAt = (time: number) =>
     plots

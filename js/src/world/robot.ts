@@ -20,6 +20,7 @@ export const TEXT = 13;
 export const FINE = 1.5;
 const RAY = 2.5;
 const SPOT = 5;
+const BODY = 1.22; // its radius with the bumper, in radii
 
 export function paintStart(brush: Brush, pose: Pose, r: number): void {
   const { c, palette, pixels } = brush;
@@ -72,10 +73,13 @@ export function paintRobot(brush: Brush, shape: FullRobot, robot: RobotPose): vo
   shape.light.forEach((place, i) => {
     const value = robot.lights[i];
     if (!isSeen(value)) return;
-    const [lx, ly] = turned(place, theta);
+    const text = String(Math.round(value));
     const size = Math.max(0.6 * r, TEXT / pixels);
-    const [ox, oy] = turned([r + 0.8 * size, 0], theta);
-    write(brush, String(Math.round(value)), [x + lx + ox, y + ly + oy], size, palette.text);
+    const [across, up] = [Math.abs(Math.cos(theta)), Math.abs(Math.sin(theta))];
+    const half = (0.36 * text.length + 0.15) * size * across + 0.6 * size * up; // of the text, that way
+    const spot = place[0] + Math.max(0.24 * r, (SPOT + FINE) / pixels);
+    const [ox, oy] = turned([Math.max(BODY * r, spot) + half, place[1]], theta);
+    write(brush, text, [x + ox, y + oy], size, palette.text);
   });
 }
 

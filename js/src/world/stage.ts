@@ -289,13 +289,15 @@ export class Stage {
       if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY)
         paintStart({ ...brush, palette: ofRobot(palette, i) }, pose, radius);
     });
+    c.save();
+    c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    paintBar(brush, this.canvas.height / this.ratio, this.showsGrid.on); // no robot hides below it
+    c.restore();
     paintMovers(brush, world, current);
     if (this.whatIf) paintParting(brush, this.whatIf);
     const shape = selected && this.shape(selected);
     if (selected && shape) paintSelection(brush, selected, shape);
     if (outline) paintOutline(brush, outline, 5, 4);
-    c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    paintBar(brush, this.canvas.height / this.ratio, this.showsGrid.on);
   }
 
   /** Paint the faint trail with the floor, which is rare: it may be long. */
