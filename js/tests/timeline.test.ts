@@ -201,12 +201,12 @@ describe("the drawing", () => {
     );
     const plotted = { kind: "number" as const, tick: 1, times: [0], values: [1], thresholds: new Map() };
     const plots: Drawing["plots"] = [["x", plotted]];
-    const svg = drawn({ lanes, plots, sight: { top: 930, bottom: 1000 } });
+    const svg = drawn({ lanes, plots, sight: { top: 932, bottom: 1002 } });
     const shown = [...svg.querySelectorAll("[data-lrp-visit]")];
     expect(shown.map((each) => each.getAttribute("data-lane"))).toEqual(["m50", "m51", "m52", "m53"]);
     expect(svg.querySelector("[data-lrp-plot]")).toBeNull();
     expect(svg.getAttribute("height")).toBe(String(heightOf({ lanes, plots, other: null })));
-    const end = drawn({ lanes, plots, sight: { top: 3600, bottom: 3700 } });
+    const end = drawn({ lanes, plots, sight: { top: 3602, bottom: 3702 } });
     expect(end.querySelector("[data-lrp-plot]")).not.toBeNull();
   });
 
@@ -220,8 +220,8 @@ describe("the drawing", () => {
         return [roomFor(held), heightOf(held)];
       });
     });
-    expect(rooms.map(([room]) => room)).toEqual(Array(8).fill(69));
-    expect(rooms.map(([, height]) => height)).toEqual([51, 69, 51, 69, 69, 69, 105, 105]);
+    expect(rooms.map(([room]) => room)).toEqual(Array(8).fill(71));
+    expect(rooms.map(([, height]) => height)).toEqual([53, 71, 53, 71, 71, 71, 107, 107]);
   });
 
   it("has the other course of a machine below the recorded one, in the same row", () => {

@@ -142,26 +142,18 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   svg.replaceChildren(...parts);
 }
 
-<<<<<<< HEAD
-=======
-/** Leave out the numbers of the axis on which a text stands that begins, or ends, at `x`. */
-export function clearAxis(svg: SVGSVGElement, text: string, x: number, ends: boolean): void {
-  const length = LETTER * text.length + 2 * GAP;
-  const middle = x + (ends ? -length : length) / 2;
+/** The width of a label, in px. */
+export const widthOf = (text: string) => LETTER * text.length + 2 * GAP;
+
+/** Leave out the numbers of the axis that something covers, each from and to so many px. */
+export function clearAxis(svg: SVGSVGElement, covers: readonly (readonly [number, number])[]): void {
   for (const time of svg.querySelectorAll(".lrp-timeline-time")) {
-    const near = (length + LETTER * (time.textContent ?? "").length) / 2;
-    const isCovered = text !== "" && Math.abs(Number(time.getAttribute("x")) - middle) < near;
+    const [x, half] = [Number(time.getAttribute("x")), widthOf(time.textContent ?? "") / 2];
+    const isCovered = covers.some(([from, to]) => x + half > from && x - half < to);
     setAttribute(time, "visibility", isCovered ? "hidden" : null);
   }
 }
 
-/** What is different after an edit of the past. */
-function wordsOf({ divergence, end, isOpenLoop }: Other): string {
-  const words = divergence ? unmarked(divergence.text) : `there is no difference up to ${end.toFixed(1)} s.`;
-  return `with the edit${isOpenLoop ? " (open loop: the readings are the recorded ones)" : ""}: ${words}`;
-}
-
->>>>>>> 397c5e37 (Keep the words of world and timeline off the robot and the numbers of the axis)
 function marksOf(drawing: Drawing, y: number): Node[] {
   const { left, width, marks } = drawing;
   const shown: Node[] = [];

@@ -11,7 +11,7 @@ import { isOn, keep, keepOn, kept } from "../ui/kept";
 import { item, openMenu } from "../ui/menu";
 import { pointOf } from "../ui/point";
 import { trailStyles } from "../world/legend";
-import { clearAxis, type Drawing, draw, heightOf, laneAt, roomFor } from "./draw";
+import { clearAxis, type Drawing, draw, heightOf, laneAt, roomFor, widthOf } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking, type Moment } from "./looking";
 import { rounded, shortOf } from "./plots";
@@ -73,10 +73,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const tools = h("div", { class: "lrp-tools" }, more, zoomOut, zoomIn);
   const opener = iconButton("right", "Open or close the timeline", "timeline", () => open(body.hidden, true));
   const title = h("div", { class: "lrp-title" }, "Timeline");
+  const said = band(lab, looking);
+  const head = h("header", { class: "lrp-timeline-head" }, opener, title, said, tools);
   const element = h(
     "section",
     { class: "lrp-timeline", "data-lrp": "timeline", "aria-label": "Timeline" },
-    h("header", { class: "lrp-timeline-head" }, opener, title, band(lab, looking), tools),
+    head,
     body,
   );
 
@@ -180,13 +182,13 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const words = whatIf ? whatIfWords(whatIf) : "";
     const ago = `${at.toFixed(1)} s, ${Math.max(0, now() - at).toFixed(1)} s ago${words && `, ${words}`}`;
     setAttribute(playhead, "aria-valuetext", isPast() ? ago : "now"); // or it would be read out in every tick
-<<<<<<< HEAD
-    playhead.dataset.label = `${at.toFixed(1)} s${valuesAt(at)}${words && ` · ${words}`}`;
-=======
-    const label = `${at.toFixed(1)} s${valuesAt(at)}`;
+    const label = `${at.toFixed(1)} s${valuesAt(at)}${words && ` · ${words}`}`;
     playhead.dataset.label = label;
-    clearAxis(svg, isPast() ? label : "", x, isRight);
->>>>>>> 397c5e37 (Keep the words of world and timeline off the robot and the numbers of the axis)
+    const covers: [number, number][] = [];
+    if (isPast()) covers.push(isRight ? [x - widthOf(label), x] : [x, x + widthOf(label)]);
+    if (tools.offsetParent === head)
+      covers.push([Math.min(tools.offsetLeft, said.offsetLeft || tools.offsetLeft), area.clientWidth]);
+    clearAxis(svg, covers);
   };
   const valuesAt = (time: number) =>
     plots
