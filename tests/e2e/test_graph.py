@@ -127,6 +127,34 @@ def test_names_are_read_in_the_colours_of_the_system(open_lab):
         media(forced_colors="none", color_scheme="light")
 
 
+def test_a_small_window_shows_all_of_a_machine_and_a_large_one_the_whole_nest(open_lab):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    inner = "follower/looking/lookalgo"
+    lab.page.set_viewport_size({"width": 1280, "height": 800})
+    assert not lab.sees('[data-lrp="tree"]').is_visible()
+    lab.sees(f'[data-lrp-machine="{inner}"]').click()
+    lab.sees(f'[data-lrp-state="{inner}/returnright"]')
+    rests(lab)
+    assert graph(lab).locator(f'[data-lrp-state^="{inner}/"]').count() == 4
+    assert graph(lab).evaluate(OUT_OF_VIEW) == 0
+    assert min(graph(lab).evaluate(FONTS)) >= 8.99
+    lab.page.set_viewport_size({"width": 1920, "height": 1080})
+    lab.sees('[data-lrp-state="follower/moving"]')
+    rests(lab)
+    assert graph(lab).locator("[data-drawing]").count() == 2
+    assert graph(lab).evaluate(OUT_OF_VIEW) == 0
+    before = places(lab)
+    lab.sees('[data-lrp-machine="follower"]').click()
+    lab.goes_on()
+    rests(lab)
+    assert places(lab) == before
+    listed = '[data-lrp="tree"] [data-lrp-machine="follower"]'
+    for see in (lab.sees, lab.misses):  # without the graph, its heading is gone, too
+        lab.do("menu")
+        lab.choose("panel-graph")
+        see(listed)
+
+
 def test_nested_and_large_graphs_are_drawn_saved_and_read(open_lab, tmp_path):
     lab = open_lab(INNER)
     keep_what_is_selected(lab)

@@ -1,6 +1,6 @@
 """The places of the panels: in one screen, the world first, kept as their user left them; light and dark."""
 
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import pytest
 
@@ -65,6 +65,18 @@ def is_side_by_side(lab):
     assert DIAMETER * (right - left) >= 30
     canvas, whole = lab.box(".lrp-canvas"), lab.box()
     assert canvas["width"] * canvas["height"] >= 0.25 * whole["width"] * whole["height"]
+
+
+def has_a_whole_head(lab):
+    """The head of the graph shows its machines beside its tools, and its mode whole or not at all."""
+    head = '[data-lrp="graph"] > .lrp-head'
+    mode = f"{head} .lrp-select"
+    lab.until("select => !select.checkVisibility() || select.offsetWidth >= 56", mode)  # for word and arrow
+    assert not lab.find('[data-lrp="tree"]').is_visible()
+    names = [lab.box(f'{head} [data-lrp-machine$="{name}"]') for name in ("follower", "lookalgo")]
+    ends = [*names, lab.box(f"{head} > .lrp-tools")]
+    assert all(a["x"] + a["width"] <= b["x"] + 0.5 for a, b in pairwise(ends))
+    lab.until("head => head.scrollWidth <= head.clientWidth", head)
 
 
 def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page):
