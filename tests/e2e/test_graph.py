@@ -148,6 +148,10 @@ def test_a_small_window_shows_all_of_a_machine_and_a_large_one_the_whole_nest(op
     lab.goes_on()
     rests(lab)
     assert places(lab) == before
+    frame = lab.box(f'[data-drawing="{inner}"] .lrp-frame')
+    lab.page.mouse.dblclick(frame["x"] + frame["width"] / 2, frame["y"] + 10)
+    lab.sees(".lrp-field input").press("Enter")
+    lab.sees(f'[data-lrp-state="{inner}/s1"]')
     listed = '[data-lrp="tree"] [data-lrp-machine="follower"]'
     for see in (lab.sees, lab.misses):  # without the graph, its heading is gone, too
         lab.do("menu")
