@@ -82,7 +82,7 @@ def has_a_whole_head(lab):
 def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page):
     lab = open_lab(FOLLOWER, "follower --world line")
     lab.type_after("(state end", "ing")  # a program with findings shows more
-    lab.sees('[data-lrp="issues"]:not([data-behind]) [data-lrp-issue]')  # an error brings its list to the front
+    lab.sees('[data-lrp="issues"]:not([data-behind]) [data-lrp-issue]')  # in front
     lab.open_tab("variables")
     lab.pause()
     for theme in ("dark", "light"):
@@ -95,6 +95,8 @@ def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page
             lab.until(STACKED, ".lrp-panels", width < 1000)
             lab.at_rest('[data-lrp="world"]')
             nothing_overlaps(lab)
+            if width >= 1280:
+                has_a_whole_head(lab)
             (is_side_by_side if width >= 1280 else is_stacked)(lab)
         axe.finds_nothing_serious(lab)
     page.set_viewport_size({"width": 1280, "height": 800})
