@@ -231,11 +231,13 @@ describe("the link", () => {
     expect(wire.links).toEqual(["live"]);
   });
 
-  it("is busy while a command is not answered, and live again after it", async () => {
+  it("is busy while other messages come than the answer to a command, and live again after it", async () => {
     wire.time = 10;
     wire.hear(snapshot());
     const reply = wire.connection.command({ do: "pause" });
     wire.wait(400);
+    expect(wire.links).toEqual(["live"]); // it may be that nothing reaches it
+    wire.hear({ type: "frame", frame: 2 });
     expect(wire.links).toEqual(["live", "busy"]);
     wire.hear({ type: "reply", id: 1, error: null });
     expect((await reply).error).toBeNull();

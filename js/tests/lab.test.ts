@@ -1017,6 +1017,21 @@ describe("the page", () => {
     expect(verdict.textContent).toBe("no kernel");
   });
 
+  it("says nowhere what a kernel does that is not reachable", async () => {
+    vi.useFakeTimers({ toFake: ["setInterval", "clearInterval"] });
+    const other = new Page();
+    other.open();
+    const later = performance.now() + LOST_AFTER;
+    const now = vi.spyOn(performance, "now").mockImplementation(() => later);
+    vi.advanceTimersByTime(100);
+    now.mockRestore();
+    await other.drawn();
+    for (const place of [".lrp-verdict", ".lrp-status"])
+      expect(other.find(place).textContent).toMatch(/^not reachable/);
+    other.close();
+    vi.useRealTimers();
+  });
+
   it("says in a new view, too, that a text is not a program, or does not run yet", async () => {
     const verdict = page.find(".lrp-verdict");
     const { text } = recording.snapshot;

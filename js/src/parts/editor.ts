@@ -5,6 +5,7 @@ import type { LabState } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, setAttribute, setProse, unmarked } from "../ui/dom";
+import { isAway, LINKS } from "./reach";
 
 export function editorPanel(lab: Lab, editor: Editor): HTMLElement {
   const host = h("div", { class: "lrp-editor" }, editor.view.dom);
@@ -25,7 +26,7 @@ function verdict(lab: Lab): HTMLElement {
 }
 
 function verdictOf({ findings, accepted, patch, pending, status, link }: LabState): [string, string] {
-  if (link === "dead") return ["waits", "no kernel"];
+  if (isAway({ link })) return ["waits", LINKS[link]!];
   if (!accepted) {
     const errors = findings.filter(({ severity }) => severity === "error").length;
     const words = errors === 1 ? "1 error" : errors ? `${errors} errors` : "unfinished";

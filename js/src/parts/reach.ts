@@ -1,14 +1,21 @@
-/** What a button that stops the robot says where nothing in the page reaches the kernel, or not while a cell runs. */
+/** What the page says where nothing in it reaches the kernel, or not while a cell runs. */
 
-import type { LabState } from "../session/state";
+import type { LabState, Link } from "../session/state";
 import { setAttribute, setText, unmarked } from "../ui/dom";
 
 const AWAY = "The kernel does not answer: the robot cannot be stopped from here now";
 
+/** What is known in place of the status of the program, which may be another one by now. */
+export const LINKS: Partial<Record<Link, string>> = {
+  busy: "kernel busy",
+  lost: "not reachable",
+  dead: "no kernel",
+};
+
 type Reach = Pick<LabState, "link" | "late">;
 
 /** Whether nothing reaches the kernel. */
-function isAway({ link }: Reach): boolean {
+export function isAway({ link }: Pick<Reach, "link">): boolean {
   return link === "lost" || link === "dead";
 }
 

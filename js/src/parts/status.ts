@@ -3,6 +3,7 @@
 import type { Lab } from "../session/store";
 import { h, setAttribute, setHidden, setProse, setText, unmarked } from "../ui/dom";
 import { ELEMENT_OF } from "./breakpoints";
+import { LINKS } from "./reach";
 
 /** Why a breakpoint paused the program, in the words of the kernel; a click shows its element. */
 export function pausedBy(lab: Lab): HTMLElement {
@@ -42,9 +43,10 @@ export function statusLine(lab: Lab): HTMLElement {
   const line = h("span", { class: "lrp-status" }, dot, words, ticks, seconds);
   store.watch(["status", "tick", "time", "link", "reason"], () => {
     const { status, tick, time, link, reason } = store.state;
-    const word = { busy: "kernel busy", lost: "no answer", dead: "no kernel" }[link as string] ?? status;
-    setAttribute(dot, "data-status", link === "live" || link === "connecting" ? status : link);
-    setText(words, word);
+    const isKnown = !(link in LINKS);
+    setAttribute(dot, "data-status", isKnown ? status : link);
+    setAttribute(line, "data-usual", isKnown && (status === "running" || status === "paused"));
+    setText(words, LINKS[link] ?? status);
     setText(ticks, `tick ${tick.toLocaleString("en")}`);
     setText(seconds, `${time.toFixed(1)} s`);
     setAttribute(line, "title", unmarked(reason));

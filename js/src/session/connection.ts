@@ -43,7 +43,7 @@ const realClock: Clock = {
   },
 };
 
-/** The kernel is busy without an answer for so long, and lost without any message for so long (ms). */
+/** The kernel is busy if it says other things so long after a question, and lost without any message for so long (ms). */
 export const BUSY_AFTER = 300;
 export const LOST_AFTER = 3000;
 const GONE_AFTER = 1500;
@@ -290,7 +290,7 @@ export class Connection {
     if (now - Math.max(missing, this.lastHello) >= LOST_AFTER) this.hello(); // a message was lost
     let since = this.inFlight ? this.textSince : now;
     for (const { since: asked } of this.waiting.values()) since = Math.min(since, asked);
-    this.become(now - since >= BUSY_AFTER ? "busy" : "live");
+    this.become(this.lastMessage - since >= BUSY_AFTER ? "busy" : "live"); // in silence nothing is known
   }
 
   private become(link: Link): void {

@@ -40,8 +40,8 @@ kernel does not know the revision any more, the page gives its text back by ``re
 
 **Commands and requests** with an ``id`` other than 0 get exactly one `ReplyMessage`, as soon as the session
 has applied or refused them; ``error`` is one sentence. The reply to a change of the world comes after the
-`WorldMessage` about it: until then the page shows what it has sent. A page without an answer for 300 ms
-shows "kernel busy".
+`WorldMessage` about it: until then the page shows what it has sent. A page that gets other messages, and no
+answer, for 300 ms shows "kernel busy"; in silence it knows nothing, and after three seconds shows that.
 
 **Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
 after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` of `page_places`
