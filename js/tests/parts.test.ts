@@ -84,6 +84,16 @@ describe("the list of issues", () => {
   });
 });
 
+it("what is resolved is listed after all that is open", () => {
+  const issues = [true, false, true, false].map((resolved, index) => ({
+    id: index,
+    code: `${index}`,
+    resolved,
+  }));
+  const listed = entriesOf([], issues as IssueView[]).map(({ code }) => code);
+  expect(listed).toEqual(["1", "3", "0", "2"]);
+});
+
 describe("a sparkline", () => {
   it("ends at the right, highest value at the top", () => {
     expect(points([0, 10]).split(" ").at(-1)).toBe("48.0,2.0");

@@ -8,6 +8,7 @@ from e2e import axe
 from e2e.pages import APP
 from e2e.programs import COUNTER, FOLLOWER
 
+PRINTS = "(machine m (state a (running [print('here'); 1 / 0]))) (spawn m a)"
 DIAMETER = 0.16  # m, of the bundled robot
 PANELS = ("editor", "graph", "world", "variables")
 TABS = ("robot", "issues", "breakpoints", "variables")
@@ -46,6 +47,17 @@ def nothing_overlaps(lab):
             or a["y"] + a["height"] <= b["y"] + 1
             or b["y"] + b["height"] <= a["y"] + 1
         ), (one, other)
+
+
+def nothing_is_drawn_over_the_output(lab):
+    """Where the panel of issues is low, the output gives way."""
+    lab.page.set_viewport_size({"width": 1280, "height": 800})
+    lab = lab.notebook.open(PRINTS, "prints --world line")
+    lab.sees(".lrp-output:not(:empty)")
+    lab.sees("[data-lrp-issue]")
+    panel, output = box(lab, "issues"), lab.box(".lrp-issues-body + .lrp-details")
+    title = lab.box(".lrp-breakpoint-list > summary")
+    assert title["y"] + title["height"] <= min(output["y"], panel["y"] + panel["height"]) + 0.5
 
 
 def is_stacked(lab):
@@ -111,6 +123,7 @@ def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page
     lab.choose("menu-zoom-in")
     lab.until(f"node => node.getBoundingClientRect().width > {before}", '[data-lrp-state="follower/moving"]')
     open_a_menu_in_a_low_window(lab)
+    nothing_is_drawn_over_the_output(lab)
 
 
 def test_panels_are_enlarged_hidden_resized_and_kept(open_notebook, page):

@@ -48,11 +48,12 @@ export function errorsIn({ findings, issues }: Pick<LabState, "findings" | "issu
   return entries.filter(({ severity, issue }) => severity === "error" && !issue?.resolved).length;
 }
 
-/** Findings and issues; an issue that names a finding is listed once, as that finding. */
+/** Findings and issues, the resolved ones last; an issue that names a finding is listed once, as that finding. */
 export function entriesOf(findings: FindingView[], issues: IssueView[]): Entry[] {
+  const isResolved = ({ issue }: Entry) => Number(issue?.resolved ?? false);
   const same = new Map(issues.map((issue) => [issue.finding, issue]));
   const known = new Set(findings.map(({ id }) => id));
-  return [
+  const all: Entry[] = [
     ...findings.map(({ id, code, severity, message, range }, index) => ({
       key: `${code} ${message} ${index}`,
       ...{ code, severity, message, range },
@@ -66,6 +67,7 @@ export function entriesOf(findings: FindingView[], issues: IssueView[]): Entry[]
         return { key: `issue ${id}`, code, severity, message, range, ofRunning: true, issue };
       }),
   ];
+  return all.sort((a, b) => isResolved(a) - isResolved(b));
 }
 
 function make(lab: Lab, entry: Entry): HTMLElement {
