@@ -231,11 +231,18 @@ def read_values_with_long_names(lab):
 
 
 def plot_a_reading(lab):
-    """It has the thresholds of the conditions that read it."""
-    lab.do("plot")
-    lab.choose("plot-robot.light.data")
-    lab.until("path => path.getAttribute('d').length > 100", ".lrp-timeline-curve")
-    limits = lab.find(".lrp-timeline-limit")
+    """The value of an event shows its past; plotted, it has the thresholds of all conditions that read it."""
+    lab.select("(event outofline")
+    value = lab.find('.lrp-values [data-lrp-history*="outofline"]')
+    value.hover()
+    lab.reads(".lrp-history-card .lrp-timeline-limit", "lightlim + 10")
+    value.click()
+    lab.until("path => path.getAttribute('d').length > 100", f"{BODY} .lrp-timeline-curve")
+    lab.page.keyboard.press("Shift+Alt+H")
+    lab.reads('[role="dialog"] .lrp-timeline-limit', "lightlim + 10")
+    lab.sees('[role="dialog"] [data-lrp-action="pin"][aria-pressed="true"]')
+    lab.page.keyboard.press("Escape")
+    limits = lab.find(f"{BODY} .lrp-timeline-limit")
     assert sorted(limits.all_text_contents()) == ["lightlim + 10", "lightlim - 10"]
     press(lab, "ArrowLeft")
     looks(lab)

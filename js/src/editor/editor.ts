@@ -49,6 +49,7 @@ import { format } from "./format";
 import { breakpointGutter } from "./gutter";
 import { otherHands, placeHands, typedBy } from "./hands";
 import { hangingIndent } from "./hanging";
+import { historyAtCursor } from "./history";
 import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
@@ -143,6 +144,7 @@ export class Editor implements Typist {
       tooltips({ parent: lab.root, tooltipSpace: () => visiblePart(lab.root) }),
       completion(lab),
       hover(lab),
+      historyAtCursor(lab),
       navigation(lab),
       scrubbing(lab),
       followCursor(lab),

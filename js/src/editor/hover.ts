@@ -6,9 +6,11 @@ import { outlineOf, treeOf } from "../language/lrp";
 import { lookedAt } from "../parts/study";
 import type { HoverView } from "../protocol";
 import type { Lab } from "../session/store";
+import { spark } from "../timeline/spark";
 import { h, prose } from "../ui/dom";
 import { chainAt, contextAt } from "./context";
 import { FORMS } from "./forms";
+import { subjectAt } from "./history";
 
 /** What a card says is about the text as it was, and the card lies over what is being typed. */
 const closedByEdits = EditorState.transactionExtender.of(({ docChanged }) =>
@@ -30,11 +32,21 @@ function cards(lab: Lab): Extension {
           ? await ofPython(lab, chain.text, place.scope)
           : await withReason(lab, ofProgram(lab, view.state, chain));
       if (!card) return null;
+      const subject = lab.store.state.settings.quiet ? null : subjectAt(lab, view.state, offset);
       return {
         pos: chain.from,
         end: chain.to,
         above: true,
-        create: () => ({ dom: cardOf(card), destroy: lookedAt(lab, card.title) }),
+        create: () => {
+          const [dom, told] = [cardOf(card), lookedAt(lab, card.title)];
+          const shown = subject && spark(lab, subject);
+          if (shown) dom.append(shown.element);
+          const destroy = () => {
+            told();
+            shown?.close();
+          };
+          return { dom, destroy };
+        },
       };
     },
     { hoverTime: 350 },

@@ -13,9 +13,11 @@ import {
 import { Decoration, type DecorationSet, WidgetType } from "@codemirror/view";
 import { lastFired } from "../graph/marks";
 import type { Outline } from "../language/outline";
+import { history } from "../parts/history";
 import { besideGraph, type LabState } from "../session/state";
+import { ofEvent, ofVariable } from "../timeline/spark";
 import { shortened } from "../ui/cut";
-import { h } from "../ui/dom";
+import { h, reconcile, setAttribute, setText } from "../ui/dom";
 import { testedEvents } from "./tested";
 import { decorating } from "./visible";
 import { wholeOutline, wholeOutlineOf } from "./whole";
@@ -43,10 +45,16 @@ class ValueWidget extends WidgetType {
 
   override updateDOM(dom: HTMLElement): boolean {
     const named = this.values.length > 1;
-    const parts = this.values.map(({ name, text, stale }) =>
-      h("span", { "data-stale": stale ? "" : null }, named ? `${name} = ${text}` : text),
+    reconcile(
+      dom.firstElementChild!,
+      this.values,
+      ({ kind, path }) => `${kind} ${path}`,
+      ({ kind, path }) => h("span", history(kind === "event" ? ofEvent(path) : ofVariable(path))),
+      (part, { name, text, stale }) => {
+        setAttribute(part, "data-stale", stale);
+        setText(part, named ? `${name} = ${text}` : text);
+      },
     );
-    dom.firstElementChild!.replaceChildren(...parts);
     return true;
   }
 
@@ -103,6 +111,8 @@ function decorate(editor: EditorState, found: Outline, lab: LabState, values: bo
 
 /** What is shown at the end of a line; an event that is not tested now has its last value. */
 interface Value {
+  kind: string;
+  path: string;
   name: string;
   text: string;
   stale: boolean;
@@ -115,7 +125,7 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
     const text = shownValue(kind, path, lab);
     if (text === null) continue;
     const line = editor.doc.lineAt(to).number;
-    const value = { name, text, stale: kind === "event" && !tested.has(path) };
+    const value = { kind, path, name, text, stale: kind === "event" && !tested.has(path) };
     lines.set(line, [...(lines.get(line) ?? []), value]);
   }
   return lines;

@@ -4,10 +4,12 @@ import { isIn, nameOf } from "../language/paths";
 import type { OutdatedView } from "../protocol";
 import type { Lab } from "../session/store";
 import { iconButton, linkButton, panel } from "../ui/button";
+import { ofVariable } from "../timeline/spark";
 import { h, prose, reconcile, s, setAttribute, setHidden, setText } from "../ui/dom";
 import { editing } from "../ui/editing";
 import { hasFocus } from "../ui/root";
 import { glow } from "../ui/timers";
+import { history } from "./history";
 
 interface Group {
   machine: string;
@@ -64,7 +66,7 @@ export function groupsInScope(
 class Row {
   readonly element: HTMLElement;
   private readonly value: HTMLButtonElement;
-  private readonly spark = new Spark();
+  private readonly spark: Spark;
   private readonly computed = h("div", { class: "lrp-variable-computed", hidden: true });
   private outdated: OutdatedView | undefined;
   private text: string | undefined;
@@ -79,7 +81,9 @@ class Row {
       class: "lrp-value",
       title: "Change",
       onclick: () => this.edit(),
+      ...history(ofVariable(path)),
     });
+    this.spark = new Spark(path);
     const inspect = iconButton("search", `Inspect ${name}`, "inspect", () => lab.inspect("variable", path));
     const source = h(
       "button",
@@ -158,19 +162,27 @@ const WIDTH = 48;
 const HEIGHT = 14;
 
 class Spark {
-  readonly element = s(
-    "svg",
-    { class: "lrp-spark", viewBox: `0 0 ${WIDTH} ${HEIGHT}`, "aria-hidden": "true", hidden: true },
-    s("polyline", {}),
-  );
+  readonly element: HTMLButtonElement;
+  private readonly line = s("polyline", {});
   private values: number[] = [];
+
+  constructor(path: string) {
+    const view = { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, "aria-hidden": "true" };
+    const name = { "data-lrp-action": "pin", "aria-label": `Plot ${nameOf(path)} in the timeline` };
+    const attributes = { type: "button", class: "lrp-spark", hidden: true };
+    this.element = h(
+      "button",
+      { ...attributes, ...name, ...history(ofVariable(path)) },
+      s("svg", view, this.line),
+    );
+  }
 
   add(value: number | null): void {
     if (value === null || !Number.isFinite(value)) this.values = [];
     else if (value === this.values.at(-1)) return;
     else this.values = [...this.values.slice(1 - KEPT), value];
-    setAttribute(this.element, "hidden", this.values.length < 3);
-    setAttribute(this.element.firstElementChild!, "points", points(this.values));
+    setHidden(this.element, this.values.length < 3);
+    setAttribute(this.line, "points", points(this.values));
   }
 }
 

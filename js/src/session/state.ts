@@ -45,6 +45,8 @@ export interface LabState extends ViewState, Told {
   cameras: Record<string, Camera>;
   /** Which machine is shown automatically: the one with the innermost active state, the one around the cursor, or none. */
   follow: "active" | "cursor" | "nothing";
+  /** What the timeline plots. */
+  plots: readonly string[];
   whatIf: Foretold | null;
   /** The number that was changed by the last step in the editor, until something else is done there. */
   stepped: Stepped | null;
@@ -87,6 +89,7 @@ export function initialState(): LabState {
     inspected: null,
     cameras: {},
     follow: "nothing",
+    plots: [],
     whatIf: null,
     stepped: null,
   };

@@ -18,7 +18,8 @@ export function shortOf(name: string): string {
   return name.startsWith("robot.") ? name.slice("robot.".length) : nameOf(name);
 }
 
-export function plotOf(scale: Scale, name: string, plotted: Plotted, y: number): Node[] {
+/** The plot of a name; the names of its thresholds stand in it at the right, or beside it if there is room. */
+export function plotOf(scale: Scale, name: string, plotted: Plotted, y: number, isRoomy = false): Node[] {
   const { left, width, span } = scale;
   const parts: Node[] = [
     named(shortOf(name), name, y, PLOT, left),
@@ -53,7 +54,8 @@ export function plotOf(scale: Scale, name: string, plotted: Plotted, y: number):
     const near = (base: number) => Math.abs(base - LABEL / 2 - yOf(last));
     const [at] = free.sort((a, b) => near(a) - near(b)).splice(0, 1);
     if (at === undefined) continue; // its line has a title
-    parts.push(s("text", { class: "lrp-timeline-limit", x: left + width - 4, y: at }, text));
+    const x = left + width + (isRoomy ? 4 : -4);
+    parts.push(s("text", { class: "lrp-timeline-limit", "data-beside": isRoomy, x, y: at }, text));
   }
   parts.push(s("path", { class: "lrp-timeline-curve", d: line(values) }));
   return parts;

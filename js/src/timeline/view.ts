@@ -39,7 +39,7 @@ const STILL = 1500; // ms
 export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const { store } = lab;
   let happened = new Happened();
-  let plots: string[] = [];
+  let plots: readonly string[] = [];
   let answered = Number.NEGATIVE_INFINITY; // when, in ms
   let drawn = Number.NEGATIVE_INFINITY;
   let isNews = true; // whether there is something to ask for
@@ -346,12 +346,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const none = item("No numeric values to plot yet", "plot-none", () => {}, { disabled: true });
     openMenu(lab.root, { x: left, y: top }, items.length ? items : [none], "Plots");
   };
-  const choose = (names: string[]) => {
-    plots = names;
-    keep(PLOTS + store.state.name, JSON.stringify(names));
-    redraw();
-    askNow();
-  };
+  const choose = (names: string[]) => store.set("plots", names);
 
   /* ---------------------------------------------------------------- what changes it */
 
@@ -368,6 +363,15 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     happened = new Happened();
     const names: unknown = JSON.parse(kept(PLOTS + store.state.name) ?? "[]");
     plots = Array.isArray(names) ? names.filter((name) => typeof name === "string") : [];
+    store.set("plots", plots);
+  });
+  store.watch(["plots"], () => {
+    if (plots === store.state.plots) return;
+    plots = store.state.plots;
+    keep(PLOTS + store.state.name, JSON.stringify(plots));
+    if (body.hidden) open(true, true);
+    redraw();
+    askNow();
   });
   store.watch(["snapshot", "revision", "issues", "status", "active", "entered", "fired"], (changed) => {
     if (changed.has("revision") && !changed.has("snapshot")) edited = performance.now();

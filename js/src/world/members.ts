@@ -1,8 +1,10 @@
 /** The members of `robot`, with units and current values; a click inserts one into the block at the cursor, or copies it. */
 
+import { history } from "../parts/history";
 import type { MemberView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
+import { ofReading } from "../timeline/spark";
 import { h, reconcile, setAttribute, setText } from "../ui/dom";
 
 export function robotView(lab: Lab): HTMLElement {
@@ -26,7 +28,10 @@ export function robotView(lab: Lab): HTMLElement {
       {},
       h(
         "button",
-        { type: "button", class: "lrp-member", onclick: () => lab.insert(member.insert) },
+        {
+          ...{ type: "button", class: "lrp-member", onclick: () => lab.insert(member.insert) },
+          ...(member.kind === "variable" ? history(ofReading(member.name)) : {}),
+        },
         h("code", {}),
         h("span", { class: "lrp-member-value" }),
       ),

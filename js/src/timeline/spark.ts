@@ -1,0 +1,111 @@
+/** The last half minute of a value, with the thresholds of its condition: the plots of a timeline, in small. */
+
+import { nameOf } from "../language/paths";
+import type { Plot } from "../protocol";
+import { newest } from "../session/newest";
+import type { Lab } from "../session/store";
+import { h, s, setAttribute, setHidden, setText } from "../ui/dom";
+import { PLOT, plotOf, rounded } from "./plots";
+
+const SECONDS = 30;
+const LEAST = 5; // s of the axis
+const INTERVAL = 300; // ms between two questions
+const LEFT = 84; // px for names
+const RIGHT = 88; // for those of thresholds
+const WIDTH = 364;
+const GAP = 3;
+const AXIS = 14;
+
+/** What is shown: variables and readings by name, with the thresholds of an event, or what that reads. */
+export interface Subject {
+  names: string[];
+  event: string;
+}
+
+export interface Spark {
+  element: HTMLElement;
+  /** What is plotted, once it is known. */
+  names(): string[];
+  close(): void;
+}
+
+export const ofVariable = (path: string): Subject => ({ names: [path], event: "" });
+export const ofReading = (name: string): Subject => ({ names: [`robot.${name}`], event: "" });
+export const ofEvent = (path: string): Subject => ({ names: [], event: path });
+
+export function titleOf({ names: [name], event }: Subject): string {
+  return name?.startsWith("robot.") ? name : nameOf(name ?? event);
+}
+
+/** Draw a value while it is shown; `drawn` is called with every answer. */
+export function spark(lab: Lab, subject: Subject, drawn: () => void = () => {}): Spark {
+  const { store } = lab;
+  const closing = new AbortController();
+  const svg = s("svg", { class: "lrp-timeline-drawing", width: WIDTH, role: "img" });
+  const words = h("p", { class: "lrp-faint" }, "…");
+  const element = h("div", { class: "lrp-history" }, svg, words);
+  let plots: Plot[] = [];
+  let asked = Number.NEGATIVE_INFINITY;
+  const ask = newest(
+    closing.signal,
+    () => asked + INTERVAL,
+    async () => {
+      asked = performance.now();
+      const { looking, time } = store.state;
+      const seconds = SECONDS + (looking?.ago ?? 0);
+      const reply = await lab.ask({ type: "plots", ...subject, seconds });
+      if (closing.signal.aborted) return;
+      plots = (reply.plots ?? []).filter(({ values }) => values.some((value) => value !== null));
+      const to = looking ? looking.time : Math.max(time, plots[0]?.times.at(-1) ?? 0);
+      draw(svg, plots, to, looking ? `${to.toFixed(1)} s` : "now");
+      setAttribute(svg, "aria-label", plots.map(inWords).join(". "));
+      setText(words, plots.length ? "" : (reply.error ?? "No number was recorded."));
+      setHidden(words, plots.length > 0);
+      drawn();
+    },
+  );
+  const end = store.watch(["tick", "looking"], ask);
+  return {
+    element,
+    names: () => plots.map(({ name }) => name),
+    close() {
+      end();
+      closing.abort();
+    },
+  };
+}
+
+/** A plot for those who do not see it. */
+function inWords({ name, kind, values, thresholds }: Plot): string {
+  const numbers = values.filter((value) => value !== null);
+  const text = (value: number) => (kind === "truth" ? (value ? "True" : "False") : rounded(value));
+  const last = (samples: readonly (number | null)[]) => text(samples.findLast((each) => each !== null) ?? 0);
+  const [low, high] = [Math.min(...numbers), Math.max(...numbers)];
+  const range = low === high ? text(low) : `${text(low)} to ${text(high)}, now ${last(values)}`;
+  return [`${name}: ${range}`, ...thresholds.map((each) => `${each.text}: ${last(each.values)}`)].join("; ");
+}
+
+function draw(svg: SVGElement, plots: readonly Plot[], to: number, until: string): void {
+  const first = Math.min(...plots.flatMap(({ times }) => times.slice(0, 1)));
+  const from = Math.min(to - LEAST, Math.max(to - SECONDS, first));
+  const width = WIDTH - LEFT - RIGHT;
+  const scale = { span: { from, to }, left: LEFT, width };
+  const height = plots.length * (PLOT + GAP);
+  svg.setAttribute("height", String(plots.length ? height + AXIS : 0));
+  const axis = [
+    s(
+      "text",
+      { class: "lrp-timeline-range", x: LEFT, y: height + AXIS - 3 },
+      `${Math.round(to - from)} s ago`,
+    ),
+    s("text", { class: "lrp-timeline-now", x: LEFT + width, y: height + AXIS - 3 }, until),
+  ];
+  svg.replaceChildren(
+    ...plots.flatMap(({ name, kind, times, values, thresholds }, index) => {
+      const known = new Map(thresholds.map(({ text, values: each }) => [text, each]));
+      const plotted = { kind, tick: 0, times, values, thresholds: known };
+      return plotOf(scale, name, plotted, index * (PLOT + GAP), true);
+    }),
+    ...(plots.length ? axis : []),
+  );
+}
