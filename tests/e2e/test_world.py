@@ -330,10 +330,15 @@ def see_a_collision_ahead(lab):
 
 
 def see_a_preview_end(lab):
-    """A preview of a running program is shown until its end."""
+    """A preview of a running program is shown until its end: of a number, with three values."""
     lab.goes_on()
     lab.select("angular=-1.0")
     lab.page.keyboard.press("Alt+ArrowUp")
+    lab.page.keyboard.press("Alt+ArrowUp")
+    for name in ("before -1.0", "now -0.8", "next -0.7"):
+        lab.sees(f'.lrp-legend li:text-is("{name}")')
+    axe.finds_nothing_serious(lab)
+    lab.page.keyboard.press("ArrowRight")  # the number is put down
     lab.sees(f"{WORLD}[data-what-if]")
     lab.misses(f"{WORLD}[data-what-if]")
 

@@ -3,8 +3,8 @@
 import { isIn, nameOf } from "../language/paths";
 import type { OutdatedView } from "../protocol";
 import type { Lab } from "../session/store";
-import { iconButton, linkButton, panel } from "../ui/button";
 import { ofVariable } from "../timeline/spark";
+import { iconButton, linkButton, panel } from "../ui/button";
 import { h, prose, reconcile, s, setAttribute, setHidden, setText } from "../ui/dom";
 import { editing } from "../ui/editing";
 import { hasFocus } from "../ui/root";

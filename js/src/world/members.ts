@@ -3,8 +3,8 @@
 import { history } from "../parts/history";
 import type { MemberView } from "../protocol";
 import type { Lab } from "../session/store";
-import { button, panel } from "../ui/button";
 import { ofReading } from "../timeline/spark";
+import { button, panel } from "../ui/button";
 import { h, reconcile, setAttribute, setText } from "../ui/dom";
 
 export function robotView(lab: Lab): HTMLElement {

@@ -13,7 +13,7 @@ import { ghostAt } from "./ghost";
 const SECONDS = 3;
 const PACE = {
   calm: 300, // ms after an edit: first it is applied and drawn
-  rest: 1, // after an answer about a number, as many times as long as it took: the robot needs the kernel, too
+  rest: 0.5, // after an answer about a number, as many times as long as it took: the robot needs the kernel, too
 };
 const LATE = 1; // s of the session: what is older is no news
 const LINGER = 10_000; // ms after the last step of a number in which it is foretold again and again
