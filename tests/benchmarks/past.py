@@ -93,6 +93,12 @@ def questions(seconds: float, count: int) -> None:
         names = ["robot.light.data", "follower/nobump", "robot.odom.x"]
         print(f"| three plots of all of it | {timed([lambda: session.plots(names)] * max(2, count // 5))} |")
         print(f"| a preview of 3 s | {timed([lambda: session.what_if(seconds=3)] * count)} |")
+        paces = [
+            load("follower").replace("forward := [0.2]", f"forward := [0.{pace}]") for pace in (20, 21, 22)
+        ]
+        print(f"| the same of three programs | {timed([lambda: session.try_programs(paces, 3)] * count)} |")
+        recent = [lambda: session.plots(event="outofline", seconds=30)]
+        print(f"| the last 30 s of what an event reads | {timed(recent * count)} |")
         changed = load("follower").replace("lightlim + 10", "lightlim + 60")
         edited = [lambda: session.what_if(max(1, last - 600), changed, 60)]
         print(f"| the last 60 s beside those of an edited program | {timed(edited * max(2, count // 5))} |")
