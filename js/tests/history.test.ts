@@ -148,6 +148,16 @@ describe("a value", () => {
     expect(lab.root.querySelector('[data-lrp-action="pin"]')?.getAttribute("aria-pressed")).toBe("true");
   });
 
+  it("that is not a number shows nothing, and says so where it was asked for", async () => {
+    lab.ask = async () => ({ plots: [{ ...LIGHT, values: [null, null, null] }] }) as never;
+    point("pointerover");
+    await later(300);
+    expect(card()?.hasAttribute("hidden")).toBe(true);
+    openHistory(lab, ofVariable("m/n"), { x: 0, y: 0 });
+    await later(0);
+    expect(lab.root.querySelector('[role="dialog"]')?.textContent).toContain("No number was recorded.");
+  });
+
   it("that is on a button leaves the button what it does", async () => {
     const changes = vi.fn();
     const other = h("button", { ...history(ofVariable("m/n")), onclick: changes }, "5");

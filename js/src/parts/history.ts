@@ -7,7 +7,7 @@ import type { Lab } from "../session/store";
 import { type Spark, type Subject, spark, titleOf } from "../timeline/spark";
 import { button } from "../ui/button";
 import { openCard } from "../ui/card";
-import { h, setAttribute } from "../ui/dom";
+import { h, setAttribute, setProse } from "../ui/dom";
 import { type Point, placeInSight } from "../ui/point";
 import { partInSight } from "../ui/sight";
 import { lookedAt } from "./study";
@@ -44,9 +44,11 @@ export function openHistory(lab: Lab, subject: Subject, at: Point): void {
   let place = () => {};
   let size = 0;
   const say = () => setAttribute(pinning, "aria-pressed", String(arePinned(lab, shown.names())));
-  const shown = spark(lab, subject, () => {
+  const words = h("p", { class: "lrp-faint", role: "status" });
+  const shown = spark(lab, subject, (reason) => {
     say();
-    pinning.disabled = !shown.names().length;
+    setProse(words, reason);
+    pinning.disabled = reason !== "";
     if (shown.element.offsetHeight !== size) place();
     size = shown.element.offsetHeight;
   });
@@ -55,7 +57,7 @@ export function openHistory(lab: Lab, subject: Subject, at: Point): void {
   const told = lookedAt(lab, titleOf(subject));
   const title = h("span", {}, titleOf(subject));
   const foot = h("div", { class: "lrp-row" }, pinning);
-  const opened = openCard(lab, at, "close-history", [title], [shown.element, foot], () => {
+  const opened = openCard(lab, at, "close-history", [title], [shown.element, words, foot], () => {
     told();
     end();
     shown.close();
@@ -180,15 +182,15 @@ function hovering(lab: Lab, value: HTMLElement, key: string): Hovering {
     const x = Math.max(left, right - card.offsetWidth);
     placeInSight(lab.root, card, { x, y: isAbove ? top - height : bottom + EDGE }, EDGE);
   };
-  const shown = spark(lab, subject, () => {
+  const shown = spark(lab, subject, (reason) => {
+    card.hidden = reason !== "";
     say();
     place();
   });
-  const card = h("div", { class: "lrp-history-card" }, shown.element, hint);
+  const card = h("div", { class: "lrp-history-card", hidden: true }, shown.element, hint);
   const end = lab.store.watch(["plots"], say);
   const told = lookedAt(lab, titleOf(subject));
   lab.root.append(card);
-  place();
   return {
     key,
     shown,

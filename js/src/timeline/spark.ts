@@ -4,7 +4,7 @@ import { nameOf } from "../language/paths";
 import type { Plot } from "../protocol";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
-import { h, s, setAttribute, setHidden, setText } from "../ui/dom";
+import { h, s, setAttribute, setHidden } from "../ui/dom";
 import { PLOT, plotOf, rounded } from "./plots";
 
 const SECONDS = 30;
@@ -37,13 +37,12 @@ export function titleOf({ names: [name], event }: Subject): string {
   return name?.startsWith("robot.") ? name : nameOf(name ?? event);
 }
 
-/** Draw a value while it is shown; `drawn` is called with every answer. */
-export function spark(lab: Lab, subject: Subject, drawn: () => void = () => {}): Spark {
+/** Draw a value while it is shown; `drawn` is told after every answer why there is nothing, or nothing. */
+export function spark(lab: Lab, subject: Subject, drawn: (reason: string) => void = () => {}): Spark {
   const { store } = lab;
   const closing = new AbortController();
   const svg = s("svg", { class: "lrp-timeline-drawing", width: WIDTH, role: "img" });
-  const words = h("p", { class: "lrp-faint" }, "…");
-  const element = h("div", { class: "lrp-history" }, svg, words);
+  const element = h("div", { class: "lrp-history", hidden: true }, svg);
   let plots: Plot[] = [];
   let asked = Number.NEGATIVE_INFINITY;
   const ask = newest(
@@ -59,9 +58,8 @@ export function spark(lab: Lab, subject: Subject, drawn: () => void = () => {}):
       const to = looking ? looking.time : Math.max(time, plots[0]?.times.at(-1) ?? 0);
       draw(svg, plots, to, looking ? `${to.toFixed(1)} s` : "now");
       setAttribute(svg, "aria-label", plots.map(inWords).join(". "));
-      setText(words, plots.length ? "" : (reply.error ?? "No number was recorded."));
-      setHidden(words, plots.length > 0);
-      drawn();
+      setHidden(element, !plots.length);
+      drawn(plots.length ? "" : (reply.error ?? "No number was recorded."));
     },
   );
   const end = store.watch(["tick", "looking"], ask);
