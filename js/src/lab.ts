@@ -9,8 +9,8 @@ import { cellSource } from "./host/source";
 import { breakpointsView } from "./parts/breakpointlist";
 import { controls } from "./parts/controls";
 import { editorPanel } from "./parts/editor";
+import { glances } from "./parts/glance";
 import { goalView } from "./parts/goal";
-import { histories } from "./parts/history";
 import { type Inspector, inspector } from "./parts/inspector";
 import { errorsIn, issuesView } from "./parts/issues";
 import type { Choices } from "./parts/menu";
@@ -254,7 +254,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     });
   }
   watchPointer(lab);
-  histories(lab);
+  glances(lab);
   reportChanges(model, lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;

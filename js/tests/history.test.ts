@@ -4,7 +4,8 @@ import { EditorState } from "@codemirror/state";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { subjectAt } from "../src/editor/history";
 import { lrp } from "../src/language/lrp";
-import { histories, history, openHistory } from "../src/parts/history";
+import { glances } from "../src/parts/glance";
+import { history, openHistory } from "../src/parts/history";
 import type { Plot } from "../src/protocol";
 import { type Lab, Store } from "../src/session/store";
 import { ofEvent, ofVariable } from "../src/timeline/spark";
@@ -73,7 +74,7 @@ describe("a value", () => {
     lab = { store, ask, root, closed: closing.signal, tell: () => {} } as unknown as Lab;
     value = h("span", history(ofEvent("m/over")), "False");
     root.append(value, h("p", {}, "text"));
-    histories(lab);
+    glances(lab);
   });
 
   afterEach(() => {
@@ -153,6 +154,9 @@ describe("a value", () => {
     point("pointerover");
     await later(300);
     expect(card()?.hasAttribute("hidden")).toBe(true);
+    value.click();
+    await later(0);
+    expect(lab.store.state.plots).toEqual([]);
     openHistory(lab, ofVariable("m/n"), { x: 0, y: 0 });
     await later(0);
     expect(lab.root.querySelector('[role="dialog"]')?.textContent).toContain("No number was recorded.");

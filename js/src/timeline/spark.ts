@@ -37,6 +37,16 @@ export function titleOf({ names: [name], event }: Subject): string {
   return name?.startsWith("robot.") ? name : nameOf(name ?? event);
 }
 
+/** Ask for what can be drawn of a value, up to the moment that is shown. */
+export async function plotsOf(lab: Lab, subject: Subject): Promise<{ plots: Plot[]; error?: string }> {
+  const seconds = SECONDS + (lab.store.state.looking?.ago ?? 0);
+  const { plots = [], error } = await lab.ask({ type: "plots", ...subject, seconds });
+  return {
+    plots: plots.filter(({ values }) => values.some((value) => value !== null)),
+    ...(error && { error }),
+  };
+}
+
 /** Draw a value while it is shown; `drawn` is told after every answer why there is nothing, or nothing. */
 export function spark(lab: Lab, subject: Subject, drawn: (reason: string) => void = () => {}): Spark {
   const { store } = lab;
@@ -51,15 +61,14 @@ export function spark(lab: Lab, subject: Subject, drawn: (reason: string) => voi
     async () => {
       asked = performance.now();
       const { looking, time } = store.state;
-      const seconds = SECONDS + (looking?.ago ?? 0);
-      const reply = await lab.ask({ type: "plots", ...subject, seconds });
+      const answer = await plotsOf(lab, subject);
       if (closing.signal.aborted) return;
-      plots = (reply.plots ?? []).filter(({ values }) => values.some((value) => value !== null));
+      plots = answer.plots;
       const to = looking ? looking.time : Math.max(time, plots[0]?.times.at(-1) ?? 0);
       draw(svg, plots, to, looking ? `${to.toFixed(1)} s` : "now");
       setAttribute(svg, "aria-label", plots.map(inWords).join(". "));
       setHidden(element, !plots.length);
-      drawn(plots.length ? "" : (reply.error ?? "No number was recorded."));
+      drawn(plots.length ? "" : (answer.error ?? "No number was recorded."));
     },
   );
   const end = store.watch(["tick", "looking"], ask);
