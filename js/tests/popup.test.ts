@@ -56,6 +56,18 @@ describe("a menu", () => {
   });
 });
 
+it("a menu is not covered by a sentence, which is shown when the menu is closed", () => {
+  const style = h("style", {}, readFileSync("src/style/notes.css", "utf8"));
+  document.head.append(style);
+  const toast = h("div", { class: "lrp-toast" });
+  lab.append(toast);
+  openMenu(lab, at, [{ label: "Delete", action: "delete", run: () => {} }], "Menu");
+  expect(getComputedStyle(toast).display).toBe("none");
+  press("Escape");
+  expect(getComputedStyle(toast).display).not.toBe("none");
+  style.remove();
+});
+
 describe("a field on the graph", () => {
   const submit = () => lab.querySelector("form")!.dispatchEvent(new Event("submit", { cancelable: true }));
 
