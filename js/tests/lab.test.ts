@@ -541,6 +541,10 @@ describe("the page", () => {
     expect(again.closest<HTMLElement>(".lrp-note")?.hidden).toBe(true);
   });
 
+  it("has no landmark that only a page may have", () => {
+    expect(page.find(".lrp-foot").tagName).toBe("DIV");
+  });
+
   it("shows why a command was refused", async () => {
     page.find('[data-lrp-action="reset"]').click();
     const { id } = page.commands("reset")[0]!;
