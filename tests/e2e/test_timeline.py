@@ -134,6 +134,7 @@ def go_by_keys(lab):
     press(lab, "ArrowLeft")
     assert looks(lab) == (last - 2) / 10
     assert lab.find(PLAYHEAD).get_attribute("aria-valuetext").endswith("s ago")
+    assert lab.find(PLAYHEAD).evaluate("head => getComputedStyle(head).outlineStyle") == "solid"
     press(lab, "ArrowRight", "ArrowRight")
     is_back(lab)
 
