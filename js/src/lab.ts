@@ -36,6 +36,7 @@ import { askWhatIf } from "./timeline/what_if";
 import { copyText } from "./ui/clipboard";
 import { h, prose, setAttribute } from "./ui/dom";
 import { enlarging } from "./ui/enlarge";
+import { useFingers } from "./ui/fingers";
 import { Layout, type Panels, WITHHELD } from "./ui/layout";
 import { bringIntoSight, fitHeight } from "./ui/sight";
 import { watchTheme } from "./ui/theme";
@@ -253,6 +254,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       else if (!errors) layout.call(null);
     });
   }
+  useFingers(root);
   watchPointer(lab);
   glances(lab);
   reportChanges(model, lab);

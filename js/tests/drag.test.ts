@@ -25,7 +25,7 @@ const pointer = (type: string, clientX: number, pointerId = 1, button = 0, butto
   new PointerEvent(type, { clientX, clientY: 0, pointerId, button, buttons, bubbles: true });
 
 describe("a drag", () => {
-  let drag: { [K in keyof Required<Drag>]: ReturnType<typeof vi.fn> };
+  let drag: { [K in keyof Required<Omit<Drag, "scrolls">>]: ReturnType<typeof vi.fn> };
   const moves = () => drag.move.mock.calls.map(([event]) => event.clientX);
   beforeEach(() => {
     drag = { begin: vi.fn(), move: vi.fn(), end: vi.fn() };
@@ -189,4 +189,32 @@ it("a double click renames the state that is seen where two lie on each other", 
   attachPencil({ store: new Store() } as unknown as Lab, svg, root, {} as Pen, () => {});
   root.dispatchEvent(new MouseEvent("dblclick", { clientX: 40, clientY: 20, bubbles: true }));
   expect(host.querySelector("input")?.value).toBe("above");
+});
+
+it("a finger beside a state draws from its border, but not where it is in another state", () => {
+  const frames = { one: new DOMRect(0, 0, 80, 45), other: new DOMRect(90, 0, 80, 45) };
+  const states = Object.entries(frames).map(([name, frame]) => {
+    const box = s("rect", { class: "lrp-box" });
+    box.getBoundingClientRect = () => frame;
+    return s("g", { class: "lrp-state", "data-lrp-state": `m/${name}` }, box);
+  });
+  const root = s("g", {}, ...states);
+  const svg = s("svg", {}, root);
+  document.body.replaceChildren(h("div", {}, svg));
+  Object.assign(svg, { setPointerCapture() {}, hasPointerCapture: () => false });
+  attachPencil({ store: new Store() } as unknown as Lab, svg, root, {} as Pen, () => {});
+  const draws = (clientX: number, clientY: number, pointerType: string) => {
+    const at = { clientX, clientY, pointerType, button: 0, buttons: 1, bubbles: true, cancelable: true };
+    const press = new PointerEvent("pointerdown", at);
+    svg.dispatchEvent(press);
+    window.dispatchEvent(new PointerEvent("pointercancel", at));
+    return press.defaultPrevented;
+  };
+  expect([draws(40, 60, "mouse"), draws(40, 60, "touch"), draws(40, 22, "touch")]).toEqual([
+    false,
+    true,
+    false,
+  ]);
+  frames.other.x = 60; // it covers a part of the first one
+  expect(draws(84, 22, "touch")).toBe(false);
 });

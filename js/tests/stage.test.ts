@@ -59,6 +59,26 @@ function point(type: string, x: number, y: number, pointerId = 1): void {
 const press = (key: string) =>
   stage.canvas.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
 
+describe("a finger in the world", () => {
+  const finger = (type: string, clientX: number, clientY: number) =>
+    stage.canvas.dispatchEvent(
+      new PointerEvent(type, { pointerType: "touch", clientX, clientY, buttons: 1, bubbles: true }),
+    );
+
+  it("scrolls from free floor, and grabs a thing that it hits about", () => {
+    const { place } = stage.viewport;
+    const [x, y] = stage.viewport.outside([1.2, 0.4]);
+    finger("pointerdown", x, y);
+    finger("pointermove", x + 40, y);
+    expect([stage.viewport.place, stage.busy]).toEqual([place, false]);
+    const [left, middle] = stage.viewport.outside([1.8, 1]);
+    finger("pointerdown", left - 15, middle);
+    finger("pointermove", left + 40, middle);
+    expect(stage.draftOf({ kind: "solid", index: 0 })).not.toBeNull();
+    finger("pointercancel", left, middle);
+  });
+});
+
 describe("a drag in the world", () => {
   it("ends with Escape: the thing is where it was, and the pointer is free", () => {
     point("pointerdown", 2, 1);

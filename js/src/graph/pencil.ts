@@ -10,7 +10,7 @@ import type { Lab } from "../session/store";
 import { consume, focusLab, s, setAttribute } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { openMenu } from "../ui/menu";
-import { middleOf, type Point, pointOf } from "../ui/point";
+import { middleOf, type Point, pointOf, reachOf } from "../ui/point";
 import { focusedAround } from "../ui/root";
 import { Acts } from "./acts";
 import { placeOf } from "./draw";
@@ -65,12 +65,30 @@ export function attachPencil(
     boxes()
       .filter((node) => node !== except && within(point, frameOf(node), 0))
       .sort((a, b) => frameOf(a).width - frameOf(b).width)[0];
-  const borderAt = (point: Point) =>
-    boxes().find((node) => {
+  /** The state whose border a press means; beside a state, but in another one, it means the other one. */
+  const borderAt = (event: PointerEvent) => {
+    const point = pointOf(event);
+    const near = reachOf(event, NEAR);
+    const around = stateAt(point);
+    return boxes().find((node) => {
       const frame = frameOf(node);
-      const depth = Math.min(NEAR - 2, frame.height / 5);
-      return within(point, frame, NEAR) && !within(point, frame, -depth);
+      const depth = Math.min(near - 2, frame.height / 5);
+      const isOther = around && !around.contains(node);
+      return !isOther && within(point, frame, near) && !within(point, frame, -depth);
     });
+  };
+  /** The end of the selected transition that a press means: the one hit, or of those a finger may mean the nearest. */
+  const handleAt = (event: PointerEvent) => {
+    const { x, y } = pointOf(event);
+    const distance = (handle: Element) => {
+      const middle = middleOf(handle);
+      return Math.hypot(middle.x - x, middle.y - y);
+    };
+    const nearest = [...layer.querySelectorAll(".lrp-handle")]
+      .filter((handle) => distance(handle) < reachOf(event, 0))
+      .sort((one, other) => distance(one) - distance(other))[0];
+    return (event.target as Element).closest(".lrp-handle") ?? nearest;
+  };
   /** The machine to whose free space a point belongs, and the point in its drawing. */
   const spaceAt = (point: Point): [place: [number, number], machine: string | undefined] => {
     const { machine, layouts } = lab.store.state;
@@ -221,8 +239,8 @@ export function attachPencil(
     "pointerdown",
     (event) => {
       if (event.button !== 0) return;
-      const handle = (event.target as Element).closest(".lrp-handle");
-      const border = handle ? null : borderAt(pointOf(event));
+      const handle = handleAt(event);
+      const border = handle ? null : borderAt(event);
       if (handle) dragEnd(event, handle);
       else if (border) drawTransition(event, border);
       else {
@@ -236,7 +254,7 @@ export function attachPencil(
     true,
   );
   svg.addEventListener("pointermove", (event) => {
-    if (!event.buttons) svg.toggleAttribute("data-border", Boolean(borderAt(pointOf(event))));
+    if (!event.buttons) svg.toggleAttribute("data-border", Boolean(borderAt(event)));
   });
 
   /* ---------------------------------------------------------------- double clicks, menu, keys */

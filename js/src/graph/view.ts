@@ -12,7 +12,8 @@ import { consume, h, s, setAttribute } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { item, menuButton, openMenu } from "../ui/menu";
 import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
-import { middleOf, type Point, pointOf } from "../ui/point";
+import { onPinch } from "../ui/pinch";
+import { isTouch, middleOf, type Point, pointOf } from "../ui/point";
 import { AutoFit } from "./autofit";
 import { type Box, Camera } from "./camera";
 import { drawDots } from "./dots";
@@ -287,11 +288,19 @@ export function graphView(lab: Lab): HTMLElement {
     place();
     return moves;
   });
+  onPinch(svg, (factor, middle, dx, dy) => {
+    const { x, y } = local(middle);
+    fitting.stop();
+    camera.pan(dx, dy);
+    camera.zoom(factor, x, y);
+    place();
+  });
   for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel"] as const)
     svg.addEventListener(name, ({ buttons }) => fitting.acted((buttons & PRIMARY) > 0), true);
   svg.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     const node = (event.target as Element).closest<SVGGElement>("[data-lrp-state]");
+    if (!node && isTouch(event)) return; // scrolls the page
     let last = local(pointOf(event));
     const { x, y, scale } = camera;
     trackDrag(svg, event, {

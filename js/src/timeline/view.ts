@@ -9,7 +9,8 @@ import { consume, h, s, setAttribute, setHidden } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { isOn, keep, keepOn, kept } from "../ui/kept";
 import { item, openMenu } from "../ui/menu";
-import { pointOf } from "../ui/point";
+import { onPinch } from "../ui/pinch";
+import { pointOf, reachOf } from "../ui/point";
 import { trailStyles } from "../world/legend";
 import { clearAxis, type Drawing, draw, heightOf, laneAt, roomFor, widthOf } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
@@ -208,17 +209,17 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   /* ---------------------------------------------------------------- pointer and keys */
 
-  /** The time at the pointer, in seconds. */
-  const timeAt = ({ clientX }: MouseEvent): number => {
+  /** The time at a point of the window, in seconds. */
+  const timeAt = (x: number): number => {
     if (!drawing) return 0;
-    return timeOf(drawing, clientX - area.getBoundingClientRect().left);
+    return timeOf(drawing, x - area.getBoundingClientRect().left);
   };
   const isAtName = ({ clientX }: MouseEvent) =>
     clientX < area.getBoundingClientRect().left + (drawing?.left ?? 0) - NEAR;
   const isPast = () => Boolean(store.state.looking ?? looking.wanted);
   /** Show the moment at the pointer; the present has no moment, nor has what comes after it. */
   const go = (event: MouseEvent) => {
-    const time = timeAt(event);
+    const time = timeAt(event.clientX);
     if (!happened.last || (time > now() && !isPast())) return;
     void look({ time: Math.max(happened.begin, Math.min(now(), time)) });
   };
@@ -241,6 +242,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   area.addEventListener("pointerleave", () => {
     stillUntil = 0;
   });
+  onPinch(area, (factor, middle, dx) => {
+    shown.zoom(1 / factor, timeAt(middle.x));
+    shown.pan(-dx / (drawing?.width ?? 1));
+    redraw();
+  });
   area.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || isAtName(event)) return;
     const border = borderAt(event);
@@ -249,10 +255,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     playhead.focus({ preventScroll: true });
     event.preventDefault();
     trackDrag(area, event, {
+      scrolls: event.target === playhead ? undefined : "down",
       move: (last) => go(last),
       end: (last, moved) => {
         if (!last && before) void look({ tick: before.tick });
-        else if (!last || timeAt(last) > now()) {
+        else if (!last || timeAt(last.clientX) > now()) {
           if (isPast()) returnToNow();
         } else if (moved) return;
         else if (mark) void look({ tick: Number(mark.getAttribute("data-tick")) });
@@ -267,17 +274,17 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     return lane && segmentAt(lane, time);
   };
   /** The visit whose beginning is at the pointer, if a transition led to it and there is room to aim at it. */
-  const borderAt = (event: MouseEvent): Segment | null => {
+  const borderAt = (event: PointerEvent): Segment | null => {
     if (!drawing) return null;
     const { span, width } = drawing;
-    const near = (NEAR / width) * (span.to - span.from); // s
-    const time = timeAt(event);
+    const near = (reachOf(event, NEAR) / width) * (span.to - span.from); // s
+    const time = timeAt(event.clientX);
     const visit = visitAt(event, time + near);
     if (!visit?.by || Math.abs(visit.begin - time) > near) return null;
     return Math.min(visit.end, now()) - visit.begin > 3 * near ? visit : null;
   };
   area.addEventListener("contextmenu", (event) => {
-    const time = Math.min(now(), timeAt(event));
+    const time = Math.min(now(), timeAt(event.clientX));
     const visit = isAtName(event) ? null : visitAt(event, time);
     if (!visit) return;
     consume(event);
@@ -287,7 +294,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   area.addEventListener(
     "wheel",
     (event) => {
-      if (event.ctrlKey || event.metaKey) zoom(Math.exp(event.deltaY * 0.002), timeAt(event));
+      if (event.ctrlKey || event.metaKey) zoom(Math.exp(event.deltaY * 0.002), timeAt(event.clientX));
       else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
         shown.pan((event.deltaX || event.deltaY) / (drawing?.width ?? 1));
         redraw();

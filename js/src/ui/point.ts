@@ -2,6 +2,8 @@
 
 import { partInSight } from "./sight";
 
+const FINGER = 36; // px
+
 export interface Point {
   x: number;
   y: number;
@@ -9,6 +11,15 @@ export interface Point {
 
 export function pointOf({ clientX, clientY }: MouseEvent): Point {
   return { x: clientX, y: clientY };
+}
+
+export function isTouch(event: Event): boolean {
+  return (event as PointerEvent).pointerType === "touch";
+}
+
+/** How far beside a thing a press may be and still mean it, in px: a finger hides what it points at. */
+export function reachOf(press: Event, ofMouse: number): number {
+  return isTouch(press) ? Math.max(FINGER / 2, ofMouse) : ofMouse;
 }
 
 /** The lower left corner of an element, or the point `gap` px below it. */

@@ -12,6 +12,7 @@ const APART = 18; // px
 const BAR = 100; // px that the scale bar is long at most
 const GRID_TEXT = 88; // px for what stands beside it
 const HANDLE = 5; // px
+export const GRIP = HANDLE + 5; // px from the middle of a handle that hold it
 /** How opaque the trail is where it no longer fades, and after the moment looked at. */
 export const OLDER = 0.4;
 export const LATER = 0.2;
@@ -168,8 +169,14 @@ export function paintSelection(brush: Brush, thing: Thing, shape: Shape): void {
   }
 }
 
-/** What a pointer would hold of a selected thing. */
-export function gripAt(thing: Thing, shape: Shape, [x, y]: Point, pixels: number): Handle | null {
-  const reach = (HANDLE + 5) / pixels;
-  return handlesOf(thing, shape, pixels).find(({ at }) => Math.hypot(at[0] - x, at[1] - y) <= reach) ?? null;
+/** What a pointer would hold of a selected thing, at most so many px away. */
+export function gripAt(
+  thing: Thing,
+  shape: Shape,
+  [x, y]: Point,
+  pixels: number,
+  reach = GRIP,
+): Handle | null {
+  const near = ({ at }: Handle) => Math.hypot(at[0] - x, at[1] - y) <= reach / pixels;
+  return handlesOf(thing, shape, pixels).find(near) ?? null;
 }

@@ -67,7 +67,7 @@ export function thingsOf(world: FullWorld): Thing[] {
   ];
 }
 
-/** The thing at a point; thin ones and the rims of zones can be caught within `grip` metres. */
+/** The thing at a point; small and thin ones and the rims of zones can be caught within `grip` metres. */
 export function thingAt(world: FullWorld, now: Snapshot, point: Point, grip: number): Thing | null {
   return (
     thingsOf(world).find((thing) => {
@@ -75,7 +75,8 @@ export function thingAt(world: FullWorld, now: Snapshot, point: Point, grip: num
       if (!shape) return false;
       // what lies inside a zone stays within reach, and so does the floor, to pan
       if (thing.kind === "zone") return covers(shape, point, grip) && !covers(shape, point, -grip);
-      return covers(shape, point, thing.kind === "robot" ? shape.radius! * 0.25 : grip);
+      const { radius = 0 } = shape;
+      return covers(shape, point, thing.kind === "robot" ? Math.max(radius * 0.25, grip - radius) : grip);
     }) ?? null
   );
 }

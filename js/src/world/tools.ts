@@ -2,10 +2,12 @@
 
 import type { Point } from "../protocol";
 import { consume } from "../ui/dom";
-import { trackDrag } from "../ui/drag";
+import { type Drag, trackDrag } from "../ui/drag";
+import { onPinch } from "../ui/pinch";
+import { type Point as Px, pointOf, reachOf } from "../ui/point";
 import type { Placed, WorldEdits } from "./edits";
 import { REACH } from "./legend";
-import { gripAt } from "./overlay";
+import { GRIP, gripAt } from "./overlay";
 import type { Stage } from "./stage";
 import { covers, dragged, drawn, type Grip, type Shape, type Thing, thingAt } from "./things";
 
@@ -17,6 +19,7 @@ const CATCH = 6; // px around a thin thing
 
 /** What a press does in the world; `end` also ends a click. */
 interface Press {
+  scrolls?: Drag["scrolls"];
   move(at: Point, due: boolean, steps: boolean): void;
   end(moved: boolean): void;
   cancel?(): void;
@@ -32,19 +35,25 @@ export interface ToolBox {
 export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   const { canvas } = stage;
   let isPressed = false;
-  const local = (event: MouseEvent): Point => {
+  const at = ({ x, y }: Px): Point => {
     const frame = canvas.getBoundingClientRect();
-    return [event.clientX - frame.left, event.clientY - frame.top];
+    return [x - frame.left, y - frame.top];
   };
+  const local = (event: MouseEvent): Point => at(pointOf(event));
+  onPinch(canvas, (factor, middle, dx, dy) => {
+    stage.pan(dx, dy);
+    stage.zoom(factor, ...at(middle));
+  });
 
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || !stage.world || !stage.latest || isPressed) return;
     canvas.focus({ preventScroll: true });
     edits.flush();
-    const press = beginning(local(event), event.shiftKey);
+    const press = beginning(event);
     let sent = 0;
     isPressed = true;
     trackDrag(canvas, event, {
+      scrolls: press.scrolls,
       begin() {
         stage.busy = true;
       },
@@ -61,19 +70,20 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     });
   });
 
-  /** What a pointer that goes down at a place begins. */
-  function beginning(at: Point, turn: boolean): Press {
+  /** What a pointer that goes down begins. */
+  function beginning(event: PointerEvent): Press {
+    const at = local(event);
     const point = stage.viewport.inside(...at);
-    const held = heldAt(point);
+    const held = heldAt(point, event);
+    const thing = thingUnder(point, event);
     const { tool } = box;
-    if (stage.isPast && (held || tool !== "move" || thingUnder(point))) return returning(thingUnder(point));
+    if (stage.isPast && (held || tool !== "move" || thing)) return returning(thing);
     if (held) return dragging(held.thing, held.shape, held.grip, held.from);
     if (tool === "draw" || tool === "erase") return drawing(point, tool);
-    const thing = thingUnder(point);
     const shape = thing && stage.shape(thing);
     if (tool !== "move" && thing?.kind !== "robot") return placing(point, tool);
-    if (!thing || !shape) return panning(at, point);
-    return dragging(thing, shape, turn && thing.kind !== "zone" ? "turn" : "move", point);
+    if (!thing || !shape) return panning(event, at, point);
+    return dragging(thing, shape, event.shiftKey && thing.kind !== "zone" ? "turn" : "move", point);
   }
 
   /** What would be dragged is elsewhere now, so a drag shows the present instead. */
@@ -89,26 +99,28 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     };
   }
 
-  function momentUnder([x, y]: Point): number | null {
-    const found =
-      stage.showsTrail.on && box.tool === "move" && stage.trail.near(x, y, REACH / stage.viewport.scale);
+  function momentUnder([x, y]: Point, event: PointerEvent): number | null {
+    const reach = reachOf(event, REACH) / stage.viewport.scale;
+    const found = stage.showsTrail.on && box.tool === "move" && stage.trail.near(x, y, reach);
     return found ? found.time : null;
   }
 
-  function heldAt(point: Point): { thing: Thing; shape: Shape; grip: Grip; from: Point } | null {
+  function heldAt(
+    point: Point,
+    event: PointerEvent,
+  ): { thing: Thing; shape: Shape; grip: Grip; from: Point } | null {
     const thing = stage.selected;
     const shape = thing && stage.shape(thing);
-    const held = thing && shape && gripAt(thing, shape, point, stage.viewport.scale);
+    const held = thing && shape && gripAt(thing, shape, point, stage.viewport.scale, reachOf(event, GRIP));
     return held ? { thing, shape, grip: held.grip, from: held.at } : null;
   }
 
-  function thingUnder(point: Point): Thing | null {
-    return (
-      stage.world && stage.latest && thingAt(stage.world, stage.latest, point, CATCH / stage.viewport.scale)
-    );
+  function thingUnder(point: Point, event: PointerEvent): Thing | null {
+    const reach = reachOf(event, CATCH) / stage.viewport.scale;
+    return stage.world && stage.latest && thingAt(stage.world, stage.latest, point, reach);
   }
 
-  function panning(begin: Point, from: Point): Press {
+  function panning(event: PointerEvent, begin: Point, from: Point): Press {
     let last = begin;
     const { follows } = stage;
     const move = (at: Point) => {
@@ -116,13 +128,15 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
       last = at;
     };
     return {
+      scrolls: "all",
       move,
       end(moved) {
-        const moment = moved ? null : momentUnder(from);
+        const moment = moved ? null : momentUnder(from, event);
         if (moment !== null) edits.look(moment);
         else if (!moved) edits.select(zoneAround(from));
       },
       cancel() {
+        if (last === begin) return;
         move(begin);
         if (follows) stage.follows = true;
       },
@@ -219,11 +233,12 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   canvas.addEventListener("pointermove", (event) => {
     if (!stage.world || !stage.latest || event.buttons) return;
     const point = stage.viewport.inside(...local(event));
-    const held = heldAt(point);
-    const still = momentUnder(point) === null ? "default" : "pointer";
+    const held = heldAt(point, event);
+    const thing = thingUnder(point, event);
+    const still = momentUnder(point, event) === null ? "default" : "pointer";
     const free = box.tool === "move" ? still : "crosshair";
-    const over = box.tool === "move" || thingUnder(point)?.kind === "robot";
-    canvas.style.cursor = held ? "pointer" : over && thingUnder(point) ? "grab" : free;
+    const over = thing && (box.tool === "move" || thing.kind === "robot");
+    canvas.style.cursor = held ? "pointer" : over ? "grab" : free;
   });
   canvas.addEventListener("blur", () => edits.flush());
   canvas.addEventListener("keydown", (event) => {
