@@ -58,6 +58,7 @@ import { Pen, renameOf, renames, sharedEffects } from "./pen";
 import { rainbow } from "./rainbow";
 import { scrubbing } from "./scrub";
 import { steps } from "./steps";
+import { taps } from "./tap";
 import { difference, Tracked } from "./texts";
 import { Typing } from "./typing";
 
@@ -147,6 +148,7 @@ export class Editor implements Typist {
       historyAtCursor(lab),
       navigation(lab),
       scrubbing(lab),
+      taps(),
       followCursor(lab),
       live(lab.store.state, () => this.values.on),
       placeholder("(machine follower …) (spawn follower moving)"),

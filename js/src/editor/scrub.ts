@@ -103,6 +103,12 @@ function byDrag(event: PointerEvent, view: EditorView): boolean {
   const begun = offset === null ? null : numberAt(view.state, offset);
   if (!begun) return false;
   view.focus();
+  drag(event, view, view.contentDOM, begun);
+  return true;
+}
+
+/** Change a number by a drag that begins on a surface; `tapped` are the steps of a press that is none. */
+function drag(event: PointerEvent, view: EditorView, surface: Element, begun: Literal, tapped = 0): void {
   let literal = begun;
   let isFirst = true;
   let steps = 0;
@@ -112,18 +118,38 @@ function byDrag(event: PointerEvent, view: EditorView): boolean {
     literal = put(view, literal, text, isFirst, beyond === null ? null : [begun.text, text, beyond]);
     isFirst = false;
   };
-  trackDrag(view.contentDOM, event, {
+  trackDrag(surface, event, {
     move: ({ clientX, shiftKey }) => {
       const [size, before] = [shiftKey ? 10 : 1, steps];
       steps = Math.trunc((clientX - event.clientX) / STEP) * size;
       const next = steps + Math.sign(steps - before) * size;
       become(stepped(begun.text, steps), stepped(begun.text, next));
     },
-    end(last) {
+    end(last, moved) {
       if (!last) become(begun.text, null);
+      else if (!moved && tapped) become(stepped(begun.text, tapped), stepped(begun.text, 2 * tapped));
     },
   });
-  return true;
+}
+
+/** What fingers have in the place of Alt: a strip, dragged on, or tapped at its ends. */
+function strip(view: EditorView, offset: number): HTMLElement {
+  const element = h(
+    "div",
+    {
+      class: "lrp-scrub",
+      onpointerdown: (event: PointerEvent) => {
+        event.preventDefault(); // the focus stays where it is
+        const { left, width } = element.getBoundingClientRect();
+        const literal = numberAt(view.state, offset);
+        if (literal) drag(event, view, element, literal, event.clientX < left + width / 2 ? -1 : 1);
+      },
+    },
+    h("span", {}, "−"),
+    h("span", {}, "drag"),
+    h("span", {}, "+"),
+  );
+  return element;
 }
 
 const card = hoverTooltip(
@@ -138,7 +164,8 @@ const card = hoverTooltip(
         dom: h(
           "div",
           { class: "lrp-card" },
-          "Drag with Alt, or press Alt+↑ or Alt+↓, to change it while the program runs.",
+          h("span", {}, "Drag with Alt, or press Alt+↑ or Alt+↓, to change it while the program runs."),
+          strip(view, literal.from),
         ),
       }),
     };
