@@ -4,7 +4,6 @@ import { keepInPlace } from "./editor/anchor";
 import { Editor } from "./editor/editor";
 import { graphView } from "./graph/view";
 import { cellAround, type HostedModel, runBelow } from "./host/notebook";
-import { storePictures } from "./host/pictures";
 import { cellSource } from "./host/source";
 import { breakpointsView } from "./parts/breakpointlist";
 import { controls } from "./parts/controls";
@@ -119,7 +118,6 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     },
   };
 
-  if (model.widget_manager?.context) storePictures(model.widget_manager.context);
   const connection = new Connection(model, part, {
     message: receive,
     link: steady((link) => {
@@ -159,7 +157,8 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     if (!editor || !connection.isAnswered) return;
     const { home, tab_only } = store.state;
     for (const [view, lost] of lostTexts({ home, tab_only })) {
-      if (lost !== text && (await connection.command({ do: "recover", text: lost })).error) return;
+      const isAsked = lost !== text || store.state.conflict; // whether it continues a text that is asked about
+      if (isAsked && (await connection.command({ do: "recover", text: lost })).error) return;
       forgetLost({ home, tab_only }, view);
     }
   }

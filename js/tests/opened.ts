@@ -1,6 +1,7 @@
 import { ChangeSet, Text } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { difference } from "../src/editor/texts";
+import type { WidgetManager } from "../src/host/notebook";
 import { openLab } from "../src/lab";
 import type {
   AnswerMessage,
@@ -31,7 +32,12 @@ export class Page {
   readonly traits: Record<string, unknown> = {};
   saved = 0;
 
-  constructor(part: PartName = "lab", attach = true) {
+  constructor(part: PartName = "lab", attach = true, manager?: WidgetManager) {
+    if (manager) {
+      this.around.className = "jp-Cell"; // the first one
+      this.around.dataset.windowedListIndex = "0";
+      this.host.className = "jp-OutputArea-child";
+    }
     document.body.append(this.around);
     if (attach) this.attach();
     const model = {
@@ -50,6 +56,7 @@ export class Page {
       save_changes: () => {
         this.saved += 1;
       },
+      ...(manager && { widget_manager: manager }),
     };
     this.close = openLab(model, part, this.host);
   }

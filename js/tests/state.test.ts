@@ -29,6 +29,7 @@ const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): Snaps
   home: "/x",
   tab_only: false,
   debugger: "",
+  by_hand: "",
   document: "d",
   number: 0,
   seq: 0,

@@ -32,6 +32,18 @@ def debugger() -> str:
     return "%lrp debug" if shell.find_line_magic("lrp") else "%load_ext lrp_jupyter\n%lrp debug"
 
 
+def by_hand(name: str) -> str:
+    """Return what to do, in words, where a page cannot write the text into the notebook; or an empty text."""
+    if not sys.modules.get("IPython"):  # the page of a site has no notebook
+        return ""
+    marimo: Any = sys.modules.get("marimo")
+    if marimo is not None and marimo.running_in_notebook():
+        return f'`lrp_jupyter.Lab("{name}").save("{name}.lrp")` in a cell writes it to a file.'
+    if is_voila():
+        return "Save… in the menu More writes it to a file."
+    return f"Run `%lrp save {name}` in a cell: it writes the text into a new one."
+
+
 def is_static() -> bool:
     """Return whether the outputs of the running cell are only stored, and so pictures instead of widgets.
 

@@ -10,7 +10,6 @@ import os
 import re
 import sys
 import threading
-from base64 import b64encode
 from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
 from types import NoneType
@@ -24,33 +23,29 @@ from traitlets.utils.bunch import Bunch
 
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_type
-from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.challenges import challenge as find_challenge
-from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.running.frame import Frame
 from lrp_jupyter.live.running.live_variables import LiveVariables
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.hosts import is_static, is_voila
 from lrp_jupyter.widgets.text.conditions import Conditions, given
 from lrp_jupyter.widgets.text.kept import Version
-from lrp_jupyter.widgets.views.view_state import last_fired
+from lrp_jupyter.widgets.views.program_picture import bitmap, still
 from lrp_jupyter.widgets.wire.own_comm import OwnComm
 from lrp_jupyter.widgets.wire.packing import packed, unpacked
 from lrp_jupyter.widgets.wire.protocol import Edits, GraphMode
 
 _NAME = re.compile(r"[\w-]+")
 """The name of a program: no text is one word, because a program has parentheses."""
-_STILL_WIDTH = 480  # px
-_SIZE = re.compile(r'viewBox="0 0 ([\d.]+) ([\d.]+)"')
+_OURS = "lrp_jupyter"
+"""The key of the metadata of an output, which the page and `lrp grade` read."""
 _STATIC = FilePath(__file__).parents[1] / "static"
 
 
@@ -143,14 +138,15 @@ class Part(anywidget.AnyWidget):
         self._noticed = frame
 
     def _repr_mimebundle_(self, **options: Any) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        pictures, about = _pictures(self._connection), {_OURS: _about(self._connection)}
         if self.comm is None:
-            pictures = _pictures(self._connection)
-            return {**pictures, **_bitmap(pictures["image/svg+xml"])}, {}
+            return {**pictures, **bitmap(pictures["image/svg+xml"])}, about
         shown = super()._repr_mimebundle_(**options)
         if shown is None:
             return None
         bundle, metadata = shown if isinstance(shown, tuple) else (shown, {})
-        return {**bundle, **_pictures(self._connection)}, metadata
+        about[_OURS]["widget"] = self.model_id
+        return {**bundle, **pictures}, {**metadata, **about}
 
     def snapshot(self) -> None:
         """Store a picture of the present state as the output, to be viewed without a kernel."""
@@ -424,50 +420,13 @@ def _name_of(text: str) -> str:
     return str(program.machines[0].name) if program is not None and program.machines else "program"
 
 
-# -- what a saved notebook shows where no kernel runs -------------------------------------------------
-
-
 def _pictures(connection: PageConnection) -> dict[str, str]:
-    """Return pictures of the present graph and world; as plain text the program."""
-    state = connection.view_state()
-    active = [tuple(path.split("/")) for path in state["lit"]]
-    layouts = list(state["layouts"].values())
-    match state["settings"]["graph"]:
-        case "live":
-            graph = draw(layouts, active, last_fired(state))
-        case "static":
-            graph = draw(layouts)
-        case "hidden":
-            graph = ""
-    return {"image/svg+xml": _stacked(graph, _world(connection)), "text/plain": connection.texts.text}
+    """Return what a saved notebook shows where no kernel runs: a picture; as plain text the program."""
+    picture = still(connection.session, connection.view_state())
+    return {"image/svg+xml": picture, "text/plain": connection.texts.text}
 
 
-def _bitmap(picture: str) -> dict[str, str]:
-    """Return a picture as PNG, for readers that show no SVG; nothing without the extra ``png``."""
-    try:
-        from resvg_py import svg_to_bytes
-    except ImportError:
-        return {}
-    return {"image/png": b64encode(svg_to_bytes(svg_string=picture, zoom=2)).decode()}
-
-
-def _world(connection: PageConnection) -> str:
-    bridge = connection.session.bridge
-    if not isinstance(bridge, SimBridge):
-        return ""
-    try:
-        return connection.session.call(lambda: world_svg(bridge.simulation, _STILL_WIDTH))
-    except LRPError:  # the loop is blocked or has ended: the world as it began
-        return world_svg(bridge.world, _STILL_WIDTH)
-
-
-def _stacked(upper: str, lower: str) -> str:
-    sizes = [_SIZE.search(picture) for picture in (upper, lower)]
-    if not upper or not lower or not all(sizes):
-        return upper or lower
-    (width, height), (wide, high) = ((float(size[1]), float(size[2])) for size in sizes if size)
-    whole, tall = max(width, wide), height + high + 12
-    place = f'<svg y="{height + 12:g}" height="{high:g}" '
-    size = f'viewBox="0 0 {whole:g} {tall:g}" width="{whole:g}"'
-    lower = lower.replace("<svg ", place, 1)
-    return f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="group">{upper}{lower}</svg>'
+def _about(connection: PageConnection) -> dict[str, str]:
+    """Return the metadata of an output: which program it shows, for graders its challenge, too."""
+    goal = connection.goal
+    return {"program": connection.name, **({} if goal is None else {"challenge": goal.task.name})}

@@ -27,6 +27,7 @@ from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.lab import Lab, lab_of
 from lrp_jupyter.widgets.text.conditions import CHOICES, NAMES, given
+from lrp_jupyter.widgets.text.texts import Texts
 from lrp_jupyter.widgets.views.view_state import last_fired
 
 _HELP = """\
@@ -155,7 +156,9 @@ class LRPMagics(Magics):
         options["conditions"] = given(**{each: options.pop(each, None) for each in NAMES})
         if options.get("world") and bridge not in (None, "sim"):
             raise UsageError(f"%%lrp: `--world` is for the simulator, and the bridge is `{bridge}`.")
-        return lab_of(registry.open_program(name, cell, bridge, namespace=self._names, **options))
+        return lab_of(
+            registry.open_program(name, cell, bridge, namespace=self._names, line=line.strip(), **options)
+        )
 
     def _line(self, line: str) -> object:
         word, *rest = line.split() or [""]
@@ -294,9 +297,8 @@ class LRPMagics(Magics):
 
     def save(self, rest: list[str]) -> None:
         """Write the lab's text into a new cell."""
-        connection = _the(rest)
-        if self.shell is not None:
-            self.shell.set_next_input(f"%%lrp {connection.name}\n{connection.texts.text}")
+        texts = _the(rest).texts
+        self._write_cell(texts, texts.text)
 
     def versions(self, rest: list[str]) -> None:
         """List the earlier texts, the newest first."""
@@ -318,8 +320,11 @@ class LRPMagics(Magics):
                 f"%lrp version: There is no version {rest[0]}, only 1 to {len(known)}. "
                 "`%lrp versions` lists them."
             )
+        self._write_cell(connection.texts, found.text)
+
+    def _write_cell(self, texts: Texts, text: str) -> None:
         if self.shell is not None:
-            self.shell.set_next_input(f"%%lrp {connection.name}\n{found.text}")
+            self.shell.set_next_input(f"{texts.in_cell['line']}\n{text}")
 
     def debug(self, rest: list[str]) -> None:
         """Debug an issue, post mortem: the one at a place of the text, or the one that occurred last."""

@@ -36,7 +36,7 @@ from lrp_jupyter.live.running.waking import TaskEvent
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets.acts.world_acts import saved_worlds
-from lrp_jupyter.widgets.hosts import debugger
+from lrp_jupyter.widgets.hosts import by_hand, debugger
 from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Written
 from lrp_jupyter.widgets.views.goal import Goal
@@ -486,6 +486,7 @@ class Publisher:
                 "home": self._saver.home or self.session.name,
                 "tab_only": self._saver.kept is None,
                 "debugger": debugger(),
+                "by_hand": by_hand(self.session.name),
                 **texts,
                 "choices": {
                     "bridges": list(find_bridges()),

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import atexit
 import os
-from collections.abc import Iterator
+import shlex
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path as FilePath
 from typing import Any
@@ -111,6 +112,7 @@ def open_program(
     task: Challenge | None = None,
     conditions: Conditions | None = None,
     log: str | os.PathLike[str] | None = None,
+    line: str = "",
     **options: Any,
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
@@ -123,8 +125,10 @@ def open_program(
     `task`: the challenge of the program: its first world is loaded, its goal shown.
     `conditions`: None: as before.
     `log`: the file in which the session is recorded; if it exists, the name gets a number.
+    `line`: the first line of the cell, without ``%%lrp``; default: the arguments, as such a line has them.
     `options`: for the bridge: ``world="line"``.
     """
+    line = line or _line(name, bridge, task, options)
     text = text if text and text.strip() else None
     log = None if log is None else FilePath(log)
     if task is not None:
@@ -148,6 +152,7 @@ def open_program(
         reopen = partial(_reopen, log=path)
         connection = _add(PageConnection(session, saver, reopen, options, free_name=_free_name))
         connection.log = log
+        texts.line = line
         for each in (first, *later):
             if each != texts.text:
                 texts.write(each)
@@ -166,6 +171,7 @@ def open_program(
     if task is not None and (connection.goal is None or connection.goal.task != task):
         connection.goal = Goal(task)
     if text:
+        connection.texts.line = line
         connection.texts.reconcile(text)
     elif task is not None and not connection.texts.text.strip():
         connection.texts.write(task.beginning)
@@ -176,6 +182,16 @@ def open_program(
     connection.saver.save()  # no page may ever open
     connection.wake()
     return connection
+
+
+def _line(name: str, bridge: str | None, task: Challenge | None, options: Mapping[str, Any]) -> str:
+    given = {"bridge": None if bridge == "sim" else bridge, "challenge": task and task.name, **options}
+    words = [
+        f"--{key.replace('_', '-')} {shlex.quote(str(value))}"
+        for key, value in given.items()
+        if isinstance(value, (str, int, float)) and not isinstance(value, bool)
+    ]
+    return " ".join([shlex.quote(name), *words])
 
 
 def robot_for(world: World | str | None) -> dict[str, Any]:

@@ -244,6 +244,26 @@ def test_the_text_of_a_view_that_lost_its_kernel_continues_what_was_kept(cell):
     assert len(connection.texts.conflicts) == 1
 
 
+def test_what_was_saved_with_the_notebook_is_asked_about_neither_by_the_cell_nor_by_its_view(bench, cell):
+    lab = bench(A)
+    page = lab.page()
+    texts = lab.connection.texts
+    texts.reconcile(A)
+    page.type(B)
+    page.do("put_into_cell", text=B)
+    lab.publish()
+    assert page.latest("cell")["text"] == B
+    page.type(C)
+    texts.reconcile(B)  # the cell runs again
+    assert (texts.text, texts.conflict) == (C, None)
+
+    cell(A).texts.write(B)
+    connection = cell(C)  # typed after the kernel's end, and saved
+    assert connection.texts.conflict["text"] == B
+    connection.texts.recover(C)
+    assert connection.texts.conflict is None
+
+
 @pytest.mark.parametrize("answer", ["take", "keep"])
 def test_an_answer_ends_only_the_conflict_that_it_is_about(bench, answer):
     lab = bench(A)

@@ -2,6 +2,7 @@
 
 import sys
 from io import StringIO
+from types import SimpleNamespace
 
 import pytest
 from IPython.core.completer import provisionalcompleter
@@ -15,7 +16,7 @@ from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.hosts import debugger
+from lrp_jupyter.widgets.hosts import by_hand, debugger
 from lrp_jupyter.widgets.lab import Lab
 from lrp_jupyter.widgets.magics import WORDS
 from lrp_jupyter.widgets.text.conditions import Conditions
@@ -167,10 +168,26 @@ def test_a_bundled_program_has_a_robot_if_it_needs_one(run, name, bridge):
     assert registry.find(name).session.bridge.name == bridge
 
 
-def test_the_text_is_written_into_a_new_cell(shell, run):
-    cell(shell, "mine", A)
+@pytest.mark.parametrize(
+    "line", ["mine", "mine --world oval --rate 5", 'mine --challenge "there and back" --edits=hold']
+)
+def test_the_text_is_written_into_a_new_cell_with_the_options_of_the_old_one(shell, run, line):
+    cell(shell, line, A)
     run("save")
-    assert shell.rl_next_input == f"%%lrp mine\n{A}"
+    assert shell.rl_next_input == f"%%lrp {line}\n{A}"
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"challenge": "there and back", "seed": 3}, "there-and-back --challenge 'there and back' --seed 3"),
+        ({"name": "my robot", "world": "oval"}, "'my robot' --world oval"),
+    ],
+)
+def test_the_text_of_a_lab_without_such_a_cell_is_written_with_its_options(shell, run, options, line):
+    lab = Lab(**options)
+    run("save")
+    assert shell.rl_next_input == f"%%lrp {line}\n{lab.text}"
 
 
 def test_earlier_texts_are_listed_and_written_into_a_new_cell(shell, run):
@@ -464,3 +481,12 @@ def test_the_picture_of_the_graph_shows_what_is_active_and_what_fired_last(shell
 def test_no_debugger_is_offered_where_there_is_no_ipython(monkeypatch):
     monkeypatch.setitem(sys.modules, "IPython", None)  # as on the plain page of a site
     assert debugger() == ""
+    assert by_hand("m") == ""
+
+
+def test_where_a_page_cannot_write_into_the_notebook_it_says_what_can(monkeypatch):
+    assert "`%lrp save m`" in by_hand("m")
+    monkeypatch.setenv("VOILA_PREHEAT", "True")
+    assert "Save…" in by_hand("m")
+    monkeypatch.setitem(sys.modules, "marimo", SimpleNamespace(running_in_notebook=lambda: True))
+    assert '.save("m.lrp")' in by_hand("m")

@@ -98,6 +98,10 @@ export class Editor implements Typist {
   readonly brackets = new KeptSwitch("brackets", true, () =>
     this.view.dispatch({ effects: this.bracketColours.reconfigure(this.brackets.on ? rainbow : []) }),
   );
+  /** Called when the text has changed, other than by being opened. */
+  onChange = (): void => {};
+  /** The view that has changed the text last; empty for the kernel. */
+  private lastHand = "";
   private marks = "";
   private redrawing = 0;
 
@@ -177,8 +181,11 @@ export class Editor implements Typist {
           return;
         }
         for (const text of [this.judged, this.running, this.underlines.text]) text.add(update.changes);
-        if (!update.transactions.some((transaction) => transaction.annotation(Transaction.remote)))
+        if (!update.transactions.some((transaction) => transaction.annotation(Transaction.remote))) {
+          this.lastHand = this.connection.view;
           this.typing.changed(update);
+        }
+        this.onChange();
       }),
     ];
   }
@@ -290,6 +297,7 @@ export class Editor implements Typist {
   private receive(updates: UpdateView[], revision: number): void {
     const known = this.revision - (revision - updates.length);
     for (const { view, changes } of updates.slice(Math.max(0, known))) {
+      this.lastHand = view;
       const update = { changes: ChangeSet.fromJSON(changes), clientID: view, effects: [typedBy.of(view)] };
       this.view.dispatch(receiveUpdates(this.view.state, [update]));
       this.confirmed = update.changes.apply(this.confirmed);
@@ -310,6 +318,13 @@ export class Editor implements Typist {
   /** Whether another view has an editor, too, and shows the cursor of this one. */
   private get isOneOfSeveral(): boolean {
     return Object.keys(this.lab.store.state.hands).length > 1;
+  }
+
+  /** Whether of all views with an editor this one has changed the text last, or stands for one that is gone. */
+  get isLast(): boolean {
+    const { view } = this.connection;
+    const hands = Object.keys(this.lab.store.state.hands);
+    return this.lastHand === view || (!hands.includes(this.lastHand) && view === (hands.sort()[0] ?? view));
   }
 
   private wasOneOfSeveral = false;

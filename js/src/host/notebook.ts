@@ -9,21 +9,39 @@ interface Signal<T> {
   emit(value: T): void;
 }
 
-const VIEW = "application/vnd.jupyter.widget-view+json";
+export const VIEW = "application/vnd.jupyter.widget-view+json";
 const FRAMES = 100; // that a new cell may take to be drawn
 const ENTER = { key: "Enter", code: "Enter", keyCode: 13 };
 const CTRL_ENTER = { ...ENTER, ctrlKey: true, bubbles: true, cancelable: true };
 export const PICTURE = "image/svg+xml";
+/** The metadata of an output that shows a lab, or a part of one: `_OURS` of `widgets/lab.py`. */
+const OURS = "lrp_jupyter";
+
+type Bundle = Record<string, unknown>;
 
 interface NotebookOutput {
-  data: Record<string, unknown>;
+  readonly data: Readonly<Bundle>;
+  readonly metadata: { readonly [OURS]?: { readonly widget?: string } };
   /** Whether this page shows more of it than text: its user has run the cell, or the notebook is trusted. */
   trusted: boolean;
+  toJSON(): { data: Bundle };
 }
 
-interface NotebookCell {
+/** An output as it is saved, a map of Yjs: a change of it changes nothing that is drawn. */
+export interface SavedOutput {
+  get(name: "data"): Readonly<Bundle>;
+  set(name: "data", data: Bundle): void;
+}
+
+export interface NotebookCell {
   readonly contentChanged: Signal<void>;
-  readonly sharedModel: { getSource(): string; setSource(source: string): void };
+  readonly sharedModel: {
+    getSource(): string;
+    setSource(source: string): void;
+    updateSource(start: number, end: number, value?: string): void;
+    transact(change: () => void, undoable: boolean): void;
+    readonly ymodel: { get(name: "outputs"): { get(index: number): SavedOutput | undefined } | undefined };
+  };
   /** Of a code cell: by MIME type. */
   readonly outputs?: {
     length: number;
@@ -34,12 +52,16 @@ interface NotebookCell {
 }
 
 export interface Notebook {
+  /** "started" is reported before the model is written, in the same call. */
   readonly saveState: Signal<"started" | "completed" | "failed" | "completed manually">;
+  save(): Promise<void>;
   readonly model: {
+    /** Whether the notebook is to be saved: Jupyter saves it then by itself, and asks before it is closed. */
+    dirty: boolean;
+    /** Whether the server saves it after each change. */
+    readonly collaborative?: boolean;
     readonly contentChanged: Signal<void>;
-    readonly cells: { length: number; get(index: number): NotebookCell | undefined };
-    getMetadata(key: string): unknown;
-    setMetadata(key: string, value: unknown): void;
+    readonly cells: { length: number; get(index: number): NotebookCell | undefined } | null;
     readonly sharedModel: { insertCell(index: number, cell: { cell_type: "code"; source: string }): unknown };
   };
 }
@@ -56,16 +78,42 @@ export interface WidgetManager {
   get_model?(id: string): Promise<{ comm_live?: boolean; get(name: string): unknown }>;
 }
 
-/** The outputs that show a widget, each with the widget's identifier and where it is. */
-export function* widgetsIn({ model: { cells } }: Notebook) {
-  for (let place = 0; place < cells.length; place++) {
-    const { outputs } = cells.get(place) ?? {};
+/** The cells of a notebook; none of one that was closed. */
+export function* cellsOf({ model: { cells } }: Notebook): Generator<NotebookCell> {
+  for (let place = 0; cells && place < cells.length; place++) {
+    const cell = cells.get(place);
+    if (cell) yield cell;
+  }
+}
+
+/** The outputs that show a lab, or a part of one, each with its widget's identifier and where it is. */
+export function* labsIn(notebook: Notebook) {
+  for (const cell of cellsOf(notebook)) {
+    const { outputs } = cell;
     for (let index = 0; outputs && index < outputs.length; index++) {
       const output = outputs.get(index);
-      const { model_id: widget } = (output?.data?.[VIEW] ?? {}) as { model_id?: string };
-      if (widget) yield { widget, output, outputs, index };
+      const widget = output?.metadata?.[OURS]?.widget;
+      if (widget) yield { widget, output, outputs, cell, index };
     }
   }
+}
+
+/** Change what is saved of an output; returns whether it was different before. */
+export function saveOutput({ sharedModel }: NotebookCell, index: number, changes: Bundle): boolean {
+  const saved = sharedModel.ymodel.get("outputs")?.get(index);
+  const data = saved?.get?.("data");
+  if (!saved || !data) return false;
+  const wanted = Object.entries({ ...data, ...changes }).filter(([, value]) => value !== undefined);
+  const isSame =
+    Object.keys(data).length === wanted.length &&
+    wanted.every(([type, value]) => textOf(data[type]) === textOf(value));
+  if (!isSame) sharedModel.transact(() => saved.set("data", Object.fromEntries(wanted)), false);
+  return !isSame;
+}
+
+/** A text of a file may be a list of its lines. */
+export function textOf(value: unknown): unknown {
+  return Array.isArray(value) ? value.join("") : value;
 }
 
 export interface CellPlace {
@@ -82,7 +130,7 @@ export function cellAround(model: HostedModel, inside: HTMLElement): CellPlace |
   const notebook = model.widget_manager?.context;
   const element = inside.closest<HTMLElement>(".jp-Cell");
   const index = () => Number(element?.dataset.windowedListIndex ?? Number.NaN);
-  const cell = notebook?.model?.cells.get(index());
+  const cell = notebook?.model?.cells?.get(index());
   if (!notebook || !element || !cell) return null;
   return {
     notebook,
@@ -106,7 +154,7 @@ export async function runBelow({ notebook, element, index }: CellPlace, source: 
     return "A cell waits for input. End the debugger there with `q` first.";
   }
   const { cells, sharedModel } = notebook.model;
-  const below = cells.get(index + 1)?.sharedModel;
+  const below = cells?.get(index + 1)?.sharedModel;
   if (below && /^%(load_ext lrp_jupyter\n%)?lrp debug\b/.test(below.getSource())) below.setSource(source);
   else sharedModel.insertCell(index + 1, { cell_type: "code", source });
   const cell = `[data-windowed-list-index="${index + 1}"]`;

@@ -1,6 +1,6 @@
 /**
- * The text of the `%%lrp` cell whose output is the lab. While lab and cell show the same text, the cell is
- * folded to its first line, unless it is being edited. The notebook itself does not change by that.
+ * The `%%lrp` cell whose output is the lab. While the lab shows its text, or a newer one that is written into it
+ * when the notebook is saved, the cell is folded to its first line, unless it is being edited.
  */
 
 import type { Editor } from "../editor/editor";
@@ -8,10 +8,14 @@ import type { Lab } from "../session/store";
 import { plain } from "../ui/difference";
 import { item, type MenuItem } from "../ui/menu";
 import { hasFocus } from "../ui/root";
+import { type Held, Holder, programOf } from "./holder";
 import { type CellPlace, cellAround, type HostedModel } from "./notebook";
+import { saveWith } from "./saving";
 
 const FOLDED = "lrp-lab-folded";
+const NEWER = "lrp-lab-newer";
 const OTHER = "lrp-lab-differs";
+const NOT_SAVED = "The text is not saved with the notebook:";
 
 export interface Source {
   /** What the lab's menu offers: write the text into the cell, or use the cell's. */
@@ -22,27 +26,41 @@ export interface Source {
 export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source {
   const { root, store } = lab;
   let place: CellPlace | null = null;
-
-  /** The first line and the program of a `%%lrp` cell; null if the cell is of another kind. */
-  const own = (): { line: string; program: string } | null => {
-    const [, line, program = ""] =
-      /^(%%lrp\b.*)\n?([\s\S]*)/.exec(place?.cell.sharedModel.getSource() ?? "") ?? [];
-    return line === undefined ? null : { line, program };
-  };
-  /** Whether the cell shows another program, or the lab's; null if it shows none. */
-  const differs = (): boolean | null => {
-    const program = own()?.program ?? "";
-    return program.trim() ? plain(program) !== plain(editor.text) : null;
-  };
-  const update = () => {
+  /** Where the lab is, as soon as it is shown. */
+  const around = () => {
     if (!place) {
       place = cellAround(model, root);
       place?.cell.contentChanged.connect(update);
     }
+    return place;
+  };
+  const holder = new Holder(lab, around, () => editor.text);
+  const notebook = model.widget_manager?.context;
+
+  /** The cell around the lab if it holds a program. */
+  const own = () => programOf(place?.cell);
+  /** Whose program the cell around the lab shows: the lab's, an older one of the lab, or another; null for none. */
+  const shows = (held: Held | null): "same" | "older" | "other" | null => {
+    const { program = "" } = own() ?? {};
+    if (program === plain(editor.text)) return program.trim() ? "same" : null;
+    if (place && held?.cell === place.cell) return "older";
+    return program.trim() ? "other" : null;
+  };
+  /** Why the text is not saved with the notebook; empty if it is, or if there is none. */
+  const unsaved = (held: Held | null): string => {
+    const { by_hand } = store.state;
+    if (!notebook) return by_hand && `${NOT_SAVED} this page cannot write into it. ${by_hand}`;
+    if (held || !own()) return "";
+    return `${NOT_SAVED} the cell above was changed, too. Run the cell, or choose in the menu More which text to use.`;
+  };
+  const update = () => {
+    const { held } = holder;
+    store.set("unsaved", unsaved(held));
     if (!place) return;
-    const other = differs();
-    const fold = other === false;
-    place.element.classList.toggle(OTHER, other === true);
+    const shown = shows(held);
+    const fold = shown === "same" || shown === "older";
+    place.element.classList.toggle(NEWER, shown === "older");
+    place.element.classList.toggle(OTHER, shown === "other");
     const isFolded = place.element.classList.contains(FOLDED);
     if (fold === isFolded || (isFolded && hasFocus(root))) return; // nothing moves meanwhile
     const { element } = place;
@@ -51,14 +69,16 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
   };
   const later = () => void setTimeout(update); // when the focus has arrived elsewhere
   root.addEventListener("focusout", later);
-  store.watch(["snapshot", "findings", "revision"], update);
+  store.watch(["snapshot", "findings", "revision", "cell"], update);
+  if (notebook) saveWith(notebook, lab, editor, holder, around);
 
   /** Write the text into the `%%lrp` cell, or into a new one below. */
-  const write = ({ notebook, cell, index }: CellPlace) => {
+  const write = ({ notebook, index }: CellPlace) => {
     const mine = own();
-    const source = `${mine?.line ?? `%%lrp ${store.state.name}`}\n${plain(editor.text)}`;
-    if (mine) cell.sharedModel.setSource(source);
-    else notebook.model.sharedModel.insertCell(index + 1, { cell_type: "code", source });
+    if (mine) return holder.write(mine);
+    const source = `${store.state.cell.line}\n${plain(editor.text)}`;
+    notebook.model.sharedModel.insertCell(index + 1, { cell_type: "code", source });
+    holder.told();
   };
 
   return {
@@ -66,17 +86,20 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
       const [here, mine] = [place, own()];
       if (!here) return [];
       const writing = mine ? "Write the text into the cell" : "Write the text into a new cell";
-      const isWritten = mine !== null && plain(mine.program) === plain(editor.text);
-      const use = () => editor.edit(`${plain(mine?.program ?? "")}\n`); // as the kernel gets it
+      const isWritten = mine?.program === plain(editor.text);
+      const use = () => {
+        editor.edit(`${mine?.program}\n`); // as the kernel gets it
+        holder.told();
+      };
       return [
         item(writing, "write-cell", () => write(here), { disabled: isWritten }),
-        item("Use the cell's text", "use-cell", use, { disabled: !differs() }),
+        item("Use the cell's text", "use-cell", use, { disabled: !mine?.program.trim() || isWritten }),
       ];
     },
     close() {
       root.removeEventListener("focusout", later);
       place?.cell.contentChanged.disconnect(update);
-      place?.element.classList.remove(FOLDED, OTHER);
+      place?.element.classList.remove(FOLDED, NEWER, OTHER);
     },
   };
 }

@@ -89,13 +89,15 @@ function nameplate(lab: Lab): HTMLElement {
     title: "",
     action: "unkept",
     class: "lrp-button lrp-unkept",
-    onclick: () => lab.notify(lab.store.state.unkept),
+    onclick: () => lab.notify(reason()),
   });
-  lab.store.watch(["name", "unkept", "link", "snapshot"], () => {
+  const reason = () => lab.store.state.unkept || lab.store.state.unsaved;
+  lab.store.watch(["name", "unkept", "unsaved", "link", "snapshot"], () => {
     const { name: text, unkept, link } = lab.store.state;
     setText(name, text);
-    setHidden(mark, !unkept || link === "dead"); // then the page keeps it
-    setAttribute(mark, "title", unmarked(unkept));
+    setText(mark.firstElementChild!, unkept ? "Not kept" : "Not in the notebook");
+    setHidden(mark, !reason() || (unkept !== "" && link === "dead")); // then the page keeps it
+    setAttribute(mark, "title", unmarked(reason()));
   });
   return h("div", { class: "lrp-group", role: "status" }, name, mark);
 }

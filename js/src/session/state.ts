@@ -37,6 +37,8 @@ type Told = Omit<
 export interface LabState extends ViewState, Told {
   link: Link;
   patch: string;
+  /** Why the text is not saved with the notebook; empty if it is, or if there is none. */
+  unsaved: string;
   /** The machine that this view shows, the element selected in it, and the one in the inspector. */
   machine: string;
   chosen: string;
@@ -77,10 +79,12 @@ export function initialState(): LabState {
     home: "",
     tab_only: false,
     debugger: "",
+    by_hand: "",
     running: "",
     findings: [],
     accepted: true,
     patch: "",
+    unsaved: "",
     pending: null,
     choices: { bridges: [], worlds: [], programs: [] },
     world: null,

@@ -29,6 +29,7 @@ from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts.messages import OpenProgram, question
+from lrp_jupyter.widgets.views.program_picture import still
 from lrp_jupyter.widgets.wire.page_places import edits_view, id_of, offset_of, path_of, range_of
 from lrp_jupyter.widgets.wire.protocol import (
     ElementKind,
@@ -48,6 +49,12 @@ _ARGUMENT = re.compile(r"[(,]\s*(\w+)")
 
 class _NothingError(Exception):
     """A name has no meaning here."""
+
+
+@question("svg")
+def picture(opened: OpenProgram) -> str:
+    """Return a picture of the program, to be stored with its text."""
+    return still(opened.session, opened.view_state())
 
 
 @question("options")

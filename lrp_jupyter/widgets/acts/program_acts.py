@@ -180,6 +180,12 @@ def recover(opened: OpenProgram, text: str) -> None:
     opened.texts.recover(text)
 
 
+@act(is_noted=False)
+def put_into_cell(opened: OpenProgram, text: str) -> None:
+    """Note that the page has written this text into the cell, or has found it there."""
+    opened.texts.put_into_cell(text)
+
+
 @act()
 def version(opened: OpenProgram, key: str) -> Applied:
     """Return to an earlier text."""

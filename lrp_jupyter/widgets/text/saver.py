@@ -92,6 +92,7 @@ class Saver:
                         texts.add_version(text)
             texts.withdraw()  # they were about the other name
             texts.cell = texts.accepted = None
+            texts.line = ""
 
     def save(self, at_once: bool = False) -> None:
         """Keep the texts in their files; a failure is reported once, and tried again later, or `at_once`."""

@@ -8,6 +8,7 @@ neither run nor overwritten.
 
 from __future__ import annotations
 
+import shlex
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError, Future
@@ -27,7 +28,14 @@ from lrp_jupyter.widgets.text.document import Document, Update
 from lrp_jupyter.widgets.text.finding_views import difference_view, finding_view
 from lrp_jupyter.widgets.text.kept import Version, newest
 from lrp_jupyter.widgets.wire.changes import TextChanges, with_line_feeds
-from lrp_jupyter.widgets.wire.protocol import ConflictView, Difference, FindingView, HandView, UpdateView
+from lrp_jupyter.widgets.wire.protocol import (
+    CellView,
+    ConflictView,
+    Difference,
+    FindingView,
+    HandView,
+    UpdateView,
+)
 
 Selection = tuple[int, int]
 """The anchor and the head of a selection, in UTF-16 units."""
@@ -89,6 +97,8 @@ class Texts:
         self.clock: Callable[[], float]
         self.conflicts: list[Conflict] = []  # the first one is asked about
         self.cell: str | None = None  # the last known text of the cell
+        self.given = 0  # how often a cell, or a link, has given a text
+        self.line = ""  # the first line of a cell with this program, without `%%lrp`
         self.accepted: str | None = None  # the last one that is a valid program
         self.versions: tuple[Version, ...] = ()  # earlier ones, the newest first
         self.waiting: deque[Written] = deque()
@@ -410,6 +420,13 @@ class Texts:
     # -- conflicts ---------------------------------------------------------------------------------
 
     @property
+    def in_cell(self) -> CellView:
+        """The cell that holds the program, as the kernel knows it."""
+        with self.lock:
+            line = self.line or shlex.quote(self.session.name)
+            return {"given": self.given, "line": f"%%lrp {line}", "text": with_line_feeds(self.cell or "")}
+
+    @property
     def conflict(self) -> ConflictView | None:
         """The question to the user now."""
         with self.lock:
@@ -432,6 +449,7 @@ class Texts:
     def reconcile(self, text: str) -> None:
         """Reconcile the texts of the cell and the lab: the changed one wins; if both changed, ask."""
         with self.lock:
+            self.given += 1
             self.withdraw("cell")
             if not (are_alike(text, self.text) or are_alike(text, self.cell)):
                 if self.text.strip() and not are_alike(self.text, self.cell):
@@ -440,11 +458,18 @@ class Texts:
                 self.write(text)
             self.cell = text
 
+    def put_into_cell(self, text: str) -> None:
+        """Note that a page has written this text into the cell, or has found it there."""
+        with self.lock:
+            self.cell = self.document.with_line_ends(text)
+
     def recover(self, text: str) -> None:
         """Ask about the text of a view that has lost its kernel: it continues the text that the lab kept."""
         with self.lock:
             text = self.document.with_line_ends(text)
-            if text.strip() and text not in (self.text, *(other.text for other in self.conflicts)):
+            if are_alike(text, self.text):  # it was saved with the notebook
+                self.withdraw("lab")
+            elif text.strip() and text not in (other.text for other in self.conflicts):
                 self.withdraw("lab")
                 self.ask(Conflict("view", text))
 

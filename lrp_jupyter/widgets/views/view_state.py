@@ -155,6 +155,7 @@ class ViewStates:
                 "pause_on_issue": session.on_issue == "pause",
             },
             "conflict": texts.conflict,
+            "cell": texts.in_cell,
             "looking": looking,
             "unkept": self._saver.problem,
             "late": _late(session) if waits else "",

@@ -327,6 +327,14 @@ class SettingsView(TypedDict):
     pause_on_issue: bool
 
 
+class CellView(TypedDict):
+    """The notebook's cell with the program: what the page knows it by, and writes into a new one."""
+
+    given: int  # how often a cell has given a text
+    line: str  # the first line of such a cell
+    text: str  # the last one that was given, or that a page has put there
+
+
 class ConflictView(TypedDict):
     """Another text than the present one, and a question. Ended by ``take`` or ``keep`` with its number."""
 
@@ -465,6 +473,7 @@ class ViewState(TypedDict):
     panel: Panel | None
     settings: SettingsView
     conflict: ConflictView | None
+    cell: CellView
     looking: LookingView | None  # the earlier moment that everything here shows, or None for now
     unkept: str  # why the text is not kept in its file; empty if it is
     late: str  # why a stop in a page may come late; empty if it comes while a cell runs
@@ -516,6 +525,7 @@ class SnapshotMessage(TypedDict):
     home: str  # distinguishes programs of the same name
     tab_only: bool  # the kernel keeps no text, so what the page keeps ends with its tab
     debugger: str  # begins the command that debugs an issue in a cell; empty where there are no cells
+    by_hand: str  # how the text gets into a notebook that the page cannot write into; empty if there is none
     document: str  # distinguishes texts of other kernels
     number: int  # answers up to this one are contained in it
     seq: int  # texts of the view up to this one are contained in it, apart from those that never arrived
