@@ -74,4 +74,4 @@ def test_where_a_cell_holds_up_what_the_page_sends_the_button_to_stop_says_it(op
     page.evaluate("jupyterapp.shell.currentWidget.sessionContext.session.kernel.shutdown()")
     lab.sees(".lrp-stop[data-away]:disabled")
     other = notebook.lab().root.locator(".lrp-note:not([hidden])")
-    assert "Run the cell again" in other.first.inner_text()
+    assert "then the cell again" in other.first.inner_text()

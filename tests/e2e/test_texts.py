@@ -184,7 +184,7 @@ def test_what_was_typed_comes_back_after_the_end_of_a_kernel(open_lab, server):
 def restart(lab):
     lab.notebook.restart_kernel()
     lab.sees(':scope[data-link="dead"]')
-    lab.reads(".lrp-notes", "Run the cell again")
+    lab.reads(".lrp-notes", "Run %load_ext lrp_jupyter, then the cell again,")
 
 
 # -- texts of others, files and versions -----------------------------------------------------------

@@ -37,7 +37,10 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
   });
   const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words, copy, again);
   store.watch(["link", "status", "reason"], () => {
-    const { link, status, reason } = store.state;
+    const { link, status, reason, debugger: command } = store.state;
+    const cell = command.startsWith("%lrp")
+      ? "`%load_ext lrp_jupyter`, then the cell again,"
+      : "the cell again";
     const broken = status === "broken" || status === "closed";
     setHidden(note, !(link === "lost" || link === "dead" || link === "busy" || broken));
     copy.hidden = link !== "dead";
@@ -45,7 +48,7 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
     const sentence = {
       busy: "The kernel is busy. Commands are applied as soon as it is free.",
       lost: "The kernel has not answered for 3 seconds. This view is out of date; your text is kept.",
-      dead: "The kernel was restarted or shut down. Run the cell again to continue; your text is kept.",
+      dead: `The kernel was restarted or shut down. Run ${cell} to continue; your text is kept.`,
     }[link as string];
     setProse(words, sentence ?? (reason || "The session is closed. Run the cell again to continue."));
   });
