@@ -22,6 +22,19 @@ afterEach(() => {
 });
 
 describe("the editor", () => {
+  it("takes the program of a cell that is pasted, without its first line", async () => {
+    for (const [pasted, taken] of [
+      ["%%lrp m --world line\n(machine m)", "(machine m)"],
+      ["; %%lrp m\n(machine m)", "; %%lrp m\n(machine m)"],
+    ]) {
+      const clipboardData = new DataTransfer();
+      clipboardData.setData("text/plain", pasted!);
+      page.editor.dispatch({ selection: { anchor: 0, head: page.editor.state.doc.length } });
+      page.editor.contentDOM.dispatchEvent(new ClipboardEvent("paste", { clipboardData, cancelable: true }));
+      expect(page.editor.state.doc.toString()).toBe(taken);
+    }
+  });
+
   it("shows the session's text and sends what is typed", () => {
     const { text, revision } = recording.snapshot;
     expect(page.editor.state.doc.toString()).toBe(text);

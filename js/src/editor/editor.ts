@@ -145,6 +145,7 @@ export class Editor implements Typist {
       EditorView.lineWrapping,
       hangingIndent,
       lrp(),
+      EditorView.clipboardInputFilter.of((text) => text.replace(/^\s*%%lrp\b.*\n?/, "")), // a whole cell
       this.bracketColours.of(this.brackets.on ? rainbow : []),
       tooltips({ parent: lab.root, tooltipSpace: () => visiblePart(lab.root) }),
       completion(lab),
