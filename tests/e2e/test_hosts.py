@@ -159,7 +159,7 @@ def write_a_new_cell(lab):
     assert not other.find('[data-lrp-action="use-cell"]').is_enabled()
     other.choose("write-cell")
     lab.page.wait_for_function(f"{APP}.content.widgets.length === 5")
-    assert source_of(notebook, 3) == f"%%lrp stopwatch\n{programs.load('stopwatch')}".rstrip("\n")
+    assert source_of(notebook, 3) == f"%%lrp stopwatch --bridge none\n{programs.load('stopwatch')}".rstrip("\n")
 
 
 def see_the_picture(lab, server, app):
