@@ -38,9 +38,22 @@ def copy_notebooks(folder: Path) -> list[Path]:
         wanted = file.suffix in (".ipynb", ".svg", ".png", ".json") or file.match("bridges/*.py")
         if wanted and not os.path.lexists(target):
             target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(file, target)
+            if file.suffix == ".ipynb":
+                target.write_text(_as_saved(file), "utf-8")
+            else:
+                shutil.copyfile(file, target)
             copied.append(target)
     return copied
+
+
+def _as_saved(file: Path) -> str:
+    """Return a notebook with the language of this kernel: Jupyter would write it, and call that a change."""
+    notebook = json.loads(file.read_text("utf-8"))
+    with suppress(ImportError):
+        from ipykernel.ipkernel import IPythonKernel
+
+        notebook["metadata"]["language_info"] = IPythonKernel.language_info
+    return json.dumps(notebook, ensure_ascii=False, indent=1) + "\n"
 
 
 def sign_notebooks() -> None:
@@ -53,7 +66,7 @@ def sign_notebooks() -> None:
 
     notary: Any = NotebookNotary()  # type: ignore[no-untyped-call]
     for file in shipped_notebooks().rglob("*.ipynb"):
-        notary.sign(nbformat.read(file, as_version=4))  # type: ignore[no-untyped-call]
+        notary.sign(nbformat.reads(_as_saved(file), as_version=4))  # type: ignore[no-untyped-call]
 
 
 def fold_side_bar() -> None:

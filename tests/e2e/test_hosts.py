@@ -44,6 +44,10 @@ def test_lrp_lab_shows_pictures_and_neither_a_side_bar_nor_a_question(first_visi
     with urlopen(f"{server.url}/{NEWS}", timeout=20) as answer:
         assert json.load(answer)["schema"]["properties"]["fetchNews"]["default"] == "false"
     assert page.locator(".Toastify__toast").count() == 0
+    page.wait_for_function(f"{APP}.context.model.getMetadata('language_info').version")
+    assert not page.evaluate(f"{APP}.context.model.dirty"), (
+        "nothing is to be saved before the user did anything"
+    )
 
 
 @pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
@@ -159,7 +163,9 @@ def write_a_new_cell(lab):
     assert not other.find('[data-lrp-action="use-cell"]').is_enabled()
     other.choose("write-cell")
     lab.page.wait_for_function(f"{APP}.content.widgets.length === 5")
-    assert source_of(notebook, 3) == f"%%lrp stopwatch --bridge none\n{programs.load('stopwatch')}".rstrip("\n")
+    assert source_of(notebook, 3) == f"%%lrp stopwatch --bridge none\n{programs.load('stopwatch')}".rstrip(
+        "\n"
+    )
 
 
 def see_the_picture(lab, server, app):
