@@ -186,7 +186,7 @@ describe("what is typed", () => {
     page = new Page();
     page.open({ by_hand: "Run `%lrp save m` in a cell." });
     await page.drawn();
-    expect(page.find(MARK).textContent).toBe("Not in the notebook");
+    expect(page.find(MARK).textContent).toBe("Not saved");
     page.find(MARK).click();
     expect(page.find(".lrp-toast").textContent).toContain("Run %lrp save m in a cell.");
     page.deliver({ type: "frame", frame: 9, unkept: "No space." });

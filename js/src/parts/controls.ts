@@ -95,7 +95,7 @@ function nameplate(lab: Lab): HTMLElement {
   lab.store.watch(["name", "unkept", "unsaved", "link", "snapshot"], () => {
     const { name: text, unkept, link } = lab.store.state;
     setText(name, text);
-    setText(mark.firstElementChild!, unkept ? "Not kept" : "Not in the notebook");
+    setText(mark.firstElementChild!, unkept ? "Not kept" : "Not saved");
     setHidden(mark, !reason() || (unkept !== "" && link === "dead")); // then the page keeps it
     setAttribute(mark, "title", unmarked(reason()));
   });
