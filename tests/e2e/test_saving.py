@@ -122,7 +122,7 @@ def overwrite_nothing_unasked(lab):
     notebook.write_cell(1, edited)
     lab.type_after("(state fifth)", " (state sixth)")
     lab.sees(NOT_SAVED).press("Enter")
-    lab.reads(".lrp-toast", "the cell above was changed, too")
+    lab.reads(".lrp-toast", "the cell above has another text")
     lab.page.evaluate("document.activeElement.blur()")
     is_whole(lab.page)
     notebook.save()

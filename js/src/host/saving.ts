@@ -90,5 +90,6 @@ export function saveWith(
 /** Which output of its cell an element is in. */
 function indexOf(inside: HTMLElement): number {
   const output = inside.closest(".jp-OutputArea-child");
-  return output ? [...(output.parentElement?.children ?? [])].indexOf(output) : -1;
+  const all = output?.parentElement?.children ?? [];
+  return [...all].filter(({ className }) => className.includes("jp-OutputArea-child")).indexOf(output!);
 }

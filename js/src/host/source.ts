@@ -51,7 +51,7 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
     const { by_hand } = store.state;
     if (!notebook) return by_hand && `${NOT_SAVED} this page cannot write into it. ${by_hand}`;
     if (held || !own()) return "";
-    return `${NOT_SAVED} the cell above was changed, too. Run the cell, or choose in the menu More which text to use.`;
+    return `${NOT_SAVED} the cell above has another text. Run the cell, or choose in the menu More which text to use.`;
   };
   const update = () => {
     const { held } = holder;
