@@ -62,6 +62,13 @@ def notebook(*cells):
     return made
 
 
+def saved_with(text):
+    """Return the output of a lab as Jupyter saves it."""
+    about = {"lrp_jupyter": {"program": "square", "challenge": "square", "widget": "a name"}}
+    data = {"image/svg+xml": "<svg/>", "text/plain": text}
+    return nbformat.v4.new_output("execute_result", data, metadata=about, execution_count=1)
+
+
 def part(name, **roles):
     """Return nbgrader's metadata of a cell."""
     roles = {"grade": False, "solution": False, "locked": False, "task": False} | roles
@@ -116,6 +123,7 @@ def test_nbgrader_gives_the_points_of_grade(course, student, text):
     api, folder = course
     handed_in = nbformat.read(folder / "release/lesson/square.ipynb", as_version=4)
     handed_in.cells[1].source = f"%%lrp square --challenge square\n{text}"
+    handed_in.cells[1].outputs = [saved_with(text)]
     place = folder / f"submitted/{student}/lesson/square.ipynb"
     place.parent.mkdir(parents=True)
     nbformat.write(handed_in, place)
