@@ -13,6 +13,7 @@ from typing import Any
 import typer
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.files import write_file
 
 FIRST = "00-hello-live-robot.ipynb"
 
@@ -39,7 +40,7 @@ def copy_notebooks(folder: Path) -> list[Path]:
         if wanted and not os.path.lexists(target):
             target.parent.mkdir(parents=True, exist_ok=True)
             if file.suffix == ".ipynb":
-                target.write_text(_as_saved(file), "utf-8")
+                write_file(target, _as_saved(file))
             else:
                 shutil.copyfile(file, target)
             copied.append(target)
