@@ -186,7 +186,7 @@ it("a double click renames the state that is seen where two lie on each other", 
   const host = h("div", {}, s("svg", {}, root));
   document.body.replaceChildren(host);
   const svg = host.querySelector("svg")!;
-  attachPencil({ store: new Store() } as unknown as Lab, svg, root, {} as Pen, () => {});
+  attachPencil({ store: new Store(), root: host } as unknown as Lab, svg, root, {} as Pen, () => {});
   root.dispatchEvent(new MouseEvent("dblclick", { clientX: 40, clientY: 20, bubbles: true }));
   expect(host.querySelector("input")?.value).toBe("above");
 });

@@ -3,9 +3,13 @@
 import { history, undo } from "@codemirror/commands";
 import { EditorState } from "@codemirror/state";
 import { EditorView, runScopeHandlers } from "@codemirror/view";
-import { describe, expect, it } from "vitest";
+import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { numberAt, scrubbing, stepped } from "../src/editor/scrub";
+<<<<<<< HEAD
 import { type Lab, Store } from "../src/session/store";
+=======
+import { taps } from "../src/editor/tap";
+>>>>>>> 474f2b97 (Test the strip that changes a number by finger)
 
 describe("the number that the cursor touches", () => {
   const at = (marked: string): string | undefined => {
@@ -106,6 +110,53 @@ describe("the keys", () => {
   it("are left to others where there is no number", () => {
     const view = open("(state a)", 8);
     expect(press(view, "ArrowUp")).toBe(false);
+    view.destroy();
+  });
+});
+
+describe("a tap on a number", () => {
+  const finger = (type: string, clientX = 0) =>
+    new PointerEvent(type, { clientX, pointerType: "touch", buttons: 1, bubbles: true });
+  const ignore = (event: Event) => event.stopImmediatePropagation(); // it comes later in a browser
+  beforeEach(() => document.addEventListener("selectionchange", ignore, true));
+  afterEach(() => document.removeEventListener("selectionchange", ignore, true));
+  const open = () => {
+    const extensions = [history(), scrubbing, taps()];
+    const view = new EditorView({
+      parent: document.body,
+      state: EditorState.create({ doc: "[300 + n]", extensions }),
+    });
+    Object.assign(view, { posAtCoords: () => 2 });
+    view.focus();
+    view.contentDOM.dispatchEvent(finger("pointerdown"));
+    view.contentDOM.dispatchEvent(finger("click"));
+    const strip = document.querySelector<HTMLElement>(".lrp-scrub")!;
+    Object.assign(strip, { setPointerCapture() {}, hasPointerCapture: () => false });
+    strip.getBoundingClientRect = () => new DOMRect(0, 0, 240, 36);
+    return { view, strip };
+  };
+
+  it("shows a strip that changes it by a drag, and step by step at its ends; each is undone as a whole", () => {
+    const { view, strip } = open();
+    const text = () => view.state.doc.toString();
+    strip.dispatchEvent(finger("pointerdown", 100));
+    window.dispatchEvent(finger("pointermove", 120));
+    window.dispatchEvent(finger("pointermove", 140));
+    window.dispatchEvent(finger("pointerup", 140));
+    expect(text()).toBe("[400 + n]");
+    strip.dispatchEvent(finger("pointerdown", 10));
+    window.dispatchEvent(finger("pointerup", 10));
+    expect(text()).toBe("[390 + n]");
+    undo(view);
+    undo(view);
+    expect(text()).toBe("[300 + n]");
+    view.destroy();
+  });
+
+  it("shows it until something is typed", () => {
+    const { view } = open();
+    view.dispatch({ changes: { from: 8, insert: "m" }, userEvent: "input.type" });
+    expect(document.querySelector(".lrp-scrub")).toBeNull();
     view.destroy();
   });
 });

@@ -28,7 +28,7 @@ it("what is found changes only with texts that are programs, or are left as they
   for (const { changes: sections, findings, accepted, half_typed } of typed.steps) {
     const before = { list: list(), marks: marks() };
     for (const each of sections as Sections[])
-      page.editor.dispatch({ changes: ChangeSet.fromJSON(each), userEvent: "input.type" });
+      page.editor.dispatch({ changes: ChangeSet.fromJSON(each), userEvent: "input" }); // as it was typed: nothing is indented
     page.confirm({ findings: all[findings]!, accepted, half_typed });
     await page.drawn();
     if (list() !== before.list) changes++;
