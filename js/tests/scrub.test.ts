@@ -5,11 +5,8 @@ import { EditorState } from "@codemirror/state";
 import { EditorView, runScopeHandlers } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { numberAt, scrubbing, stepped } from "../src/editor/scrub";
-<<<<<<< HEAD
-import { type Lab, Store } from "../src/session/store";
-=======
 import { taps } from "../src/editor/tap";
->>>>>>> 474f2b97 (Test the strip that changes a number by finger)
+import { type Lab, Store } from "../src/session/store";
 
 describe("the number that the cursor touches", () => {
   const at = (marked: string): string | undefined => {
@@ -121,7 +118,7 @@ describe("a tap on a number", () => {
   beforeEach(() => document.addEventListener("selectionchange", ignore, true));
   afterEach(() => document.removeEventListener("selectionchange", ignore, true));
   const open = () => {
-    const extensions = [history(), scrubbing, taps()];
+    const extensions = [history(), scrubbing({ store: new Store() } as unknown as Lab), taps()];
     const view = new EditorView({
       parent: document.body,
       state: EditorState.create({ doc: "[300 + n]", extensions }),
