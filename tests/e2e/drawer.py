@@ -2,11 +2,11 @@
 
 
 class Drawer:
-    """The state graph of a lab, drawn on by mouse."""
+    """The state graph of a lab, drawn on by mouse, or by what does the same."""
 
-    def __init__(self, lab):
+    def __init__(self, lab, mouse=None):
         self.lab, self.page = lab, lab.page
-        self.mouse = lab.page.mouse
+        self.mouse = mouse or lab.page.mouse
 
     def at(self, x, y):
         """A point of the graph, in parts of its width and height."""
@@ -29,7 +29,7 @@ class Drawer:
             inputs.nth(index).fill(value)
         if check:
             self.lab.find(".lrp-field input[type=checkbox]").check()
-        self.lab.find(".lrp-field-apply").click()
+        self.lab.press(".lrp-field-apply")
         self.lab.misses(".lrp-field")
         self.lab.until("(root, before) => Number(root.dataset.lrpRevision) > before", argument=revision)
 

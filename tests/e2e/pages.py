@@ -15,6 +15,7 @@ from lrp_jupyter.widgets import registry
 for each in list(registry.running()):
     registry.forget(each)
 """
+IS_TABLET = "matchMedia('(pointer: coarse)').matches"
 AT_REST = """async ([root, selector]) => {
   let last = "";
   for (let frame = 0, same = 0; same < 10; frame++) {
@@ -254,9 +255,14 @@ class LabPage:
 
     # -- what is done ----------------------------------------------------------------------------
 
+    def press(self, selector):
+        """Press something, as the browser's user does."""
+        found = self.find(selector).first
+        found.tap() if self.page.evaluate(IS_TABLET) else found.click()
+
     def do(self, action):
         """Press a button."""
-        self.find(f'[data-lrp-action="{action}"]').first.click()
+        self.press(f'[data-lrp-action="{action}"]')
 
     def open_tab(self, name):
         """Bring one of the panels that share a place to the front."""
@@ -296,7 +302,7 @@ class LabPage:
 
     def choose(self, action):
         """Choose an entry of the open menu."""
-        self.find(f'[role="menu"] [data-lrp-action="{action}"]').click()
+        self.press(f'[role="menu"] [data-lrp-action="{action}"]')
 
     def place(self, x, y):
         """Return where a place of the world (metres) is on the screen."""
@@ -311,9 +317,9 @@ class LabPage:
         left, base, scale, _ = map(float, self.find(".lrp-canvas").get_attribute("data-view").split())
         return [(frame["x"] + left + x * scale, frame["y"] + base - y * scale) for x, y in points]
 
-    def drag_robot(self, start, end):
+    def drag_robot(self, start, end, mouse=None):
         """Drag what is at a place of the world (metres) to another."""
-        mouse = self.page.mouse
+        mouse = mouse or self.page.mouse
         start, end = self.places(start, end)
         mouse.move(*start)
         mouse.down()
