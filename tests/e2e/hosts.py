@@ -50,7 +50,7 @@ def _(lab, mo):
 SETTINGS = "[tool.marimo.runtime]\nauto_instantiate = true\n[tool.marimo.display]\ntheme = 'light'\n"
 
 
-PARTS = ("controls", "editor", "tree", "graph", "world", "variables", "issues", "timeline")
+PARTS = ("controls", "editor", "graph", "world", "variables", "issues", "timeline")
 COLOURS = """canvas => {
   const { width, height } = canvas;
   const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);

@@ -9,7 +9,7 @@ from e2e.sites import PlainPage, SiteNotebook, link
 from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.site.build import build_site
 
-PANELS = ("editor", "tree", "graph", "world", "variables", "issues", "timeline")
+PANELS = ("editor", "graph", "world", "variables", "issues", "timeline")
 
 
 @pytest.fixture(scope="module")

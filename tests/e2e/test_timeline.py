@@ -9,7 +9,7 @@ from e2e.programs import COUNTER, FOLLOWER
 PLAYHEAD = ".lrp-playhead"
 BAND = ".lrp-band"
 BODY = ".lrp-timeline-body"
-PARTS = ("editor", "tree", "graph", "world", "variables", "issues", "timeline")
+PARTS = ("editor", "graph", "world", "variables", "issues", "timeline")
 VISITS = ".lrp-timeline-visit:not([data-other])"
 ODOMETER = '.lrp-members [data-key="odom.x"]'
 PRESENT = """\
