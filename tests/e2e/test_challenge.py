@@ -30,6 +30,9 @@ def test_two_challenges_are_passed_after_hints_and_a_look_at_a_failed_run(open_l
     lab = lab.notebook.open("", 'other --challenge "stop at the line"')
     lab.sees(".lrp-criterion")
     stop_at_the_line(lab)
+    lab = lab.notebook.open("", 'wide --challenge "look left, look right"')
+    lab.sees(".lrp-criterion")
+    keep_the_head_in_its_panel(lab)
 
 
 def drive_a_square(lab):
@@ -66,6 +69,17 @@ def see_the_goal_at_every_size(lab):
             nothing_overlaps(lab)
             assert goal["y"] < world["y"]
             assert world["x"] < editor["x"]
+
+
+def keep_the_head_in_its_panel(lab):
+    """The name of the goal can be read beside worlds with long names, and every button can be pressed."""
+    lab.page.set_viewport_size({"width": 1280, "height": 800})
+    panel = lab.at_rest('[data-lrp="goal"]')
+    last = lab.box('[data-lrp="goal"] [data-lrp-action="enlarge"]')
+    assert last["x"] + last["width"] <= panel["x"] + panel["width"]
+    assert lab.box('[data-lrp="goal"] .lrp-title')["width"] > 60
+    lab.do("start-over")
+    lab.ready("running")
 
 
 def stop_at_the_line(lab):
