@@ -56,7 +56,7 @@ export interface Notebook {
   readonly saveState: Signal<"started" | "completed" | "failed" | "completed manually">;
   save(): Promise<void>;
   readonly model: {
-    /** Whether the notebook is to be saved: Jupyter saves it then by itself, and asks before it is closed. */
+    /** Whether the notebook is to be saved: Jupyter saves it then unasked, and asks before it is closed. */
     dirty: boolean;
     /** Whether the server saves it after each change. */
     readonly collaborative?: boolean;
