@@ -191,26 +191,27 @@ def _code_cells(file: Path) -> list[dict[str, Any]]:
 
 def _cells(file: Path) -> list[tuple[list[str], str]]:
     """Return the words after ``%%lrp`` and the program of each such cell of a notebook."""
-    found = []
-    for code in _code_cells(file):
-        head, _, text = code["source"].lstrip().partition("\n")
-        cell = _CELL.match(head)
-        if cell is not None and text.strip():
-            found.append((_words(cell[1]), text))
-    return found
+    return [program for cell in _code_cells(file) if (program := _program(cell["source"])) is not None]
+
+
+def _program(source: str) -> tuple[list[str], str] | None:
+    head, _, text = source.lstrip().partition("\n")
+    cell = _CELL.match(head)
+    return (_words(cell[1]), text) if cell is not None and text.strip() else None
 
 
 def _labs(file: Path) -> list[tuple[list[str], str]]:
-    """Return the same of each lab that is saved in the output of another cell."""
+    """Return the same of each lab that is saved in the output of a cell without a program."""
     found = []
     for cell in _code_cells(file):
-        for output in cell.get("outputs", ()):
+        outputs = cell.get("outputs")
+        for output in outputs if isinstance(outputs, list) and _program(cell["source"]) is None else ():
             try:
-                about, text = output["metadata"]["lrp_jupyter"], "".join(output["data"]["text/plain"])
-                words = ["--challenge", about["challenge"]] if "challenge" in about else []
-            except (TypeError, KeyError):  # of another kind
+                about, text = dict(output["metadata"]["lrp_jupyter"]), "".join(output["data"]["text/plain"])
+            except (TypeError, KeyError, ValueError):  # of another kind
                 continue
-            if text.strip() and not _CELL.match(cell["source"]):
+            words = ["--challenge", str(about["challenge"])] if "challenge" in about else []
+            if text.strip():
                 found.append((words, text))
     return found
 

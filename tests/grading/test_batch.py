@@ -168,11 +168,14 @@ def test_a_lab_without_a_cell_of_its_own_is_saved_with_its_text(hand_in):
     mine = lab_in("Lab(challenge='first move')", "1\n", challenge="first move")
     other = lab_in("Lab('follower')", "2")
     cell = lab_in("%%lrp x --challenge square\n3", "4", challenge="square")
+    blank = lab_in("%%lrp x --challenge 'first move'\n", "5", challenge="first move")
+    odd = [{**mine, "outputs": 1}, lab_in("", "6", challenge=7), {**mine, "outputs": [1, {"metadata": 1}]}]
     folder = hand_in({
         "ada.ipynb": json.dumps({"cells": [other, mine, cell]}),
         "bob.ipynb": json.dumps({"cells": [other]}),
+        "carl.ipynb": json.dumps({"cells": [blank, *odd]}),
     })  # fmt: skip
-    assert found(folder) == {"ada": "1\n", "bob": "2"}
+    assert found(folder) == {"ada": "1\n", "bob": "2", "carl": "5"}
     assert found(folder, challenge("square"))["ada"] == "3"
 
 
