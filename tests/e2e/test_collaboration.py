@@ -3,6 +3,7 @@
 from importlib.util import find_spec
 
 import pytest
+from support.waiting import until
 
 from e2e.conftest import WAIT, WINDOW
 from e2e.jupyter import jupyter
@@ -76,3 +77,16 @@ def test_a_page_that_was_open_before_the_cell_ran_shows_the_lab_and_what_is_type
         lab.sees('[data-lrp-state="m/fourth"]')
         lab.reads(".cm-content", "(state fourth)")
     assert mine.root.evaluate("lab => lab.isFirst")  # it was not drawn again for the other one
+    is_saved_once(users, mine.text)
+
+
+def is_saved_once(users, text):
+    """What was typed in either page is in the cell that they share, and in the file."""
+    source = f"%%lrp m\n{text}".rstrip("\n")
+    for each in users:
+        each.page.wait_for_function(
+            f"source => {APP}.content.widgets[1].model.sharedModel.getSource() === source", arg=source
+        )
+    path = users[0].path
+    users[0].command("docmanager:save")  # these servers save nothing unasked
+    until(lambda: "(state fourth)" in path.read_text(), "the server has not saved it")
