@@ -50,13 +50,17 @@ export function followSwitches(store: Store): HTMLButtonElement[] {
     active: iconButton("follow", active, "follow", () => flip("active")),
     cursor: iconButton("cursor", cursor, "follow-cursor", () => flip("cursor")),
   };
-  const flip = (what: Followed) => follow(store, store.state.follow === what ? "nothing" : what);
+  const flip = (what: Followed) => flipFollow(store, what);
   store.watch(["follow"], () => {
     for (const [what, element] of Object.entries(switches))
       element.setAttribute("aria-pressed", String(store.state.follow === what));
   });
   store.watch(["settings"], () => setHidden(switches.active, store.state.settings.quiet));
   return Object.values(switches);
+}
+
+export function flipFollow(store: Store, what: Followed): void {
+  follow(store, store.state.follow === what ? "nothing" : what);
 }
 
 /**

@@ -25,7 +25,7 @@ import { boxAround, layoutsIn, nestAround, placesOf, type Shape, shapeFor } from
 import { marking } from "./marks";
 import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
-import { followRun, followSwitches, showMachine } from "./shown";
+import { flipFollow, followRun, followSwitches, showMachine } from "./shown";
 
 const MODE_WORDS = { live: "Live", static: "Static", hidden: "Hidden" };
 const MODES = "Live: redraw after every edit, and show the run. Static: redraw on request.";
@@ -196,7 +196,11 @@ export function graphView(lab: Lab): HTMLElement {
         }),
       ),
       null,
+      item("Follow the cursor", "menu-follow-cursor", () => flipFollow(store, "cursor"), {
+        checked: store.state.follow === "cursor",
+      }),
       item("Lay out all states again", "menu-arrange", arrange, { disabled }),
+      item("Show all", "menu-zoom-fit", whole, { disabled }),
       item("Zoom in", "menu-zoom-in", () => zoom(1.25), { disabled }),
       item("Zoom out", "menu-zoom-out", () => zoom(1 / 1.25), { disabled }),
       null,
