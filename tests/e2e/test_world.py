@@ -335,8 +335,8 @@ def see_a_preview_end(lab):
     lab.select("angular=-1.0")
     lab.page.keyboard.press("Alt+ArrowUp")
     lab.page.keyboard.press("Alt+ArrowUp")
-    for name in ("before -1.0", "now -0.8", "next -0.7"):
-        lab.sees(f'.lrp-legend li:text-is("{name}")')
+    for name in ("before -1.0", "now -0.89", "next -0.88"):
+        lab.sees(f'.lrp-legend span:text-is("{name}")')
     axe.finds_nothing_serious(lab)
     lab.page.keyboard.press("ArrowRight")  # the number is put down
     lab.sees(f"{WORLD}[data-what-if]")
