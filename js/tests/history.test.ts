@@ -84,7 +84,7 @@ describe("a value", () => {
   });
 
   it("shows its last half minute with its threshold, and follows it, while the pointer rests on it", async () => {
-    point("pointerover");
+    point("pointermove");
     await later(200);
     expect(card()).toBeNull();
     await later(100);
@@ -105,18 +105,20 @@ describe("a value", () => {
 
   it("asks for the half minute before the moment that is looked at", async () => {
     lab.store.set("looking", { tick: 80, time: 8, ago: 2, edited: false });
-    point("pointerover");
+    point("pointermove");
     await later(300);
     expect(asked[0]).toMatchObject({ seconds: 32 });
   });
 
   it("is left alone while one types, and in a quiet lab", async () => {
-    point("pointerover");
+    point("pointermove");
     await later(300);
     lab.root.dispatchEvent(new KeyboardEvent("keydown", { key: "a" }));
+    point("pointerover"); // the text has moved, not the pointer
+    await later(1000);
     expect(card()).toBeNull();
     lab.store.state.settings = { ...lab.store.state.settings, quiet: true };
-    point("pointerover");
+    point("pointermove");
     await later(1000);
     value.click();
     await later(100);
@@ -127,7 +129,7 @@ describe("a value", () => {
     value.click();
     await later(0);
     expect(lab.store.state.plots).toEqual(["robot.light.data"]);
-    point("pointerover");
+    point("pointermove");
     await later(300);
     expect(card()?.textContent).toContain("In the timeline");
     value.click();
@@ -151,7 +153,7 @@ describe("a value", () => {
 
   it("that is not a number shows nothing, and says so where it was asked for", async () => {
     lab.ask = async () => ({ plots: [{ ...LIGHT, values: [null, null, null] }] }) as never;
-    point("pointerover");
+    point("pointermove");
     await later(300);
     expect(card()?.hasAttribute("hidden")).toBe(true);
     value.click();

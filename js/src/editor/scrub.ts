@@ -155,7 +155,7 @@ function strip(view: EditorView, offset: number): HTMLElement {
 const card = hoverTooltip(
   (view, offset) => {
     const literal = numberAt(view.state, offset);
-    if (!literal) return null;
+    if (!literal || view.state.field(stepping)) return null; // who steps a number knows how
     return {
       pos: literal.from,
       end: literal.to,
@@ -170,7 +170,7 @@ const card = hoverTooltip(
       }),
     };
   },
-  { hoverTime: 600 },
+  { hoverTime: 600, hideOnChange: true },
 );
 
 export const scrubbing = (lab: Lab): Extension => [

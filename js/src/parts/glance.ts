@@ -49,11 +49,17 @@ export function glances(lab: Lab): void {
   };
   const listen = { signal: lab.closed };
   root.addEventListener(
-    "pointerover",
+    "pointermove", // which a value that comes under the pointer, or a key, does not cause
     (event) => {
       const value = event.pointerType === "mouse" && !event.buttons && valueAt(event);
       if (value) show(value, open ? 0 : OPENS);
-      else soon(close, CLOSES);
+    },
+    listen,
+  );
+  root.addEventListener(
+    "pointerover",
+    (event) => {
+      if (!valueAt(event)) soon(close, CLOSES);
     },
     listen,
   );
