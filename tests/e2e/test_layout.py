@@ -324,3 +324,20 @@ def push_nothing_by_notes(lab):
     summary.focus()
     summary.press("Enter")
     lab.reads(".lrp-restart-list", "is active and its running changed")
+
+
+def test_a_lab_is_printed_as_its_program_its_graph_and_its_world(open_lab):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    lab.page.evaluate("dispatchEvent(new Event('beforeprint'))")  # as the browser does
+    lab.page.emulate_media(media="print")
+    try:
+        lines = FOLLOWER.count("\n") + 1
+        lab.until(
+            "(editor, lines) => editor.querySelectorAll('.cm-line').length === lines", ".cm-content", lines
+        )
+        parts = [lab.box(part) for part in (".cm-content", ".lrp-graph", ".lrp-canvas")]
+        tops = sorted((part["y"], part["y"] + part["height"]) for part in parts)
+        assert all(end <= begin for (_, end), (begin, _) in pairwise(tops))
+        assert lab.find("button:visible").count() == 0
+    finally:
+        lab.page.emulate_media(media="screen")

@@ -21,7 +21,7 @@ export function openForm(
     open(name) {
       wanted = name;
       if (!text().trim()) return void load();
-      const sentence = `Replace \`${lab.store.state.name}\` with \`${name}\`? Its text stays under Versions….`;
+      const sentence = `Replace \`${lab.store.state.name}\` with \`${name}\`? Its text is kept: see Versions… in the menu.`;
       setProse(question, sentence);
       form.show();
       ok.focus();
