@@ -60,6 +60,17 @@ def nothing_is_drawn_over_the_output(lab):
     assert title["y"] + title["height"] <= min(output["y"], panel["y"] + panel["height"]) + 0.5
 
 
+def is_in_reading_order(lab):
+    """The tab key goes through a part of the lab before it goes to the next, downwards and to the right."""
+    places = ".lrp-panels > :not(.lrp-splitter, [data-away], [data-goalless])"
+    boxes = lab.find(places).evaluate_all(
+        "places => places.map(place => place.getBoundingClientRect()).map(({ x, y }) => [x, y])"
+    )
+    for (x, y), (next_x, next_y) in pairwise(boxes):
+        assert next_y > y or next_x > x, boxes
+    assert boxes[0] == min(boxes), boxes
+
+
 def is_stacked(lab):
     """Where there is little room the world is above the other panels."""
     places = places_of(lab)
@@ -107,6 +118,7 @@ def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page
             lab.until(STACKED, ".lrp-panels", width < 1000)
             lab.at_rest('[data-lrp="world"]')
             nothing_overlaps(lab)
+            is_in_reading_order(lab)
             if width >= 1280:
                 has_a_whole_head(lab)
             (is_side_by_side if width >= 1280 else is_stacked)(lab)

@@ -1,6 +1,6 @@
 /**
  * The panels of the lab: all in one screen, and the world the largest. The arrangement, sizes and hidden panels are
- * kept by the browser. No panel moves in the document, so none loses its focus or where it was scrolled to.
+ * kept by the browser. A panel moves in the document only where it keeps its focus and where it was scrolled to.
  */
 
 import { arrange, type Division } from "./boxes";
@@ -13,6 +13,7 @@ import { Tabs } from "./tabs";
 const ARRANGEMENT = "arrangement";
 const HIDDEN = "hidden-";
 const SHARE = "share-";
+const STACK = ["world", "goal", "editor", "machines", "lists"]; // see frame.css
 const STACKED = 300; // px: the world's height where the panels are stacked, at most
 /** Set by the goal's panel while the program is written for no challenge. */
 export const GOALLESS = "data-goalless";
@@ -49,7 +50,7 @@ export class Layout {
     this.tabs = new Tabs(others, isPanelVisible);
     this.tabs.told = (name, on) => this.told(name, on);
     const lists = this.tabs.element;
-    this.places = new Map(Object.entries({ goal, editor, machines, world, lists })); // in the order of the tab key
+    this.places = new Map(Object.entries({ goal, editor, machines, world, lists }));
     this.element = h("div", { class: "lrp-panels" }, ...this.places.values());
     for (const [name, panel] of Object.entries(panels)) panel.hidden = kept(HIDDEN + name) !== null;
     this.observer.observe(this.element);
@@ -145,12 +146,23 @@ export class Layout {
       if (box) put(place, box);
       place.toggleAttribute("data-away", Boolean(plan) && !box); // and it keeps its size: nothing in it is laid out again
     }
+    this.order([...boxes.keys()]);
     for (const { element } of this.bars.values()) element.hidden = true;
     for (const bar of bars) {
       const { element, update } = this.bars.get(bar.division) ?? this.makeBar(bar.division);
       element.hidden = false;
       update(bar);
     }
+  }
+
+  /** Let the tab key go through the panels as they are read, in browsers in which elements can move and stay as they are. */
+  private order(names: string[]): void {
+    const element: Element & { moveBefore?(moved: Element, before: Element | null): void } = this.element;
+    const wanted = (names.length ? names : STACK).map((name) => this.places.get(name)!);
+    wanted.forEach((place, index) => {
+      const there = element.children[index] ?? null;
+      if (there !== place && element.isConnected) element.moveBefore?.(place, there);
+    });
   }
 
   private makeBar(division: Division) {
