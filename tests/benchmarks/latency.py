@@ -38,9 +38,6 @@ PROGRAM = f"""{CALM}
 (spawn blink off)
 (machine probe (state here) (state q))
 (spawn probe here)
-(var turn := [0.50])
-(machine drive (state go (running [robot.move(angular=turn)])))
-(spawn drive go)
 """
 SLOW_CELL = "import time\nprint(0)\nfor _ in range({}):\n    time.sleep(0.1)\n"
 STANDING = "(machine m (state a)) (spawn m a)"
@@ -159,18 +156,6 @@ class Bench:
                 self.lab.sees('[data-lrp-state="probe/q"]')
         self.table.row("completing keystroke → interpreter runs it", runs, "≤ 75")
         self.table.row("completing keystroke → graph shows it", shows, "≤ 100")
-
-    def step_a_number(self) -> None:
-        self.lab.select("[0.50]")
-        self.page.keyboard.press("ArrowLeft")
-        self.page.keyboard.press("ArrowRight")
-        times = []
-        for turn in range(51, 51 + self.times // 2):
-            title = f"How it goes now, with 0.{turn}"
-            condition = f"root => root.querySelector('.lrp-legend [title=\"{title}\"]')"
-            event, picture = self.timed("keydown", condition, lambda: self.page.keyboard.press("Alt+ArrowUp"))
-            times.append((picture - event) * 1e3)
-        self.table.row("a step of a number → its three courses", times, "≤ 200")
 
     def repair(self) -> None:
         self.lab.select("(state off)")

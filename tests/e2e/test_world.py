@@ -332,7 +332,7 @@ def see_a_collision_ahead(lab):
 def see_a_preview_end(lab):
     """A preview of a running program is shown until its end: of a number, with three values."""
     lab.goes_on()
-    lab.select("angular=-1.0")
+    lab.select("-1.0")
     lab.page.keyboard.press("Alt+ArrowUp")
     lab.page.keyboard.press("Alt+ArrowUp")
     for name in ("before -1.0", "now -0.89", "next -0.88"):
