@@ -388,7 +388,6 @@ def main() -> None:
             bench.type_in_a_cell()
             bench.type()
             bench.complete()
-            bench.step_a_number()
             bench.repair()
             bench.highlight(seconds)
             bench.obey("", times // 4)
