@@ -256,8 +256,11 @@ class LabPage:
     # -- what is done ----------------------------------------------------------------------------
 
     def press(self, selector):
-        """Press something, as the browser's user does."""
+        """Press something, as the browser's user does, who first chooses the tab in which it is."""
         found = self.find(selector).first
+        tab = found.evaluate("element => element.closest('[data-behind]')?.dataset.lrp")
+        if tab:
+            self.open_tab(tab)
         found.tap() if self.page.evaluate(IS_TABLET) else found.click()
 
     def do(self, action):

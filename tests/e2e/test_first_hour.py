@@ -49,7 +49,7 @@ def test_the_first_behaviour_of_the_readme_is_typed_while_the_robot_drives(open_
     event, state, arrow, delay, number = rows
     lab = open_lab(program, head)
     typist = Typist(lab)
-    typist.after("driving (running")
+    typist.after("linear=pace)]))")
     lab.page.keyboard.press("ArrowDown")  # into the empty line
 
     def typed(line):
