@@ -85,10 +85,9 @@ function make(lab: Lab, entry: Entry): HTMLElement {
     },
     h("span", { class: "lrp-dot", "aria-hidden": "true" }),
     h("span", { class: "lrp-issue-text" }),
-    h("span", { class: "lrp-issue-note" }),
   );
-  if (entry.code) item.append(go, codeButton(lab, entry.code), debugButton(lab, item));
-  else item.append(go); // a notice of the robot
+  item.append(go, h("span", { class: "lrp-issue-note" }));
+  if (entry.code) item.append(codeButton(lab, entry.code), debugButton(lab, item)); // else a notice of the robot
   if (entry.issue?.traceback)
     item.append(h("details", {}, h("summary", {}, "Traceback"), h("pre", { tabindex: "0" })));
   return item;

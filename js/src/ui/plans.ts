@@ -74,14 +74,14 @@ function beside({ width, height }: Room, world: Size, name: string): Plan {
   );
 }
 
-/** The world lies above the program, the graph at its side. */
+/** The world lies above the program, the lists beside it, the graph beside the program. */
 function above({ width, height }: Room, world: Size): Plan {
   return rows(
     "work-above",
     "Height of the world",
     (100 * (world.height + HEAD)) / height,
-    columns("work-graph", "Width of the graph", (100 * world.width) / width, "world", "machines"),
-    columns("work-editor", "Width of the editor", 60, "editor", "lists"),
+    columns("work-width", "Width of the world", (100 * world.width) / width, "world", "lists"),
+    columns("work-editor", "Width of the editor", 58, "editor", "machines"),
   );
 }
 
