@@ -9,7 +9,7 @@ from e2e.programs import COUNTER, FOLLOWER
 PLAYHEAD = ".lrp-playhead"
 BAND = ".lrp-band"
 BODY = ".lrp-timeline-body"
-PARTS = ("editor", "graph", "world", "variables", "issues", "timeline")
+PARTS = ("editor", "graph", "world", "variables", "timeline")
 VISITS = ".lrp-timeline-visit:not([data-other])"
 ODOMETER = '.lrp-members [data-key="odom.x"]'
 PRESENT = """\
@@ -91,8 +91,12 @@ def test_the_past_of_a_robot_is_asked_and_edited(open_lab):
 
 
 def drag_the_playhead(lab):
-    """All panels show the moment, and nothing else moves."""
-    before = {part: lab.box(f'[data-lrp="{part}"]') for part in PARTS}
+    """All panels show the moment; the world is larger meanwhile, and then everything is where it was."""
+
+    def places():
+        return {part: lab.box(f'[data-lrp="{part}"]') for part in PARTS}
+
+    before = places()
     drag(lab, 0.5)
     lab.ready("paused")
     looks(lab)
@@ -111,10 +115,15 @@ def drag_the_playhead(lab):
     press(lab, "ArrowLeft")
     ticks(lab, tick - 1)
     lab.has_value("m/n", str(tick - 1))
-    assert {part: lab.box(f'[data-lrp="{part}"]') for part in PARTS} == before
+    during = places()
+    assert during["timeline"] == before["timeline"]
+    assert during["world"]["width"] * during["world"]["height"] > 1.2 * (
+        before["world"]["width"] * before["world"]["height"]
+    )
     press(lab, "Escape")
     is_back(lab)
     lab.ready("running")  # as it was
+    assert places() == before
 
 
 def go_by_keys(lab):
