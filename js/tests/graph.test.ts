@@ -466,6 +466,14 @@ describe("the camera's own movements", () => {
     expect(camera.inside(200, 150)[1]).toBeCloseTo(2018);
   });
 
+  it("bring what is new into view, also when a state becomes active before the user pauses", () => {
+    autofit.acted();
+    autofit.update(box(0, 0, 400, 3000), () => box(100, 2000, 60, 36));
+    autofit.suggest(() => box(100, 0, 60, 36));
+    vi.advanceTimersByTime(2000);
+    expect(camera.inside(200, 150)[1]).toBeCloseTo(2018);
+  });
+
   it("do not happen because the panel changes its size while one types", () => {
     autofit.acted();
     resize(400, 320);

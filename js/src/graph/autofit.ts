@@ -113,6 +113,12 @@ export class AutoFit {
     else this.check();
   }
 
+  /** Bring something into view when the user pauses, unless something else comes into view then. */
+  suggest(wanted: Subject): void {
+    this.wanted ??= wanted;
+    this.check();
+  }
+
   /** The user types or points: what moves stops, and goes on after a pause; not while a button is down. */
   acted(pressed = false): void {
     this.lastAct = performance.now();

@@ -259,7 +259,7 @@ export function graphView(lab: Lab): HTMLElement {
     lab,
     (machine) => machine in drawn,
     () => !fitting.isQuiet,
-    () => fitting.reveal(focus),
+    () => fitting.suggest(focus),
   );
   new ResizeObserver(() => {
     fitting.resized(focus());
