@@ -135,10 +135,10 @@ def zoom_the_graph(lab, fingers):
 
 
 def move_a_bar(lab, fingers):
-    bar = lab.box(".lrp-splitter-columns")
+    bar = lab.box(".lrp-splitter-columns:not([hidden])")
     x, y = middle(bar)
     fingers.drag((x - 14, y), (x + 60, y))
-    assert lab.box(".lrp-splitter-columns")["x"] > bar["x"] + 50
+    assert lab.box(".lrp-splitter-columns:not([hidden])")["x"] > bar["x"] + 50
 
 
 def drag_the_robot(lab, fingers):

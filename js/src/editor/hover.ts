@@ -11,10 +11,11 @@ import { h, prose } from "../ui/dom";
 import { chainAt, contextAt } from "./context";
 import { FORMS } from "./forms";
 import { subjectAt } from "./history";
+import { scrubbed } from "./scrub";
 
-/** What a card says is about the text as it was, and the card lies over what is being typed. */
-const closedByEdits = EditorState.transactionExtender.of(({ docChanged }) =>
-  docChanged ? { effects: closeHoverTooltips } : null,
+/** What a card says is about the text as it was, and the card lies over what is being typed; not over a number's steps. */
+const closedByEdits = EditorState.transactionExtender.of((transaction) =>
+  transaction.docChanged && !transaction.annotation(scrubbed) ? { effects: closeHoverTooltips } : null,
 );
 
 export function hover(lab: Lab): Extension {

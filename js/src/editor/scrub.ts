@@ -170,7 +170,7 @@ const card = hoverTooltip(
       }),
     };
   },
-  { hoverTime: 600, hideOnChange: true },
+  { hoverTime: 600 },
 );
 
 export const scrubbing = (lab: Lab): Extension => [
