@@ -120,7 +120,7 @@ class LiveFloor:
                 }
                 _enter_strokes(self._painted, more)
         else:
-            self._painted = _cells_of(floor.strokes)
+            self._painted = _cells_of(tuple(floor.strokes))
         self.grey, self._strokes, self.raster = float(floor.grey), floor.strokes, None
 
     def ink(self, paint: Paint, start: Point, end: Point, step: int) -> None:

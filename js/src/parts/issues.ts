@@ -20,7 +20,7 @@ interface Entry {
 
 export function issuesView(lab: Lab): HTMLElement {
   const { store } = lab;
-  const clear = iconButton("clear", "Clear the run-time issues", "clear", () => {
+  const clear = iconButton("clear", "Clear: remove the run-time issues", "clear", () => {
     void lab.act({ do: "clear_issues" });
   });
   const list = h("ul", { class: "lrp-issues" });
