@@ -161,7 +161,7 @@ def test_a_small_window_shows_all_of_a_machine_and_a_large_one_the_whole_nest(op
 
 def test_nested_and_large_graphs_are_drawn_saved_and_read(open_lab, tmp_path):
     lab = open_lab(INNER)
-    lab.page.set_viewport_size({"width": 1280, "height": 800})  # too small for the whole nest
+    lab.page.set_viewport_size({"width": 1280, "height": 1000})  # too small for the whole nest
     keep_what_is_selected(lab)
     show_what_was_chosen_or_where_the_cursor_is(lab)
     draw_machines_inside_their_states(lab)

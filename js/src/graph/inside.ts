@@ -71,11 +71,15 @@ export function placesOf(
 export function boxAround(places: readonly Inside[], layouts: Layouts): Box {
   const boxes = places.map(({ machine, x, y }) => {
     const [left = 0, top = 0, width = 0, height = 0] = layouts[machine]!.view;
-    return [left + x, top + y, left + x + width, top + y + height] as const;
+    return { x: left + x, y: top + y, width, height };
   });
-  if (!boxes.length) return { x: 0, y: 0, width: 0, height: 0 };
-  const [x, y] = [Math.min(...boxes.map(([left]) => left)), Math.min(...boxes.map(([, top]) => top))];
-  const right = Math.max(...boxes.map(([, , end]) => end));
-  const bottom = Math.max(...boxes.map(([, , , end]) => end));
+  return boxes.length ? unionOf(boxes) : { x: 0, y: 0, width: 0, height: 0 };
+}
+
+/** The rectangle around rectangles. */
+export function unionOf(boxes: readonly Box[]): Box {
+  const [x, y] = [Math.min(...boxes.map((box) => box.x)), Math.min(...boxes.map((box) => box.y))];
+  const right = Math.max(...boxes.map((box) => box.x + box.width));
+  const bottom = Math.max(...boxes.map((box) => box.y + box.height));
   return { x, y, width: right - x, height: bottom - y };
 }

@@ -21,7 +21,7 @@ import { Dragging } from "./drag";
 import { drawCones, drawMachines } from "./draw";
 import { type Drawn, drawnAt, menuOf } from "./elements";
 import { keepOneTabStop, walkWithArrows } from "./focus";
-import { boxAround, layoutsIn, nestAround, placesOf, type Shape, shapeFor } from "./inside";
+import { boxAround, layoutsIn, nestAround, placesOf, type Shape, shapeFor, unionOf } from "./inside";
 import { marking } from "./marks";
 import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
@@ -88,6 +88,11 @@ export function graphView(lab: Lab): HTMLElement {
         return found ? around(found, x, y) : null;
       })
       .findLast(Boolean) ?? null;
+  /** The rectangle around some states. */
+  const boxOfAll = (ids: readonly string[]): Box | null => {
+    const boxes = ids.flatMap((one) => boxOf(({ id }) => id === one) ?? []);
+    return boxes.length ? unionOf(boxes) : null;
+  };
   /** Where each state is drawn. */
   const spots = () =>
     new Map(
@@ -127,7 +132,7 @@ export function graphView(lab: Lab): HTMLElement {
     places = placesOf(nest, layouts, form, other ? [] : places);
     drawn = Object.fromEntries(parts.map((part) => [part.machine, part]));
     const now = [...spots()];
-    const fresh = now.find(([id]) => !known.has(id))?.[0];
+    const fresh = now.flatMap(([id]) => (known.has(id) ? [] : [id]));
     const isRearranged = known.size > 1 && !now.some(([id, spot]) => known.get(id) === spot);
     drawCones(cones, places, layouts, form === "row");
     drawMachines(machines, places, layouts);
@@ -138,7 +143,7 @@ export function graphView(lab: Lab): HTMLElement {
       camera = store.state.cameras[nest[0]!] ??= new Camera();
       fitting.show(camera, contents(), focus());
     } else if (isRearranged) fitting.rearranged(contents(), focus());
-    else fitting.update(contents(), fresh ? () => boxOf(({ id }) => id === fresh) : null);
+    else fitting.update(contents(), fresh.length ? () => boxOfAll(fresh) : null);
     if (isChosen && !other) showPart(machine);
     shown = machine;
     dragging.drawn(parts);
