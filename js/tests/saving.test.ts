@@ -129,6 +129,17 @@ describe("what is typed", () => {
     expect(page.of("picture")).toHaveLength(1);
   });
 
+  it("has its picture when it is saved before it runs: Jupyter saves again", async () => {
+    page.type("; new\n");
+    await notebook.save();
+    page.confirm();
+    await frame({ revision: revision + 1 });
+    await vi.waitFor(() => expect(page.of("picture")).toHaveLength(1), 5000);
+    await draws("<svg>new</svg>");
+    await vi.waitFor(() => expect(notebook.saves).toBe(2));
+    expect(cell().saved.get("data")).toMatchObject({ "image/svg+xml": "<svg>new</svg>" });
+  });
+
   it("is not written over a cell that was edited, too, before its user chooses", async () => {
     cell().edit("(machine mine)");
     page.type("; new\n");

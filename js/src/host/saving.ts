@@ -48,12 +48,20 @@ export function saveWith(
   };
   /** The server of a shared notebook saves what changes, and reports nothing. */
   const share = () => void (model.collaborative && put());
+  /** Save what was not there yet when the notebook was saved. */
+  const supplement = () => {
+    const isClean = !model.dirty; // else it is saved with what has changed since
+    if (!put()) return;
+    model.dirty = true;
+    if (isClean) void notebook.save();
+  };
   const rest = calledAfter(REST, async () => {
     if (closed.aborted) return;
     share();
     if (!isStale()) return;
     await draw();
-    share();
+    if (model.collaborative) put();
+    else supplement();
   });
   editor.onChange = () => {
     if (!editor.isLast) return; // the page of the other one is to be saved
@@ -65,12 +73,7 @@ export function saveWith(
       put();
       waiting = isStale() ? draw() : null;
     } else if (state === "completed" && waiting) {
-      void waiting.then(() => {
-        const isClean = !model.dirty; // else it is saved with what has changed since
-        if (!put()) return;
-        model.dirty = true;
-        if (isClean) void notebook.save();
-      });
+      void waiting.then(supplement);
       waiting = null;
     }
   };
