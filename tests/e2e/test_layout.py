@@ -278,8 +278,8 @@ def resize_and_reload(lab):
     usual = box(lab, "world")["width"]
     bar.focus()
     for _ in range(5):
-        bar.press("ArrowRight")
-    assert box(lab, "world")["width"] == pytest.approx(usual + 0.1 * lab.box()["width"], abs=3)
+        bar.press("ArrowLeft")
+    assert box(lab, "world")["width"] == pytest.approx(usual - 0.1 * lab.box()["width"], abs=3)
     lab.do("menu")
     lab.choose("panel-robot")
     assert not lab.find('[data-lrp-tab="robot"]').is_visible()

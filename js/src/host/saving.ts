@@ -50,10 +50,9 @@ export function saveWith(
   const share = () => void (model.collaborative && put());
   /** Save what was not there yet when the notebook was saved. */
   const supplement = () => {
-    const isClean = !model.dirty; // else it is saved with what has changed since
-    if (!put()) return;
+    if (model.dirty || !put()) return; // else it is saved with what has changed since
     model.dirty = true;
-    if (isClean) void notebook.save();
+    void notebook.save();
   };
   const rest = calledAfter(REST, async () => {
     if (closed.aborted) return;
