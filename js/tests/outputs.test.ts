@@ -73,7 +73,7 @@ it("the picture and the text of a lab are saved without its widget, which a page
   expect(reopened.drawn).toHaveBeenCalledExactlyOnceWith(0);
 });
 
-it("what the kernel has not opened, or is no lab, stays as the host shows it", async () => {
+it("what the kernel has not opened, and what is not a lab, stays as the host shows it", async () => {
   for (const other of [notebook({ live: false }), notebook({ id: "somewhere.Widget" })]) {
     await other.opens();
     await other.arrives();

@@ -24,6 +24,10 @@ _CELL = re.compile(r"\s*%%lrp\b(.*)")
 _LONGEST = 1_000_000  # characters of a program
 
 
+_Found = tuple[list[str], str]
+"""The words after ``%%lrp``, and the program."""
+
+
 class Submission(NamedTuple):
     """A program that was handed in.
 
@@ -137,7 +141,7 @@ def _fits(file: Path, task: Challenge) -> bool:
     """Return whether a file says by its name or its cells that it is for a challenge."""
     return _slug(_student(file.stem)) == _slug(task.name) or (
         file.suffix == ".ipynb"
-        and any(_is_for(options, task) for options, _ in (*_cells(file), *_labs(file)))
+        and any(_is_for(options, task) for programs in _cells_and_labs(file) for options, _ in programs)
     )
 
 
@@ -161,14 +165,15 @@ def read_submission(file: Path, task: Challenge) -> str:
     """
     if file.suffix != ".ipynb":
         return read_text(file)
-    cells, labs = _cells(file), _labs(file)
-    for programs in (cells, labs):
+    found = _cells_and_labs(file)
+    for programs in found:
         fitting = [text for options, text in programs if _is_for(options, task)]
         if fitting:
             return fitting[-1]
-    for programs in (cells, labs):
+    for programs in found:
         if len(programs) == 1:
             return programs[0][1]
+    cells, _ = found
     what = "no `%%lrp` cell" if not cells else f"{len(cells)} `%%lrp` cells, and none is for this challenge"
     raise FileError(
         f"`{shown(file)}` has {what}. Begin the cell to be graded with "
@@ -176,44 +181,40 @@ def read_submission(file: Path, task: Challenge) -> str:
     )
 
 
-def _code_cells(file: Path) -> list[dict[str, Any]]:
+def _cells_and_labs(file: Path) -> tuple[list[_Found], list[_Found]]:
+    """Return the programs in the ``%%lrp`` cells of a notebook, and those of labs saved in other outputs."""
+    cells: list[_Found] = []
+    labs: list[_Found] = []
+    for source, outputs in _code_cells(file):
+        head, _, text = source.lstrip().partition("\n")
+        cell = _CELL.match(head)
+        if cell is not None and text.strip():
+            cells.append((_words(cell[1]), text))
+        else:
+            labs += _labs(outputs)
+    return cells, labs
+
+
+def _code_cells(file: Path) -> list[tuple[str, object]]:
+    """Return the source and the outputs of each code cell of a notebook."""
     try:
         notebook: Any = json.loads(read_text(file))
-        cells = [dict(cell) for cell in notebook["cells"] if cell.get("cell_type") == "code"]
-        for cell in cells:
-            cell["source"] = "".join(cell["source"])
+        cells = [cell for cell in notebook["cells"] if cell.get("cell_type") == "code"]
+        return [("".join(cell["source"]), cell.get("outputs")) for cell in cells]
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
         raise FileError(
             f"`{shown(file)}` is not a notebook that can be read. Save it again in Jupyter."
         ) from error
-    return cells
 
 
-def _cells(file: Path) -> list[tuple[list[str], str]]:
-    """Return the words after ``%%lrp`` and the program of each such cell of a notebook."""
-    return [program for cell in _code_cells(file) if (program := _program(cell["source"])) is not None]
-
-
-def _program(source: str) -> tuple[list[str], str] | None:
-    head, _, text = source.lstrip().partition("\n")
-    cell = _CELL.match(head)
-    return (_words(cell[1]), text) if cell is not None and text.strip() else None
-
-
-def _labs(file: Path) -> list[tuple[list[str], str]]:
-    """Return the same of each lab that is saved in the output of a cell without a program."""
-    found = []
-    for cell in _code_cells(file):
-        outputs = cell.get("outputs")
-        for output in outputs if isinstance(outputs, list) and _program(cell["source"]) is None else ():
-            try:
-                about, text = dict(output["metadata"]["lrp_jupyter"]), "".join(output["data"]["text/plain"])
-            except (TypeError, KeyError, ValueError):  # of another kind
-                continue
-            words = ["--challenge", str(about["challenge"])] if "challenge" in about else []
-            if text.strip():
-                found.append((words, text))
-    return found
+def _labs(outputs: object) -> Iterator[_Found]:
+    for output in outputs if isinstance(outputs, list) else ():
+        try:
+            about, text = dict(output["metadata"]["lrp_jupyter"]), "".join(output["data"]["text/plain"])
+        except (TypeError, KeyError, ValueError):  # of another kind
+            continue
+        if text.strip():
+            yield ["--challenge", str(about["challenge"])] if "challenge" in about else [], text
 
 
 def _words(line: str) -> list[str]:

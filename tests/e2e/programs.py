@@ -48,3 +48,13 @@ while not pathlib.Path("go").exists() and time.monotonic() < end:
     time.sleep(0.02)
 pathlib.Path("over").touch()
 """
+SQUARE = """\
+(var corners := [0])
+(machine m
+  (state side (running [robot.move(linear=0.2)]))
+  (state corner (running [robot.move(angular=1)]) (onexit [corners = corners + 1]))
+  (state home (onentry [robot.stop()]))
+  (on [corners == 4] side -> home)
+  (ontime 3000 side -> corner) (ontime 1571 corner -> side))
+(spawn m side)
+"""

@@ -7,23 +7,13 @@ from xml.etree import ElementTree
 
 from e2e.conftest import WAIT
 from e2e.pages import APP
-from e2e.programs import COUNTER
+from e2e.programs import COUNTER, SQUARE
 from e2e.test_hosts import STORED, converted, is_one_line, is_whole, source_of
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.grading.submissions import find_submissions
 
 NOT_SAVED = '[data-lrp-action="unkept"]:not([hidden])'
-SQUARE = """\
-(var corners := [0])
-(machine m
-  (state side (running [robot.move(linear=0.2)]))
-  (state corner (running [robot.move(angular=1)]) (onexit [corners = corners + 1]))
-  (state home (onentry [robot.stop()]))
-  (on [corners == 4] side -> home)
-  (ontime 3000 side -> corner) (ontime 1571 corner -> side))
-(spawn m side)
-"""
 
 
 def on_disk(notebook, index=1):

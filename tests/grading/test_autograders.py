@@ -12,6 +12,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from e2e.programs import SQUARE
 
 from lrp_jupyter import grade
 
@@ -24,16 +25,6 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:Object of type <.*> not in session"),  # nbgrader
 ]
 
-SQUARE = """\
-(var corners := [0])
-(machine m
-  (state side (running [robot.move(linear=0.2)]))
-  (state corner (running [robot.move(angular=1)]) (onexit [corners = corners + 1]))
-  (state home (onentry [robot.stop()]))
-  (on [corners == 4] side -> home)
-  (ontime 3000 side -> corner) (ontime 1571 corner -> side))
-(spawn m side)
-"""
 HALF = SQUARE.replace("corners == 4", "corners == 2")  # stops at the second corner
 PAGE = Path(__file__).parents[2] / "notebooks/teachers/autograders.md"
 

@@ -28,7 +28,7 @@ interface NotebookOutput {
 }
 
 /** An output as it is saved, a map of Yjs: a change of it changes nothing that is drawn. */
-export interface SavedOutput {
+interface SavedOutput {
   get(name: "data"): Readonly<Bundle>;
   set(name: "data", data: Bundle): void;
 }

@@ -21,7 +21,7 @@ export interface Drag {
 /** Gives up a drag, with whether it keeps the finger from scrolling. */
 const drags = new Map<() => void, boolean>();
 
-/** Whether what fingers do is not to scroll the page. */
+/** Whether fingers do something other than scroll the page. */
 export function isHolding(): boolean {
   return [...drags.values()].includes(true);
 }

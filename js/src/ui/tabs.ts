@@ -5,7 +5,7 @@ import { keep, kept } from "./kept";
 
 const CHOSEN = "tab";
 /** Set while another tab is in front. */
-export const BEHIND = "data-behind";
+const BEHIND = "data-behind";
 
 export class Tabs {
   readonly element: HTMLElement;
@@ -34,6 +34,7 @@ export class Tabs {
 
   /** Show a panel until it is let go: it is not what the user has chosen. */
   call(name: string | null): void {
+    if (this.called === name) return;
     this.called = name;
     this.update();
   }
