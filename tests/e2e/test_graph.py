@@ -157,6 +157,11 @@ def test_a_small_window_shows_all_of_a_machine_and_a_large_one_the_whole_nest(op
         lab.do("menu")
         lab.choose("panel-graph")
         see(listed)
+    in_heading = lab.find('[data-lrp="graph"] .lrp-path')
+    for is_shown in (True, False):
+        assert in_heading.is_visible() is is_shown
+        lab.do("menu")
+        lab.choose("panel-tree")
 
 
 def test_nested_and_large_graphs_are_drawn_saved_and_read(open_lab, tmp_path):
