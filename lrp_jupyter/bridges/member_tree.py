@@ -401,7 +401,7 @@ class Nodes:
             return node.describe()
         if node is not None:
             inside = (member for member in self.members() if member.path.startswith(f"{path}."))
-            return Member(path, "variable", fields=tuple(member.describe() for member in inside))
+            return Member(path, "part", fields=tuple(member.describe() for member in inside))
         parent, _, name = path.rpartition(".")
         fields = self.describe(parent).fields if parent else ()
         for field in fields:

@@ -33,7 +33,8 @@ class Member:
     ----------
     name : str
         Dotted path below ``robot``: ``"light.data"``.
-    kind : {"variable", "method"}
+    kind : {"variable", "method", "part"}
+        ``light`` is a part: it has the member ``light.data``.
     type : str
         Name of the type of the value, empty while nothing is known about it.
     unit : str
@@ -52,7 +53,7 @@ class Member:
     """
 
     name: str
-    kind: Literal["variable", "method"]
+    kind: Literal["variable", "method", "part"]
     type: str = ""
     unit: str = ""
     doc: str = ""
@@ -65,7 +66,7 @@ class Member:
     @property
     def absence(self) -> str:
         """What to show for want of a value: ``"waiting"``, ``"stale, 1.4 s old"``; empty if there is one."""
-        if self.kind == "method":
+        if self.kind != "variable":
             return ""
         if self.stale:
             return f"stale, {age_text(self.age)} old"

@@ -248,8 +248,9 @@ def _option(name: str, value: object) -> Option:
 
 
 def _member_card(title: str, member: Member) -> HoverView:
-    value = member.absence or ("" if member.kind == "method" else render(member.value))
-    return _hover_view(title + member.signature, member.type, value, member.doc)
+    names = (field.name.removeprefix(f"{member.name}.") for field in member.fields)
+    values = {"method": "", "part": ", ".join(names), "variable": member.absence or render(member.value)}
+    return _hover_view(title + member.signature, member.type, values[member.kind], member.doc)
 
 
 def _card(title: str, value: object) -> HoverView:
