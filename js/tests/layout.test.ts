@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 
-import { afterEach, beforeEach, describe, expect, it } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { arrange } from "../src/ui/boxes";
 import { h } from "../src/ui/dom";
 import { Layout, type Panels } from "../src/ui/layout";
@@ -59,6 +59,17 @@ describe("the plans", () => {
       }
   });
 
+  it("give a program the whole height where graph and lists have room under the world", () => {
+    const of = (index: number, aspect: number) => boxesOf(LABS[index]!, aspect);
+    for (const aspect of [ASPECTS.line, ASPECTS.oval, ASPECTS.crossing]) {
+      const { inPx, share } = of(3, aspect);
+      expect(inPx("editor").height).toBeCloseTo(LABS[3][2]);
+      expect(share).toBeGreaterThanOrEqual(0.3);
+      expect(inPx("machines").height).toBeGreaterThanOrEqual(290);
+      for (const index of [0, 1, 2]) expect(of(index, aspect).inPx("editor").height).toBeLessThan(500);
+    }
+  });
+
   it("make the world larger where that is wanted, and keep every panel in sight", () => {
     for (const lab of LABS)
       for (const aspect of Object.values(ASPECTS)) {
@@ -108,8 +119,7 @@ describe("the layout", () => {
     expect(place(layout, "world", "top")).toBe(0);
     expect(place(layout, "world", "left")).toBeGreaterThan(0);
     layout.panels.world.setAttribute("data-aspect", "2.5");
-    await new Promise((resolve) => setTimeout(resolve, 20));
-    expect(place(layout, "world", "left")).toBe(0);
+    await vi.waitFor(() => expect(place(layout, "world", "left")).toBe(0));
     expect(place(layout, "editor", "top")).toBeGreaterThan(0);
   });
 
@@ -118,8 +128,7 @@ describe("the layout", () => {
     expect(layout.panels.goal.hasAttribute("data-away")).toBe(true);
     expect(place(layout, "editor", "left")).toBe(0);
     layout.panels.goal.toggleAttribute("data-goalless", false);
-    await new Promise((resolve) => setTimeout(resolve, 20));
-    expect(place(layout, "goal", "left")).toBe(0);
+    await vi.waitFor(() => expect(place(layout, "goal", "left")).toBe(0));
     expect(place(layout, "world", "left")).toBe(0);
     expect(place(layout, "editor", "left")).toBeGreaterThanOrEqual(44);
   });

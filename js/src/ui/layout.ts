@@ -134,7 +134,9 @@ export class Layout {
     };
     const plan = alone ?? planFor(room, shown, this.looksBack ? "world" : this.arrangement);
     this.element.toggleAttribute("data-stacked", !plan);
-    const stacked = shown.aspect ? HEAD + Math.min(STACKED, width / shown.aspect) : STACKED;
+    const stacked = shown.aspect
+      ? HEAD + Math.min(STACKED, width / shown.aspect, 0.6 * Math.max(STACKED, height)) // the program is in sight
+      : STACKED;
     this.panels.world.style.setProperty("--lrp-stacked", `${Math.round(stacked)}px`);
     const { boxes, bars } = arrange(
       plan,

@@ -1,6 +1,7 @@
 /**
  * How the lab's panels divide its room. The world comes first, in its own proportions: it stands beside the program,
- * or lies above it where that makes it larger. The program keeps its lines, and the other panels share the rest.
+ * or lies above it where that makes it larger. The program keeps its lines, and in a large room has the whole height.
+ * The other panels share the rest.
  */
 
 import type { Division, Plan } from "./boxes";
@@ -27,10 +28,12 @@ export const PROGRAM = 14 * 17 + 8; // px of fourteen lines
 const LISTS = 140; // px in which three issues can be read
 const COLUMN = 360; // px in which a program can be read
 const GRAPH = 200; // px
+const NARROW = 300; // px of the lists: four tabs
+const LARGE: Size = { width: 780, height: 290 }; // px of a graph and the lists side by side
 const LEAST = 750; // px: with less room the panels lie one below the other
 const ROBOT = 1; // the proportions of a robot's panel, which holds more than a picture
 /** The world's part of the lab, as far as there is room. */
-const PART = { work: 0.305, world: 0.5, demo: 0.42 } as const;
+const PART = { work: 0.305, tall: 0.35, world: 0.5, demo: 0.42 } as const;
 
 interface Size {
   width: number;
@@ -51,6 +54,13 @@ export function planFor(room: Room, shown: Shown, arrangement: Arrangement): Pla
   if (arrangement === "demo") return demo(room, shown);
   const { width, height, lab } = room;
   const isWork = arrangement === "work";
+  if (isWork && shown.aspect) {
+    const under = fitted(PART.tall * lab, shown.aspect, {
+      width: width - Math.max(COLUMN, 0.3 * width),
+      height: height - HEAD - LARGE.height,
+    });
+    if (under.width >= LARGE.width && under.width * under.height > 0.25 * lab) return tall(room, under);
+  }
   const besideIt = fitted(PART[arrangement] * lab, shown.aspect, {
     width: width - (isWork ? Math.max(COLUMN, 0.34 * width) : 280),
     height: height - HEAD - (shown.aspect ? (isWork ? LISTS : LISTS / 2) + HEAD : GRAPH),
@@ -71,6 +81,29 @@ function beside({ width, height }: Room, world: Size, name: string): Plan {
     100 - (100 * world.width) / width,
     rows(`${name}-program`, "Height of the editor", programIn(height), "editor", "machines"),
     rows(`${name}-world`, "Height of the world", (100 * (world.height + HEAD)) / height, "world", "lists"),
+  );
+}
+
+/** The program has the whole height; the graph and the lists lie under the world. */
+function tall({ width, height }: Room, world: Size): Plan {
+  return columns(
+    "work-tall",
+    "Width of the world",
+    100 - (100 * world.width) / width,
+    "editor",
+    rows(
+      "work-tall-world",
+      "Height of the world",
+      (100 * (world.height + HEAD)) / height,
+      "world",
+      columns(
+        "work-tall-graph",
+        "Width of the graph",
+        100 - (100 * NARROW) / world.width,
+        "machines",
+        "lists",
+      ),
+    ),
   );
 }
 

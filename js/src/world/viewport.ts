@@ -2,7 +2,7 @@
 
 import type { Point } from "../protocol";
 
-export const SMALLEST_ROBOT = 24; // px across: below that its heading and sensors cannot be seen
+export const SMALLEST_ROBOT = 20; // px across: below that its heading and sensors cannot be seen
 const MARGIN = 0.02; // metres around the world
 const LARGEST = 2500; // px per metre
 const INNER = 0.28; // the share of the canvas at each edge that a followed robot does not enter
