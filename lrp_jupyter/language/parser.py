@@ -173,7 +173,7 @@ class _Reader:
             elif kind == "BLOCK":
                 part = self._block(word, start, end, form)
             elif kind == "INTEGER":
-                part = self._integer(word, start, end)
+                part = self._integer(word, start, end, form)
             elif kind in _BROKEN:
                 self._broken(kind, word, start, end, form)
                 if kind in _MEANINGLESS:
@@ -216,9 +216,11 @@ class _Reader:
                 what = f"`{short(self.text[start : min(end, start + 40)])}` is not part of the language"
             self.report(start, end, "LRP104", f"{what}. Remove it.", Edit(start, end, ""))
 
-    def _integer(self, word: str, start: int, end: int) -> int:
+    def _integer(self, word: str, start: int, end: int, form: _Form) -> int:
         if word.isascii() and word.isdecimal() and len(word) < 16:
             return int(word)
+        if form.keyword != "ontime":
+            return 0  # no number belongs there: that is the error
         remedy = f"Write digits only, or a block: `[{word}]`."
         self.report(start, end, "LRP108", f"`{word}` is not a whole number of milliseconds. {remedy}")
         return 0
