@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 
 import { undo } from "@codemirror/commands";
-import { nextDiagnostic } from "@codemirror/lint";
+import { forEachDiagnostic, nextDiagnostic } from "@codemirror/lint";
 import { activateHover } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { handsIn } from "../src/editor/hands";
@@ -265,6 +265,39 @@ describe("the editor", () => {
     page.confirm({ findings: [] });
     await page.drawn();
     expect(page.host.querySelector(".cm-diagnosticAction, .cm-lintRange")).toBeNull();
+  });
+
+  it("has one mark for a finding and for the issue that is the same, with their count", async () => {
+    const range = { line: 1, column: 2, end_line: 1, end_column: 3 };
+    const severity = "error" as const;
+    const finding = {
+      id: "1",
+      code: "LRP301",
+      severity,
+      message: "None here.",
+      range,
+      fix: null,
+      creates: null,
+    };
+    const told = {
+      id: 1,
+      code: "LRP603",
+      severity,
+      kind: "unknown event",
+      element: "",
+      message: "None.",
+      range,
+    };
+    const times = { traceback: "", first_tick: 1, last_tick: 7, count: 7, resolved: false };
+    const issues = { 1: { ...told, ...times, finding: "1" }, 2: { ...told, ...times, id: 2, finding: "" } };
+    const snapshot = structuredClone(recording.snapshot);
+    page.deliver({ ...snapshot, updates: [], findings: [finding], frame: { ...snapshot.frame, issues } });
+    await page.drawn();
+    const shown: (string | null | undefined)[] = [];
+    forEachDiagnostic(page.editor.state, ({ renderMessage }) =>
+      shown.push(renderMessage?.(page.editor).textContent),
+    );
+    expect(shown).toEqual(["None here. LRP301 7×", "None. LRP603 7×"]);
   });
 
   it("sends what is typed in another text that was opened since, where nothing was or is marked", async () => {

@@ -121,6 +121,10 @@ def name_a_state_that_is_not_there(lab):
 
     lab.sees('[data-lrp-transition="m:tfull"][data-broken]')
     next_finding(lab)
+    one, other = lab.sees(".cm-diagnostic").evaluate(
+        "card => [...card.querySelectorAll('.cm-diagnosticAction')].map(each => each.getBoundingClientRect())"
+    )
+    assert other["x"] > one["right"] or other["y"] > one["bottom"], "the two do not touch"
     lab.sees(".cm-diagnosticAction").click()  # the first one: another name
     lab.misses('[data-lrp-issue="LRP303"]')
     lab.misses('[data-lrp-transition="m:tfull"][data-broken]')

@@ -16,8 +16,8 @@ const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
 };
 
 /**
- * Mark what is found in the text sent, and what went wrong in the running one. Marks that would be the same are
- * left, with the card that is open at one of them.
+ * Mark what is found in the text sent, and what else went wrong in the running one. Marks that would be the same
+ * are left, with the card that is open at one of them.
  */
 export class Underlines {
   /** The text sent that the marks were made for. */
@@ -25,9 +25,11 @@ export class Underlines {
 
   show(view: EditorView, lab: Lab, sent: Tracked, running: Tracked): void {
     const { findings, issues } = lab.store.state;
+    const known = new Set(findings.map(({ id }) => id));
+    const others = Object.values(issues).filter(({ resolved, finding }) => !resolved && !known.has(finding));
     const wanted = [
       ...findings.map((finding) => ofFinding(view, lab, finding, sent, this.text)),
-      ...Object.values(issues).map((issue) => (issue.resolved ? null : ofIssue(view, lab, issue, running))),
+      ...others.map((issue) => ofIssue(view, lab, issue, running)),
     ].filter((mark) => mark !== null);
     wanted.sort((a, b) => a.from - b.from);
     const present: string[] = [];
@@ -58,7 +60,11 @@ function ofFinding(
     ...span,
     severity: SEVERITY[finding.severity],
     message: finding.message,
-    renderMessage: () => message(lab, finding.code, finding.message),
+    renderMessage: () => {
+      const issues = Object.values(lab.store.state.issues);
+      const same = issues.find((issue) => issue.finding === finding.id);
+      return message(lab, finding.code, finding.message, same && `${same.count}×`);
+    },
     actions: fixes.map((fix) => action(fix, marked)),
   };
 }
