@@ -377,6 +377,9 @@ describe("a page of any notebook", () => {
     const time = getFloat64.call(new DataView(bytes.buffer, 1), 0, true);
     await page.drawn();
     expect(page.find(".lrp-world-time").textContent).toContain(`${time.toFixed(1)} s`);
+    page.deliver({ ...frame, time: time + 7 }); // nothing moves
+    await page.drawn();
+    expect(page.find(".lrp-world-time").textContent).toContain(`${(time + 7).toFixed(1)} s`);
   });
 
   it("keeps a menu open while it is pressed, and closes it when something else is", () => {

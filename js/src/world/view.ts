@@ -237,11 +237,10 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     stage.repaint();
   });
   const showTime = () => {
-    const { achieved_speed: achieved } = store.state;
-    const now = stage.latest?.time ?? 0;
+    const { time: now, achieved_speed: achieved } = store.state;
     setText(time, `${now.toFixed(1)} s${achieved ? `  ×${achieved.toPrecision(2)}` : ""}`);
   };
-  store.watch(["achieved_speed"], showTime);
+  store.watch(["time", "achieved_speed"], showTime);
   new ResizeObserver(() => stage.resize()).observe(canvas);
   new MutationObserver(() => {
     stage.retheme();
@@ -262,7 +261,6 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       stage.move({ ...poses, time: now }, performance.now(), trailState(lit)); // a world has a time of its own
       preview.check(poses.robots[0]?.pose);
       colours.refresh();
-      showTime();
     },
   };
 }
