@@ -359,3 +359,31 @@ describe("two robots", () => {
     ]);
   });
 });
+
+it("no trail hides the name of a zone, and no wall the scale bar", async () => {
+  const done: string[] = [];
+  const note = (name: string | symbol, value: unknown) => void done.push(`${String(name)} ${value}`);
+  const c = new Proxy(
+    {},
+    {
+      get: (_, name) => (value: unknown) => note(name, value),
+      set: (_, name, value) => {
+        note(name, value);
+        return true;
+      },
+    },
+  );
+  stage.show({ ...view, zones: { goal: { circle: [1, 1, 0.2] } } });
+  stage.palette = { others: [] } as unknown as Palette;
+  stage.styleOf = () => ({ color: "orange", dash: [] });
+  for (const time of [1, 2]) stage.trail.add(time, [time / 10, 1, 0], "m/a");
+  stage.latest = { ...stage.latest!, time: 2 };
+  stage.canvas.getContext = (() => c) as never;
+  stage.canvas.width = 300;
+  stage.wake();
+  await vi.waitFor(() => expect(done).toContain("fillText goal"));
+  expect(done).toContain("strokeStyle orange");
+  expect(done.indexOf("fillText goal")).toBeGreaterThan(done.lastIndexOf("strokeStyle orange"));
+  const bar = done.findIndex((each) => /^fillText \d+ (c?m)$/.test(each));
+  expect(bar).toBeGreaterThan(done.indexOf("rect -0.2"));
+});

@@ -84,26 +84,53 @@ function near(found: number[], wanted: number[]): void {
   found.forEach((number, i) => expect(number).toBeCloseTo(wanted[i]!, 6));
 }
 
+interface Written {
+  x: number;
+  y: number;
+  size: number;
+  text: string;
+}
+
+/** What is written beside a robot with a light sensor. */
+function writtenAt(pose: Pose, sensor: Point, value: number, pixels: number): Written {
+  const written: Written[] = [];
+  const pen = { at: [0, 0] as Point, size: 0 };
+  const notes: Record<string, (...given: never[]) => void> = {
+    translate: (...point: Point) => void Object.assign(pen, { at: point }),
+    scale: (factor: number) => void Object.assign(pen, { size: 12 * factor }),
+    fillText: (text: string) => void written.push({ x: pen.at[0], y: pen.at[1], size: pen.size, text }),
+  };
+  const c = new Proxy({}, { get: (_, name) => notes[String(name)] ?? (() => {}), set: () => true });
+  const shape = { ...world.robots[0]!, light: [sensor] };
+  const robot = { ...firstPoses(world, null).robots[0]!, pose, lights: [value] };
+  paintRobot({ c: c as never, palette: { dim: false } as never, pixels }, world.size, shape, robot);
+  return written[0]!;
+}
+
 it("a robot has the values of its light sensors beside it, and none on it", () => {
   const robots = fc.record({ angle, along: real(-0.1, 0.1), aside: real(-0.06, 0.06), value: fc.nat(255) });
   fc.assert(
     fc.property(robots, real(30, 500), ({ angle, along, aside, value }, pixels) => {
-      const written: { x: number; y: number; size: number; text: string }[] = [];
-      const pen = { at: [0, 0] as Point, size: 0 };
-      const notes: Record<string, (...given: never[]) => void> = {
-        translate: (...point: Point) => void Object.assign(pen, { at: point }),
-        scale: (factor: number) => void Object.assign(pen, { size: 12 * factor }),
-        fillText: (text: string) => void written.push({ x: pen.at[0], y: pen.at[1], size: pen.size, text }),
-      };
-      const c = new Proxy({}, { get: (_, name) => notes[String(name)] ?? (() => {}), set: () => true });
-      const shape = { ...world.robots[0]!, light: [[along, aside] as Point] };
-      const pose: Pose = [1, 1, angle];
-      const robot = { ...firstPoses(world, null).robots[0]!, pose, lights: [value] };
-      paintRobot({ c: c as never, palette: { dim: false } as never, pixels }, shape, robot);
-      const { x, y, size: high, text } = written[0]!;
+      const { x, y, size: high, text } = writtenAt([1, 1, angle], [along, aside], value, pixels);
       const beyond = (distance: number, half: number) => Math.max(0, Math.abs(distance) - half);
       const free = Math.hypot(beyond(x - 1, 0.32 * text.length * high), beyond(y - 1, 0.45 * high));
-      expect(free).toBeGreaterThan(1.1 * shape.radius);
+      expect(free).toBeGreaterThan(1.1 * world.robots[0]!.radius);
+    }),
+  );
+});
+
+it("the edge of the world cuts off no value of a light sensor", () => {
+  const [width, height] = world.size;
+  const walls = fc.record({
+    angle,
+    x: fc.constantFrom(0.1, width - 0.1),
+    y: fc.constantFrom(0.1, height / 2),
+  });
+  fc.assert(
+    fc.property(walls, real(100, 500), ({ angle, x, y }, pixels) => {
+      const written = writtenAt([x, y, angle], [0.06, 0], 255, pixels);
+      const half = 0.32 * 3 * written.size;
+      expect(Math.abs(written.x - width / 2) + half).toBeLessThan(width / 2);
     }),
   );
 });

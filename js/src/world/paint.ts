@@ -21,7 +21,7 @@ export function paintFloor(brush: Brush, world: FullWorld, ink: readonly FullStr
   c.strokeStyle = palette.edge;
   c.lineWidth = Math.max(0.008, FINE / pixels);
   c.strokeRect(0, 0, width, height);
-  for (const [name, zone] of Object.entries(world.zones)) paintZone(brush, world, name, zone);
+  for (const zone of Object.values(world.zones)) paintZone(brush, zone);
 }
 
 export function paintStroke({ c, palette }: Pick<Brush, "c" | "palette">, stroke: FullStroke): void {
@@ -45,12 +45,7 @@ export function paintStroke({ c, palette }: Pick<Brush, "c" | "palette">, stroke
   c.globalCompositeOperation = "source-over";
 }
 
-function paintZone(
-  brush: Brush,
-  world: FullWorld,
-  name: string,
-  { circle, box }: FullWorld["zones"][string],
-) {
+function paintZone(brush: Brush, { circle, box }: FullWorld["zones"][string]): void {
   const { c, palette, pixels } = brush;
   if (circle) traceDisc(c, ...circle);
   else traceBox(c, box ?? []);
@@ -61,11 +56,16 @@ function paintZone(
   setDash(brush, 6, 4);
   drawPath(c, palette.zone, Math.max(0.008, FINE / pixels));
   setDash(brush);
-  const [x = 0, y = 0, width = 0, height = 2 * width] = circle ?? box ?? [];
-  const size = Math.max(0.06, TEXT / pixels);
-  const above = y + height / 2 + 0.7 * size;
-  const inside = above + 0.6 * size > world.size[1]; // of the world, whose edge would cut it off
-  write(brush, name, [x, inside ? y + height / 2 - 0.8 * size : above], size, palette.zone);
+}
+
+export function paintZoneNames(brush: Brush, world: FullWorld): void {
+  const size = Math.max(0.06, TEXT / brush.pixels);
+  for (const [name, { circle, box }] of Object.entries(world.zones)) {
+    const [x = 0, y = 0, width = 0, height = 2 * width] = circle ?? box ?? [];
+    const above = y + height / 2 + 0.7 * size;
+    const inside = above + 0.6 * size > world.size[1]; // of the world, whose edge would cut it off
+    write(brush, name, [x, inside ? y + height / 2 - 0.8 * size : above], size, brush.palette.zone);
+  }
 }
 
 /** Make the outline of a solid the path of a context that is moved and turned to it. */
@@ -94,8 +94,9 @@ function paintPatrol(brush: Brush, points: readonly Point[]): void {
   c.restore();
 }
 
-export function paintMovers(brush: Brush, world: FullWorld, now: Snapshot): void {
-  const { c, palette } = brush;
+/** The solids, and up to where robots see them. */
+export function paintSolids(brush: Brush, world: FullWorld, now: Snapshot): void {
+  const { c } = brush;
   c.save();
   c.beginPath(); // rays end where the world does
   c.rect(0, 0, ...world.size);
@@ -110,11 +111,14 @@ export function paintMovers(brush: Brush, world: FullWorld, now: Snapshot): void
     const pose = now.solids[i];
     if (pose) paintSolid(brush, solid, pose);
   });
+}
+
+export function paintRobots(brush: Brush, world: FullWorld, now: Snapshot): void {
   world.robots.forEach((shape, i) => {
     const robot = now.robots[i];
     if (!robot) return;
-    const own = { ...brush, palette: ofRobot(palette, i) };
-    paintRobot(own, shape, robot);
+    const own = { ...brush, palette: ofRobot(brush.palette, i) };
+    paintRobot(own, world.size, shape, robot);
     if (world.robots.length > 1) paintName(own, shape, robot);
   });
 }

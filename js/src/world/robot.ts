@@ -41,7 +41,7 @@ export function paintHeading(c: CanvasRenderingContext2D, r: number, color: stri
   c.fill();
 }
 
-export function paintRobot(brush: Brush, shape: FullRobot, robot: RobotPose): void {
+export function paintRobot(brush: Brush, size: Point, shape: FullRobot, robot: RobotPose): void {
   const { c, palette, pixels } = brush;
   const [x, y, theta] = robot.pose;
   const r = shape.radius;
@@ -74,12 +74,20 @@ export function paintRobot(brush: Brush, shape: FullRobot, robot: RobotPose): vo
     const value = robot.lights[i];
     if (!isSeen(value)) return;
     const text = String(Math.round(value));
-    const size = Math.max(0.6 * r, TEXT / pixels);
-    const [across, up] = [Math.abs(Math.cos(theta)), Math.abs(Math.sin(theta))];
-    const half = (0.36 * text.length + 0.15) * size * across + 0.6 * size * up; // of the text, that way
+    const high = Math.max(0.6 * r, TEXT / pixels);
+    const [wide, tall] = [(0.36 * text.length + 0.15) * high, 0.6 * high]; // halves of the text's size
+    const half = wide * Math.abs(Math.cos(theta)) + tall * Math.abs(Math.sin(theta)); // that way
     const spot = place[0] + Math.max(0.24 * r, (SPOT + FINE) / pixels);
-    const [ox, oy] = turned([Math.max(BODY * r, spot) + half, place[1]], theta);
-    write(brush, text, [x + ox, y + oy], size, palette.text);
+    const beside = (along: number): Point => {
+      const [ox, oy] = turned([along, place[1]], theta);
+      return [x + ox, y + oy];
+    };
+    const ahead = beside(Math.max(BODY * r, spot) + half);
+    const isCut = ahead.some((at, axis) => {
+      const margin = axis ? tall : wide;
+      return at < margin || at > size[axis]! - margin;
+    });
+    write(brush, text, isCut ? beside(-BODY * r - half) : ahead, high, palette.text);
   });
 }
 

@@ -17,7 +17,7 @@ import {
   paintSelection,
   paintTrail,
 } from "./overlay";
-import { paintFloor, paintMovers, paintStroke } from "./paint";
+import { paintFloor, paintRobots, paintSolids, paintStroke, paintZoneNames } from "./paint";
 import { ofRobot, type Palette, type Style } from "./palette";
 import { between, firstPoses, type Snapshot } from "./poses";
 import { paintStart } from "./robot";
@@ -283,17 +283,19 @@ export class Stage {
       }
     }
     if (this.sketch) paintStroke(brush, this.sketch);
+    paintZoneNames(brush, world); // the trail would make them illegible
     if (this.whatIf) paintGhost(brush, world, this.whatIf, current);
     world.robots.forEach(({ pose, radius }, i) => {
       const [x, y] = current.robots[i]?.pose ?? pose;
       if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY)
         paintStart({ ...brush, palette: ofRobot(palette, i) }, pose, radius);
     });
+    paintSolids(brush, world, current);
     c.save();
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     paintBar(brush, this.canvas.height / this.ratio, this.showsGrid.on); // no robot hides below it
     c.restore();
-    paintMovers(brush, world, current);
+    paintRobots(brush, world, current);
     if (this.whatIf) paintParting(brush, this.whatIf);
     const shape = selected && this.shape(selected);
     if (selected && shape) paintSelection(brush, selected, shape);
