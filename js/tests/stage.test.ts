@@ -6,6 +6,7 @@ import type { Act } from "../src/session/connection";
 import { type Lab, Store } from "../src/session/store";
 import { Looking } from "../src/timeline/looking";
 import { WorldEdits } from "../src/world/edits";
+import { legend, trailStyles } from "../src/world/legend";
 import { ofRobot, type Palette } from "../src/world/palette";
 import { Stage } from "../src/world/stage";
 import { type Tool, useTools } from "../src/world/tools";
@@ -358,6 +359,19 @@ describe("two robots", () => {
       "orange",
     ]);
   });
+});
+
+it("the legend has the order of the program, whichever state the robot was in first", () => {
+  const states = ["a", "b"].map((name) => ({ path: `m/${name}`, machines: [] }));
+  const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
+  const program = { variables: [], events: [], machines: [machine] };
+  stage.styleOf = trailStyles(program, ["red", "blue"]);
+  const { element, refresh } = legend(stage, () => program);
+  for (const [time, state] of ["", "m/gone", "m/b", "m/a"].entries())
+    stage.trail.add(time, [time / 10, 0, 0], state);
+  stage.latest = { ...stage.latest!, time: 3 };
+  refresh();
+  expect([...element.children].map(({ textContent }) => textContent)).toEqual(["a", "b", "gone"]);
 });
 
 it("no trail hides the name of a zone, and no wall the scale bar", async () => {

@@ -337,6 +337,14 @@ def see_a_preview_end(lab):
     lab.page.keyboard.press("Alt+ArrowUp")
     for name in ("before -1.0", "now -0.89", "next -0.88"):
         lab.sees(f'.lrp-legend span:text-is("{name}")')
+    lines = lab.find(".lrp-legend .lrp-swatch").evaluate_all(
+        "all => all.slice(0, 3).map(swatch => getComputedStyle(swatch).borderTopStyle)"
+    )
+    assert lines == ["dashed", "solid", "dotted"], "as the courses"
+    edge = lab.place(0, 0)[1]
+    for over in (".lrp-legend li", ".lrp-world-time"):
+        box = lab.box(over)
+        assert box["y"] + box["height"] < edge, "the edge of the world is not interrupted"
     axe.finds_nothing_serious(lab)
     lab.page.keyboard.press("ArrowRight")  # the number is put down
     lab.sees(f"{WORLD}[data-what-if]")

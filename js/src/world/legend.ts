@@ -47,7 +47,7 @@ export function trailStyles(program: ProgramView, colors: readonly string[]): (s
   };
 }
 
-export function legend(stage: Stage) {
+export function legend(stage: Stage, programOf: () => ProgramView) {
   const element = h("ul", { class: "lrp-legend", "aria-label": "Colours of the trail" });
   const tip = h("div", { class: "lrp-tip", hidden: true, "aria-hidden": "true" });
   let shown = "";
@@ -65,7 +65,7 @@ export function legend(stage: Stage) {
     element,
     tip,
     refresh(): void {
-      const entries = entriesOf(stage);
+      const entries = entriesOf(stage, programOf());
       const key = JSON.stringify(entries);
       if (key === shown) return;
       shown = key;
@@ -74,10 +74,10 @@ export function legend(stage: Stage) {
         entries,
         ({ title }) => title,
         ({ title, name }) => h("li", { title }, h("span", { class: "lrp-swatch" }), h("span", {}, name)),
-        (item, { color, isDashed }) => {
+        (item, { color, line }) => {
           const swatch = item.firstElementChild as HTMLElement;
           swatch.style.setProperty("--lrp-swatch", color);
-          setAttribute(swatch, "data-dashed", isDashed);
+          setAttribute(swatch, "data-line", line);
         },
       );
     },
@@ -88,22 +88,32 @@ interface Entry {
   title: string;
   name: string;
   color: string;
-  isDashed: boolean;
+  line: string | null;
 }
 
-/** What the lines in the world mean: courses that part, and the states of the trail. */
-function entriesOf({ whatIf, palette, trail, latest, showsTrail, styleOf }: Stage): Entry[] {
+/** What the lines in the world mean: courses that part, and the states of the trail in the order of the program. */
+function entriesOf(
+  { whatIf, palette, trail, latest, showsTrail, styleOf }: Stage,
+  program: ProgramView,
+): Entry[] {
   const drawn = whatIf ? coursesOf(whatIf, palette).reverse() : [];
-  const courses = drawn.length < 2 ? [] : drawn.map((each) => ({ ...each, isDashed: each.dash.length > 0 }));
+  const courses = drawn.length < 2 ? [] : drawn.map((each) => ({ ...each, line: lineOf(each.dash) }));
   if (!showsTrail.on) return courses;
   const states = trail.states(latest?.time ?? 0).filter((state) => state !== "");
+  const styled = states.map((state) => ({ state, ...styleOf(state) }));
+  const order = numbersOf(program); // with all states that have a style by now
+  styled.sort((a, b) => order.get(a.state)! - order.get(b.state)!);
   return [
     ...courses,
-    ...states.map((state) => {
-      const { color, dash } = styleOf(state);
-      return { title: state, name: nameOf(state), color, isDashed: dash.length > 0 };
+    ...styled.map(({ state, color, dash }) => {
+      return { title: state, name: nameOf(state), color, line: lineOf(dash) };
     }),
   ];
+}
+
+/** What a line with these dashes is called. */
+function lineOf([dash = 0, gap = 0]: readonly number[]): string | null {
+  return gap ? (dash < gap ? "dotted" : "dashed") : null;
 }
 
 /** What is at a place: where two courses part, or a moment of the trail. */

@@ -11,6 +11,7 @@ const GRID = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50, 100];
 const APART = 18; // px
 const BAR = 100; // px that the scale bar is long at most
 const GRID_TEXT = 88; // px for what stands beside it
+const INSET = 8; // px: the edge of the world is not interrupted
 const HANDLE = 5; // px
 export const GRIP = HANDLE + 5; // px from the middle of a handle that hold it
 /** How opaque the trail is where it no longer fades, and after the moment looked at. */
@@ -46,7 +47,7 @@ export function barLength(pixels: number): number {
 export function paintBar(brush: Brush, height: number, grid: boolean): void {
   const { c, palette, pixels } = brush;
   const length = barLength(pixels);
-  const [left, base, long] = [10.5, height - 10.5, length * pixels];
+  const [left, base, long] = [INSET + 6.5, height - INSET - 6.5, length * pixels];
   c.fillStyle = palette.paper;
   c.globalAlpha = 0.8;
   c.beginPath();

@@ -130,7 +130,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   }
 
   const time = h("span", { class: "lrp-world-time", "aria-hidden": "true" });
-  const colours = legend(stage);
+  const colours = legend(stage, () => store.state.program);
   const toolbar = h(
     "div",
     { class: "lrp-world-tools", hidden: true },
