@@ -97,7 +97,7 @@ describe("what is typed", () => {
     notebook = new Notebook();
     notebook.model.collaborative = collaborative;
     page = new Page("lab", true, { context: notebook } as unknown as WidgetManager);
-    given = { given: 1, line: LINE, text };
+    given = { given: 1, line: LINE, text, is_saved: true };
     page.open();
     return frame({ cell: { ...given }, revision });
   };
@@ -200,6 +200,9 @@ describe("what is typed", () => {
     expect(page.find(MARK).textContent).toBe("Not saved");
     page.find(MARK).click();
     expect(page.find(".lrp-toast").textContent).toContain("Run %lrp save m in a cell.");
+    page.deliver({ type: "frame", frame: 8, cell: { is_saved: true } });
+    await page.drawn();
+    expect(page.find(MARK).hidden).toBe(true);
     page.deliver({ type: "frame", frame: 9, unkept: "No space." });
     await page.drawn();
     expect(page.find(MARK).textContent).toBe("Not kept");

@@ -37,9 +37,7 @@ def by_hand(name: str) -> str:
     if not sys.modules.get("IPython"):  # the page of a site has no notebook
         return ""
     marimo: Any = sys.modules.get("marimo")
-    if marimo is not None and marimo.running_in_notebook():
-        return f'`lrp_jupyter.Lab("{name}").save("{name}.lrp")` in a cell writes it to a file.'
-    if is_voila():
+    if is_voila() or (marimo is not None and marimo.running_in_notebook()):
         return "Save… in the menu More writes it to a file."
     return f"Run `%lrp save {name}` in a cell: it writes the text into a new one."
 

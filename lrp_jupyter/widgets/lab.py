@@ -23,7 +23,6 @@ from traitlets.utils.bunch import Bunch
 
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_type
-from lrp_jupyter.files import write_file
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.challenges import challenge as find_challenge
 from lrp_jupyter.interpreter.issues import Issue
@@ -349,7 +348,7 @@ class Lab(Part):
         FileError
             It cannot be written.
         """
-        write_file(path, self.text)
+        self._connection.saver.save_as(path, replace=True)
 
     def close(self) -> None:
         """Stop robot, program and threads, and close the page's connection. A second call does nothing."""

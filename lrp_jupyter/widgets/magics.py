@@ -298,7 +298,9 @@ class LRPMagics(Magics):
     def save(self, rest: list[str]) -> None:
         """Write the lab's text into a new cell."""
         texts = _the(rest).texts
-        self._write_cell(texts, texts.text)
+        text = texts.text
+        self._write_cell(texts, text)
+        texts.note_saved(text)
 
     def versions(self, rest: list[str]) -> None:
         """List the earlier texts, the newest first."""

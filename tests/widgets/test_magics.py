@@ -186,8 +186,24 @@ def test_the_text_is_written_into_a_new_cell_with_the_options_of_the_old_one(she
 )
 def test_the_text_of_a_lab_without_such_a_cell_is_written_with_its_options(shell, run, options, line):
     lab = Lab(**options)
+    lab.text += "; more"
+    assert not is_saved(lab)
     run("save")
     assert shell.rl_next_input == f"%%lrp {line}\n{lab.text}"
+    assert is_saved(lab)
+
+
+def test_the_text_is_written_to_a_file(shell, tmp_path):
+    lab = cell(shell, "mine", A)
+    lab.text = B
+    assert not is_saved(lab)
+    lab.save(tmp_path / "mine.lrp")
+    assert (tmp_path / "mine.lrp").read_text() == B
+    assert is_saved(lab)
+
+
+def is_saved(lab):
+    return registry.connection_of(lab.session).texts.in_cell["is_saved"]
 
 
 def test_earlier_texts_are_listed_and_written_into_a_new_cell(shell, run):
@@ -486,7 +502,8 @@ def test_no_debugger_is_offered_where_there_is_no_ipython(monkeypatch):
 
 def test_where_a_page_cannot_write_into_the_notebook_it_says_what_can(monkeypatch):
     assert "`%lrp save m`" in by_hand("m")
-    monkeypatch.setenv("VOILA_PREHEAT", "True")
-    assert "Save…" in by_hand("m")
+    with monkeypatch.context() as here:
+        here.setenv("VOILA_PREHEAT", "True")
+        assert "Save…" in by_hand("m")
     monkeypatch.setitem(sys.modules, "marimo", SimpleNamespace(running_in_notebook=lambda: True))
-    assert '.save("m.lrp")' in by_hand("m")
+    assert "Save…" in by_hand("m")

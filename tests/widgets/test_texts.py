@@ -315,6 +315,26 @@ def test_saving_asks_before_it_replaces_what_this_lab_did_not_write(bench, tmp_p
     assert other.read_text() == B
 
 
+def test_a_text_is_saved_until_it_differs_from_what_its_cell_or_file_has(bench, tmp_path):
+    lab = bench(A)
+    page = lab.page()
+
+    def is_saved():
+        lab.publish()
+        return page.latest("cell")["is_saved"]
+
+    lab.connection.texts.reconcile(A)
+    assert is_saved()
+    page.type(B)
+    assert not is_saved()
+    save_as(page, tmp_path / "mine.lrp")
+    assert is_saved()
+    page.type(BROKEN)
+    assert not is_saved()
+    page.type(A)
+    assert is_saved()
+
+
 def save_as(page, name, replace=False):
     return page.ask("save", name=str(name), replace=replace)
 

@@ -48,8 +48,9 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
   };
   /** Why the text is not saved with the notebook; empty if it is, or if there is none. */
   const unsaved = (held: Held | null): string => {
-    const { by_hand } = store.state;
-    if (!notebook) return by_hand && `${NOT_SAVED} this page cannot write into it. ${by_hand}`;
+    const { by_hand, cell } = store.state;
+    if (!notebook)
+      return by_hand && !cell.is_saved ? `${NOT_SAVED} this page cannot write into it. ${by_hand}` : "";
     if (held || !own()) return "";
     return `${NOT_SAVED} the cell above has another text. Run the cell, or choose in the menu More which text to use.`;
   };

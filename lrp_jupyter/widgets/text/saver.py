@@ -40,7 +40,7 @@ class Saver:
         texts.cell, texts.versions = self._remembered.cell, self._remembered.versions
         self.hung = self._remembered.hung
 
-    def save_as(self, path: str, replace: bool) -> bool:
+    def save_as(self, path: str | os.PathLike[str], replace: bool) -> bool:
         """Write the text to a file of the user's choice; return False if another file would be replaced."""
         file, text = os.path.expanduser(path), self.texts.text
         if not replace and (os.path.isfile(file) or os.path.islink(file)):
@@ -50,6 +50,7 @@ class Saver:
                 return False
         write_file(file, text)
         self._saved_as[os.path.realpath(file)] = digest(text)
+        self.texts.note_saved(text)
         return True
 
     def first_texts(self, cell: str | None) -> list[str]:

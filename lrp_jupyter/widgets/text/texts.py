@@ -97,6 +97,7 @@ class Texts:
         self.clock: Callable[[], float]
         self.conflicts: list[Conflict] = []  # the first one is asked about
         self.cell: str | None = None  # the last known text of the cell
+        self.saved: str | None = None  # the last text that its user had written to a file, or into a new cell
         self.given = 0  # how often a cell, or a link, has given a text
         self.line = ""  # the first line of a cell with this program, without `%%lrp`
         self.accepted: str | None = None  # the last one that is a valid program
@@ -424,7 +425,12 @@ class Texts:
         """The cell that holds the program, as the kernel knows it."""
         with self.lock:
             line = self.line or shlex.quote(self.session.name)
-            return {"given": self.given, "line": f"%%lrp {line}", "text": with_line_feeds(self.cell or "")}
+            return {
+                "given": self.given,
+                "line": f"%%lrp {line}",
+                "text": with_line_feeds(self.cell or ""),
+                "is_saved": any(are_alike(self.text, saved) for saved in (self.cell, self.saved)),
+            }
 
     @property
     def conflict(self) -> ConflictView | None:
@@ -462,6 +468,12 @@ class Texts:
         """Note that a page has written this text into the cell, or has found it there."""
         with self.lock:
             self.cell = self.document.with_line_ends(text)
+
+    def note_saved(self, text: str) -> None:
+        """Note that a file of the user's choice, or a new cell, has this text."""
+        with self.lock:
+            self.saved = text
+            self._wake()
 
     def recover(self, text: str) -> None:
         """Ask about the text of a view that has lost its kernel: it continues the text that the lab kept."""

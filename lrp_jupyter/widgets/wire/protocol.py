@@ -333,6 +333,7 @@ class CellView(TypedDict):
     given: int  # how often a cell has given a text
     line: str  # the first line of such a cell
     text: str  # the last one that was given, or that a page has put there
+    is_saved: bool  # it, a new cell, or a file of the user's choice has the lab's text
 
 
 class ConflictView(TypedDict):
