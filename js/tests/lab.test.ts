@@ -896,13 +896,16 @@ describe("the page", () => {
     expect(page.commands("arrange")).toMatchObject([{ path: "follower" }, { path: inner }]);
   });
 
-  it("cuts long names in the middle, and keeps characters whole", async () => {
+  it("cuts long names in the middle, short ones at their end, and keeps characters whole", async () => {
     const program = structuredClone(recording.snapshot.frame.program);
     Object.assign(program.machines[0]!, { path: "look_for_the_wall_🤖_now!", parent: "" });
+    Object.assign(program.machines[1]!, { path: "follower" });
     page.deliver({ type: "frame", frame: 9, program });
     await page.drawn();
     const name = page.find(".lrp-tree-name");
     expect([...name.children].map((part) => part.textContent)).toEqual(["look_for_the_wall", "_🤖_now!"]);
+    const short = page.find('[data-lrp-machine="follower"] .lrp-tree-name');
+    expect([...short.children].map(({ textContent }) => textContent)).toEqual(["follower"]);
     page.deliver({ type: "frame", frame: 10, lit: [] });
     await page.drawn();
     expect(page.find(".lrp-tree-state").childNodes).toHaveLength(0); // an empty one is not drawn
