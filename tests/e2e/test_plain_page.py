@@ -5,11 +5,33 @@ Loading the page starts Python, which takes its time: tests that need no new pag
 
 import pytest
 
+from e2e.conftest import WINDOW
 from e2e.sites import COUNT, PlainPage, link
+from lrp_jupyter import programs
 
 NEWER = """() => new Promise(resolve => {
   indexedDB.open("lrp-texts", 99).onsuccess = ({ target }) => { target.result.close(); resolve(); };
 })"""
+
+PRINTED = """root => {
+  dispatchEvent(new Event("beforeprint")); // the editor draws all lines for a moment
+  const box = found => found.getBoundingClientRect();
+  const part = name => root.querySelector(`[data-lrp="${name}"]`);
+  const panels = ["world", "editor", "graph", "variables", "issues", "goal"].map(part).map(box);
+  const shown = panels.filter(({ height }) => height).sort((one, other) => one.top - other.top);
+  const [graph, drawing] = [root.querySelector(".lrp-graph"), root.querySelector(".lrp-graph > g")].map(box);
+  const printed = {
+    panels: shown.length,
+    overlaps: shown.some(({ top }, at) => at && top < shown[at - 1].bottom - 1),
+    width: Math.min(...shown.map(({ width }) => width)) / box(root).width,
+    lines: root.querySelectorAll(".cm-line").length,
+    isWhole: drawing.left >= graph.left - 1 && drawing.right <= graph.right + 1
+      && drawing.top >= graph.top - 1 && drawing.bottom <= graph.bottom + 1,
+    isOnPaper: document.documentElement.scrollHeight >= box(root).bottom + scrollY - 1,
+  };
+  dispatchEvent(new Event("afterprint"));
+  return printed;
+}"""
 
 
 @pytest.fixture
@@ -35,6 +57,25 @@ def test_a_link_is_enough_for_a_robot_that_drives(plain, simulator):
     lab = plain.show()
     lab.state("follower/moving")
     lab.drives()
+
+
+def test_on_paper_program_graph_and_world_are_whole_and_one_below_the_other(plain, simulator):
+    lab = plain.show()
+    lines = len(programs.load("follower").split("\n"))
+    for width, height in ((700, 900), (WINDOW["width"], WINDOW["height"])):
+        lab.page.set_viewport_size({"width": width, "height": height})
+        lab.at_rest(".lrp-canvas")
+        lab.page.emulate_media(media="print")
+        printed = lab.root.evaluate(PRINTED)
+        lab.page.emulate_media(media="screen")
+        assert printed.pop("width") > 0.9
+        assert printed == {
+            "panels": 4,
+            "overlaps": False,
+            "lines": lines,
+            "isWhole": True,
+            "isOnPaper": True,
+        }
 
 
 def test_a_program_without_a_robot_has_none(plain):

@@ -270,6 +270,19 @@ export function graphView(lab: Lab): HTMLElement {
     fitting.resized(focus());
     tellSize();
   }).observe(svg);
+  /** On paper there is all of it, also what one would scroll to. */
+  const print = (on: boolean) => {
+    const { x, y, width, height } = contents();
+    const part = [camera.x + camera.scale * x, camera.y + camera.scale * y];
+    setAttribute(svg, "width", on ? width : null);
+    setAttribute(
+      svg,
+      "viewBox",
+      on ? [...part, camera.scale * width, camera.scale * height].join(" ") : null,
+    );
+  };
+  addEventListener("beforeprint", () => print(true), { signal: lab.closed });
+  addEventListener("afterprint", () => print(false), { signal: lab.closed });
   const FUNCTION_KEY = /^F\d/; // types nothing; F9 makes this panel larger
   lab.root.addEventListener("keydown", ({ key }) => void (FUNCTION_KEY.test(key) || fitting.acted()), true);
 
