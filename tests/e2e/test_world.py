@@ -258,9 +258,15 @@ def save_pictures(lab):
     for state in ("ahead", "aside"):
         lab.sees(f'.lrp-legend li[title="m/{state}"]')
     lab.pause()
-    with lab.page.expect_download() as png:
-        choose(lab, "world-png")
-    assert png.value.path().read_bytes().startswith(b"\x89PNG")
+    pictures = []
+    for key in ("Escape", "n"):  # it shows no handles of what is selected
+        lab.find(".lrp-canvas").press(key)
+        with lab.page.expect_download() as png:
+            choose(lab, "world-png")
+        pictures.append(png.value.path().read_bytes())
+    assert lab.find(".lrp-thing").is_visible()
+    assert pictures[0].startswith(b"\x89PNG")
+    assert pictures[0] == pictures[1]
     assert png.value.suggested_filename == "m-crossing.png"
     with lab.page.expect_download() as svg:
         choose(lab, "world-svg")

@@ -238,7 +238,7 @@ export class Stage {
     else soon();
   }
 
-  /** What is shown, as a picture on paper. */
+  /** What is shown, as a picture on paper: without what only a pointer needs. */
   async image(): Promise<Blob> {
     const copy = document.createElement("canvas");
     copy.width = this.canvas.width;
@@ -246,7 +246,9 @@ export class Stage {
     const c = copy.getContext("2d")!;
     c.fillStyle = this.palette.paper;
     c.fillRect(0, 0, copy.width, copy.height);
-    c.drawImage(this.canvas, 0, 0);
+    c.drawImage(this.floor, 0, 0);
+    const current = this.current(performance.now());
+    if (this.world && current) this.paintOver(c, this.world, current);
     return pngOf(copy);
   }
 
@@ -268,11 +270,12 @@ export class Stage {
     c.drawImage(this.floor, 0, 0);
     if (!this.world || !current) return;
     this.paintOver(c, this.world, current);
+    this.paintHandles(c);
     if (now - this.arrived < this.span) this.wake();
   }
 
   private paintOver(c: CanvasRenderingContext2D, world: FullWorld, current: Snapshot): void {
-    const { viewport, palette, selected, outline } = this;
+    const { viewport, palette } = this;
     const brush: Brush = { c, palette, pixels: viewport.scale };
     viewport.transform(c, this.ratio);
     if (this.showsTrail.on) {
@@ -297,6 +300,12 @@ export class Stage {
     c.restore();
     paintRobots(brush, world, current);
     if (this.whatIf) paintParting(brush, this.whatIf);
+  }
+
+  /** Paint what a pointer would take hold of, where the world is painted. */
+  private paintHandles(c: CanvasRenderingContext2D): void {
+    const { viewport, palette, selected, outline } = this;
+    const brush: Brush = { c, palette, pixels: viewport.scale };
     const shape = selected && this.shape(selected);
     if (selected && shape) paintSelection(brush, selected, shape);
     if (outline) paintOutline(brush, outline, 5, 4);
