@@ -34,8 +34,7 @@ from lrp_jupyter.errors import SessionClosedError, sentence_of
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.waking import TaskEvent
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.sim.worlds import BUNDLED
-from lrp_jupyter.widgets.acts.world_acts import saved_worlds
+from lrp_jupyter.widgets.acts.world_acts import offered_worlds
 from lrp_jupyter.widgets.hosts import by_hand, debugger
 from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Written
@@ -490,7 +489,7 @@ class Publisher:
                 **texts,
                 "choices": {
                     "bridges": list(find_bridges()),
-                    "worlds": [*BUNDLED, *saved_worlds()],
+                    "worlds": offered_worlds(),
                     "programs": list(programs.names()),
                 },
                 "world": world,

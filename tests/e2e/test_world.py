@@ -86,6 +86,7 @@ def saved(lab, name):
     field.fill(name)
     field.press("Enter")
     lab.until("form => form.hidden", '[data-lrp="world"] form')
+    lab.sees(f'[data-lrp-action="world"] option[value="{name}.world.json"]')
     return json.loads((lab.notebook.path.parent / f"{name}.world.json").read_text())
 
 

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from lrp_jupyter.sim import load
+from lrp_jupyter.sim.worlds import BUNDLED
 
 IDLE = "(machine m (state a)) (spawn m a)"
 
@@ -125,6 +126,7 @@ def test_a_world_is_saved_as_json_and_loaded_again(lab, page, tmp_path, monkeypa
     page.do("stroke", points=[[0.2, 0.2], [0.4, 0.2]], width=0.03, grey=0)
     assert page.ask("save_world", name="mine", replace=False)["exists"] is False
     assert page.ask("save_world", name="mine", replace=False)["exists"] is True
+    assert page.ask("worlds")["worlds"] == [*BUNDLED, "mine.world.json"]
     saved = json.loads((tmp_path / "mine.world.json").read_text())
     assert saved["name"] == "mine"
     edited = lab.session.bridge.world

@@ -9,6 +9,7 @@ export function saveForm(
   lab: Lab,
   what: "file" | "world-file" = "file",
   suggested = () => `${lab.store.state.name || "program"}.lrp`,
+  saved = () => {},
 ): { element: HTMLElement; open: () => void } {
   const input = h("input", {
     class: "lrp-input",
@@ -40,6 +41,7 @@ export function saveForm(
     else if (!reply.exists) {
       form.close();
       lab.notify(`Saved as \`${name}\`.`);
+      saved();
     }
   };
   const form = noteForm(

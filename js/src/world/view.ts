@@ -106,7 +106,12 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   stage.viewed = () => follow.setAttribute("aria-pressed", String(stage.follows));
   const about = { title: "More about the world", action: "world-menu" };
   const more = menuButton(lab.root, about, "World", () => menu());
-  const save = saveForm(lab, "world-file", () => `${store.state.world?.name || "my"}-edited.world.json`);
+  const offer = async () => {
+    const { worlds } = await lab.ask({ type: "worlds" });
+    if (worlds) store.set("choices", { ...store.state.choices, worlds });
+  };
+  const suggested = () => `${store.state.world?.name || "my"}-edited.world.json`;
+  const save = saveForm(lab, "world-file", suggested, () => void offer());
 
   const original = () => void lab.act({ do: "reset_world", drawings: true });
   function menu(): (MenuItem | null)[] {

@@ -17,6 +17,7 @@ from lrp_jupyter.sim.svg import svg
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.sim.world_edits import PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart
 from lrp_jupyter.sim.world_reading import read_solid, read_text, read_zone
+from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets.acts.messages import Function, OpenProgram, act, question
 from lrp_jupyter.widgets.wire.codec import Between
 
@@ -195,9 +196,16 @@ def world_animation(opened: OpenProgram) -> str:
     return opened.session.animation()
 
 
-def saved_worlds() -> list[str]:
-    """Return the names of the files in the current folder that the page offers as worlds."""
+@question("worlds")
+def worlds(opened: OpenProgram) -> list[str]:
+    """List the worlds that there are to choose from now."""
+    return offered_worlds()
+
+
+def offered_worlds() -> list[str]:
+    """Return the names of the bundled worlds, and of the files with worlds in the current folder."""
     try:
-        return sorted(name for name in os.listdir() if name.endswith(WORLD_FILE))
+        saved = sorted(name for name in os.listdir() if name.endswith(WORLD_FILE))
     except OSError:
-        return []
+        saved = []
+    return [*BUNDLED, *saved]
