@@ -105,6 +105,25 @@ def has_a_whole_head(lab):
     lab.until("head => head.scrollWidth <= head.clientWidth", head)
 
 
+def has_every_tab_in_reach(lab):
+    """A mouse comes from the first tab to the last one and back, and what is in front has its whole name in sight."""
+    tabs = lab.find(".lrp-tab:not([hidden])").evaluate_all("tabs => tabs.map(tab => tab.dataset.lrpTab)")
+    for tab in (*tabs, *reversed(tabs)):
+        left, right = seen_of(lab, tab)
+        assert right - left >= 12, tab
+        lab.page.mouse.click((left + right) / 2, lab.box(f'[data-lrp-tab="{tab}"]')["y"] + 12)
+        lab.sees(f'[data-lrp="{tab}"]:not([data-behind])')
+        left, right = seen_of(lab, tab)
+        assert right - left >= lab.box(f'[data-lrp-tab="{tab}"]')["width"] - 0.5, tab
+
+
+def seen_of(lab, tab):
+    """Return the ends of what is seen of a tab in its strip, beside the buttons of the panel in front."""
+    box, strip = lab.at_rest(f'[data-lrp-tab="{tab}"]'), lab.box(".lrp-tab-strip")
+    tools = lab.box(".lrp-tabs > .lrp-panel:not([data-behind]) > .lrp-head")
+    return max(box["x"], strip["x"]), min(box["x"] + box["width"], tools["x"])
+
+
 def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page):
     lab = open_lab(FOLLOWER, "follower --world line")
     lab.type_after("(state end", "ing")  # a program with findings shows more
@@ -124,6 +143,7 @@ def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page
             is_in_reading_order(lab)
             if width >= 1280:
                 has_a_whole_head(lab)
+                has_every_tab_in_reach(lab)
             (is_side_by_side if width >= 1280 else is_stacked)(lab)
         axe.finds_nothing_serious(lab)
     page.set_viewport_size({"width": 1280, "height": 800})

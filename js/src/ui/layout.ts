@@ -121,6 +121,7 @@ export class Layout {
   close(): void {
     this.observer.disconnect();
     this.robots.disconnect();
+    this.tabs.close();
   }
 
   private update(): void {

@@ -6,6 +6,7 @@ import { keep, kept } from "./kept";
 const CHOSEN = "tab";
 /** Set while another tab is in front. */
 const BEHIND = "data-behind";
+const PEEP = 20; // px of a neighbour beside the tab in front: enough to press it
 
 export class Tabs {
   readonly element: HTMLElement;
@@ -13,6 +14,7 @@ export class Tabs {
   private readonly tabs = new Map<string, HTMLButtonElement>();
   private chosen = kept(CHOSEN) ?? "";
   private called: string | null = null;
+  private readonly sizes = new ResizeObserver(() => this.reveal());
   /** Called when the user brings a panel to the front, or leaves it. */
   told: (panel: string, on: boolean) => void = () => {};
 
@@ -30,6 +32,8 @@ export class Tabs {
     this.strip.addEventListener("keydown", (event) => this.move(event));
     this.element = h("div", { class: "lrp-tabs" }, this.strip, ...Object.values(panels));
     this.update();
+    const sized = this.element.querySelectorAll(".lrp-tab-strip, .lrp-tab, .lrp-head");
+    for (const each of sized) this.sizes.observe(each);
   }
 
   /** Show a panel until it is let go: it is not what the user has chosen. */
@@ -48,10 +52,22 @@ export class Tabs {
       setAttribute(tab, "tabindex", name === front ? "0" : "-1");
       this.panels[name]!.toggleAttribute(BEHIND, name !== front);
     }
-    const [tab, panel] = [this.tabs.get(front ?? ""), this.panels[front ?? ""]];
-    const tools = panel?.querySelector<HTMLElement>(".lrp-head")?.offsetWidth ?? 0;
-    this.strip.style.paddingRight = `${tools}px`;
-    if (tab) this.strip.scrollLeft = tab.offsetLeft + tab.offsetWidth + tools - this.strip.clientWidth;
+    this.reveal();
+  }
+
+  close(): void {
+    this.sizes.disconnect();
+  }
+
+  /** Scroll the tab in front into view, beside its panel's buttons and between the ends of its neighbours. */
+  private reveal(): void {
+    const { front, strip } = this;
+    const tab = this.tabs.get(front ?? "");
+    if (!tab) return;
+    const tools = this.panels[front!]?.querySelector<HTMLElement>(".lrp-head")?.offsetWidth ?? 0;
+    strip.style.paddingRight = `${tools}px`;
+    const [left, right] = [tab.offsetLeft - PEEP, tab.offsetLeft + tab.offsetWidth + PEEP];
+    strip.scrollLeft = Math.min(left, Math.max(0, right + tools - strip.clientWidth));
   }
 
   private choose(name: string): void {
