@@ -106,7 +106,7 @@ def has_a_whole_head(lab):
 
 
 def has_every_tab_in_reach(lab):
-    """A mouse comes from the first tab to the last one and back, and what is in front has its whole name in sight."""
+    """A mouse comes from the first tab to the last one and back; the name of the one in front is whole."""
     tabs = lab.find(".lrp-tab:not([hidden])").evaluate_all("tabs => tabs.map(tab => tab.dataset.lrpTab)")
     for tab in (*tabs, *reversed(tabs)):
         left, right = seen_of(lab, tab)
