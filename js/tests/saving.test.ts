@@ -156,6 +156,21 @@ describe("what is typed", () => {
     expect(cell().source).toBe(`${LINE}\n; new\n${GIVEN}`);
   });
 
+  it("is not saved where no cell has the program, such as after a cell was split, which is said once it is changed", async () => {
+    cell().source = GIVEN;
+    cell().contentChanged.emit();
+    expect(page.find(MARK).hidden).toBe(true);
+    page.type("; new\n");
+    page.confirm();
+    page.deliver({ type: "frame", frame: 8, cell: { is_saved: false } });
+    await page.drawn();
+    page.find(MARK).click();
+    expect(page.find(".lrp-toast").textContent).toContain("no cell has this program");
+    cell().edit(GIVEN);
+    await page.drawn();
+    expect(page.find(MARK).hidden).toBe(true);
+  });
+
   it("goes into the cell that was run last, wherever the lab is shown", async () => {
     notebook.cells.push(cellOf(`${LINE}\n(machine later)`), cellOf("%%lrp other\n(machine later)"));
     notebook.model.cells.length = 3;
