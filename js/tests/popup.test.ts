@@ -32,6 +32,30 @@ describe("a menu", () => {
     expect(document.activeElement).toBe(button);
   });
 
+  it("stays in the lab when that has become smaller", () => {
+    let resized = () => {};
+    vi.stubGlobal(
+      "ResizeObserver",
+      class {
+        observe = () => {};
+        disconnect = () => {};
+        constructor(call: () => void) {
+          resized = call;
+        }
+      },
+    );
+    let width = 900;
+    lab.getBoundingClientRect = () => new DOMRect(0, 0, width, 600);
+    openMenu(lab, { x: 880, y: 40 }, items, "Menu");
+    const left = () => Number.parseFloat(lab.querySelector<HTMLElement>("[role=menu]")!.style.left);
+    expect(left()).toBe(880);
+    width = 500;
+    resized();
+    expect(left()).toBeLessThan(500);
+    press("Escape");
+    vi.unstubAllGlobals();
+  });
+
   it("leaves the focus in the lab if what had it is gone, or if nothing had it", () => {
     const button = h("button");
     lab.append(button);

@@ -68,8 +68,8 @@ export function openField(host: HTMLElement, at: Point, field: Field): void {
     error,
     h("button", { type: "submit", class: "lrp-button lrp-primary lrp-field-apply" }, "OK"),
   );
-  const close = openPopup(host, form, field.closed);
-  placeInSight(host, form, at, EDGE, field.about);
+  const place = () => placeInSight(host, form, at, EDGE, field.about);
+  const close = openPopup(host, form, place, field.closed);
   const first = inputs[0]!.control;
   first.focus({ preventScroll: true });
   const { cursor } = field.entries[0]!;

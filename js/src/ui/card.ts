@@ -40,8 +40,7 @@ export function openCard(
     ...content,
   );
   const place = () => placeInSight(lab.root, card, { x: at.x + EDGE, y: at.y + EDGE }, EDGE);
-  const close = openPopup(lab.root, card, closed);
-  place();
+  const close = openPopup(lab.root, card, place, closed);
   card.focus({ preventScroll: true });
   return { card, place, close };
 }

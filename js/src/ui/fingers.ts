@@ -74,8 +74,7 @@ export function useFingers(root: HTMLElement): void {
     const title = target.closest<HTMLElement>("[title]")?.title;
     if (!title || target.closest(TEXT)) return false;
     const tip = h("div", { class: "lrp-tip", role: "tooltip" }, title);
-    openPopup(root, tip);
-    placeInSight(root, tip, { x, y: y - ABOVE }, EDGE);
+    openPopup(root, tip, () => placeInSight(root, tip, { x, y: y - ABOVE }, EDGE));
     return true;
   }
 }

@@ -80,10 +80,11 @@ export function openMenu(root: HTMLElement, at: Point, items: (MenuItem | null)[
     } else return;
     consume(event);
   });
-  const close = openPopup(root, menu);
-  const { top, bottom } = partInSight(root);
-  menu.style.maxHeight = `${Math.max(LEAST, bottom - top - 2 * EDGE)}px`;
-  placeInSight(root, menu, at, EDGE);
+  const close = openPopup(root, menu, () => {
+    const { top, bottom } = partInSight(root);
+    menu.style.maxHeight = `${Math.max(LEAST, bottom - top - 2 * EDGE)}px`;
+    placeInSight(root, menu, at, EDGE);
+  });
   entries[0]?.focus({ preventScroll: true });
 }
 

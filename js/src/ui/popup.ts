@@ -5,18 +5,24 @@ import { comesFrom, focusedAround, hasFocus } from "./root";
 
 const closers = new WeakMap<HTMLElement, () => void>(); // by host
 
-/** Open an element in a host; a press elsewhere closes it. Returns what closes it, on request with the focus as it was. */
+/**
+ * Open an element in a host, put in its place now and whenever the host has another size; a press elsewhere closes it.
+ * Returns what closes it, on request with the focus as it was.
+ */
 export function openPopup(
   host: HTMLElement,
   element: HTMLElement,
+  place: () => void,
   closed: () => void = () => {},
 ): (focus: boolean) => void {
   closers.get(host)?.();
   const before = focusedAround(host);
+  const sizes = new ResizeObserver(place);
   let isOpen = true;
   const close = (focus: boolean) => {
     if (!isOpen) return;
     isOpen = false;
+    sizes.disconnect();
     document.removeEventListener("pointerdown", outside, true);
     const isLeft = hasFocus(element);
     element.remove();
@@ -30,5 +36,7 @@ export function openPopup(
   closers.set(host, () => close(false));
   document.addEventListener("pointerdown", outside, true);
   host.append(element);
+  place();
+  sizes.observe(host);
   return close;
 }
