@@ -63,6 +63,15 @@ def nothing_is_drawn_over_the_output(lab):
     )
 
 
+def every_panel_is_enlarged_at_its_right(lab):
+    """Also the one that has no world to show, and no other buttons."""
+    lab.sees('[data-lrp="world"]:not([data-aspect])')
+    for part in PANELS:
+        head = f'[data-lrp="{part}"] > .lrp-head'
+        place, button = lab.box(head), lab.box(f'{head} > [data-lrp-action="enlarge"]')
+        assert place["x"] + place["width"] - button["x"] - button["width"] < 8, part
+
+
 def is_in_reading_order(lab):
     """The tab key goes through a part of the lab before it goes to the next, downwards and to the right."""
     places = ".lrp-panels > :not(.lrp-splitter, [data-away], [data-goalless])"
@@ -159,6 +168,9 @@ def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page
     lab.until(f"node => node.getBoundingClientRect().width > {before}", '[data-lrp-state="follower/moving"]')
     open_a_menu_in_a_low_window(lab)
     nothing_is_drawn_over_the_output(lab)
+    every_panel_is_enlarged_at_its_right(
+        lab.notebook.open("(machine m (state a)) (spawn m a)", "m --bridge none")
+    )
 
 
 def test_panels_are_enlarged_hidden_resized_and_kept(open_notebook, page):
