@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { arrange } from "../src/ui/boxes";
 import { h } from "../src/ui/dom";
 import { Layout, type Panels } from "../src/ui/layout";
-import { ARRANGEMENTS, HEAD, PROGRAM, planFor } from "../src/ui/plans";
+import { ARRANGEMENTS, HEAD, PROGRAM, planFor, type Shape } from "../src/ui/plans";
 
 const NAMES = [
   "goal",
@@ -30,10 +30,10 @@ const LABS = [
 function boxesOf(
   [width, high, height]: readonly [number, number, number],
   aspect: number,
-  arrangement: (typeof ARRANGEMENTS)[number] = "work",
+  shape: Shape = "work",
   hasGoal = false,
 ) {
-  const plan = planFor({ width, height, lab: width * high }, { hasGoal, aspect }, arrangement);
+  const plan = planFor({ width, height, lab: width * high }, { hasGoal, aspect }, shape);
   const { boxes } = arrange(plan, (name) => hasGoal || name !== "goal");
   const inPx = (name: string) => {
     const box = boxes.get(name)!;
@@ -41,7 +41,7 @@ function boxesOf(
   };
   const { width: across, height: down } = inPx("world");
   const picture = { width: Math.min(across, (down - HEAD) * aspect), height: down - HEAD };
-  return { inPx, across, picture, share: (across * picture.height) / (width * high) };
+  return { boxes, inPx, across, picture, share: (across * picture.height) / (width * high) };
 }
 
 describe("the plans", () => {
@@ -65,7 +65,7 @@ describe("the plans", () => {
       const { inPx, share } = of(3, aspect);
       expect(inPx("editor").height).toBeCloseTo(LABS[3][2]);
       expect(share).toBeGreaterThanOrEqual(0.3);
-      expect(inPx("machines").height).toBeGreaterThanOrEqual(290);
+      expect(inPx("machines").height).toBeGreaterThan(289);
       for (const index of [0, 1, 2]) expect(of(index, aspect).inPx("editor").height).toBeLessThan(500);
     }
   });
@@ -76,14 +76,29 @@ describe("the plans", () => {
         const work = boxesOf(lab, aspect).picture.width;
         const large = boxesOf(lab, aspect, "world");
         expect(large.picture.width, `${aspect} ${lab}`).toBeGreaterThan(1.1 * work);
-        for (const arrangement of ARRANGEMENTS)
+        for (const shape of [...ARRANGEMENTS, "past"] as const)
           for (const hasGoal of [false, true]) {
-            const { inPx } = boxesOf(lab, aspect, arrangement, hasGoal);
+            const { inPx } = boxesOf(lab, aspect, shape, hasGoal);
             for (const name of ["editor", "machines", "lists", ...(hasGoal ? ["goal"] : [])]) {
               const { width, height } = inPx(name);
-              expect(Math.min(width, height), `${name} ${aspect} ${arrangement} ${lab}`).toBeGreaterThan(95);
+              expect(Math.min(width, height), `${name} ${aspect} ${shape} ${lab}`).toBeGreaterThan(95);
             }
           }
+      }
+  });
+
+  it("leave the program at the top left, and as wide as it is over a world, when the world becomes larger", () => {
+    for (const lab of LABS)
+      for (const [name, aspect] of Object.entries(ASPECTS)) {
+        const [work, past] = [boxesOf(lab, aspect), boxesOf(lab, aspect, "past")];
+        const before = work.boxes.get("editor")!;
+        const after = past.boxes.get("editor")!;
+        expect([after.left, after.top], `${name} ${lab}`).toEqual([0, 0]);
+        const isOver = (boxes: typeof work.boxes) => boxes.get("world")!.left === 0;
+        expect(isOver(past.boxes)).toBe(isOver(work.boxes));
+        if (isOver(past.boxes)) expect(after.width).toBe(before.width);
+        else expect(after.height).toBe(before.height);
+        expect(past.picture.width, `${name} ${lab}`).toBeGreaterThan(1.1 * work.picture.width);
       }
   });
 });
@@ -114,13 +129,29 @@ describe("the layout", () => {
   beforeEach(() => localStorage.clear());
   afterEach(() => layout.close());
 
-  it("puts a wide world above the program where it is larger there, another and a robot's panel beside it", async () => {
+  it("puts a wide world below the program where it is larger there, another and a robot's panel beside it", async () => {
     layout = layoutOf(900);
     expect(place(layout, "world", "top")).toBe(0);
     expect(place(layout, "world", "left")).toBeGreaterThan(0);
     layout.panels.world.setAttribute("data-aspect", "2.5");
     await vi.waitFor(() => expect(place(layout, "world", "left")).toBe(0));
-    expect(place(layout, "editor", "top")).toBeGreaterThan(0);
+    expect(place(layout, "world", "top")).toBeGreaterThan(0);
+    expect(place(layout, "editor", "top")).toBe(0);
+  });
+
+  it("moves a bar by each press of a key, and has it again where its arrangement comes back", () => {
+    layout = layoutOf(900);
+    const bar = layout.element.querySelector<HTMLElement>('[aria-label="Width of the world"]')!;
+    const count = () => layout.element.querySelectorAll(".lrp-splitter").length;
+    const [bars, before] = [count(), place(layout, "world", "left")];
+    for (const key of ["ArrowLeft", "ArrowLeft", "ArrowLeft"])
+      bar.dispatchEvent(new KeyboardEvent("keydown", { key }));
+    expect(place(layout, "world", "left")).toBeCloseTo(before - 6, 0);
+    expect([count(), bar.hidden]).toEqual([bars, false]);
+    layout.arrangement = "demo";
+    expect(bar.hidden).toBe(true);
+    layout.arrangement = "work";
+    expect(bar.hidden).toBe(false);
   });
 
   it("puts a challenge over its world, at the left of the program", async () => {

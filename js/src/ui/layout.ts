@@ -3,7 +3,7 @@
  * kept by the browser. A panel moves in the document only where it keeps its focus and where it was scrolled to.
  */
 
-import { arrange, type Division } from "./boxes";
+import { arrange } from "./boxes";
 import { h, setAttribute } from "./dom";
 import { forget, forgetAll, keep, kept } from "./kept";
 import { ARRANGEMENTS, type Arrangement, HEAD, planFor } from "./plans";
@@ -31,7 +31,7 @@ export class Layout {
   readonly element: HTMLElement;
   /** What has a place of its own: a panel, the tree and the graph together, or the panels that share tabs. */
   private readonly places: Map<string, HTMLElement>;
-  private readonly bars = new Map<Division, ReturnType<typeof splitter>>();
+  private readonly bars = new Map<string, ReturnType<typeof splitter>>(); // by the names of divisions
   /** Called when the user shows or hides a panel, or shows it alone. */
   told: (about: string, on: boolean) => void = () => {};
   /** Makes a change in which what one reads stays in place. */
@@ -89,7 +89,7 @@ export class Layout {
     this.maximise(null);
   }
 
-  /** Make the world large while an earlier moment is shown. */
+  /** Make the world larger while an earlier moment is shown, unless it is large. */
   lookBack(on: boolean): void {
     if (this.looksBack === on) return;
     this.looksBack = on;
@@ -133,7 +133,9 @@ export class Layout {
       hasGoal: isVisible(this.panels.goal),
       aspect: Number(this.panels.world.getAttribute(ASPECT)) || null,
     };
-    const plan = alone ?? planFor(room, shown, this.looksBack ? "world" : this.arrangement);
+    const { arrangement } = this;
+    const plan =
+      alone ?? planFor(room, shown, arrangement === "work" && this.looksBack ? "past" : arrangement);
     this.element.toggleAttribute("data-stacked", !plan);
     const stacked = shown.aspect
       ? HEAD + Math.min(STACKED, width / shown.aspect, 0.6 * Math.max(STACKED, height)) // the program is in sight
@@ -150,12 +152,9 @@ export class Layout {
       place.toggleAttribute("data-away", Boolean(plan) && !box); // and it keeps its size: nothing in it is laid out again
     }
     this.order([...boxes.keys()]);
-    for (const { element } of this.bars.values()) element.hidden = true;
-    for (const bar of bars) {
-      const { element, update } = this.bars.get(bar.division) ?? this.makeBar(bar.division);
-      element.hidden = false;
-      update(bar);
-    }
+    const named = new Map(bars.map((bar) => [bar.division.name, bar]));
+    for (const [name, { element }] of this.bars) element.hidden = !named.has(name);
+    for (const [name, bar] of named) (this.bars.get(name) ?? this.makeBar(name)).update(bar);
   }
 
   /** Let the tab key go through the panels as they are read, in browsers in which elements can move and stay as they are. */
@@ -168,13 +167,13 @@ export class Layout {
     });
   }
 
-  private makeBar(division: Division) {
+  private makeBar(name: string) {
     const bar = splitter(this.element, (share) => {
-      if (share === null) forget(SHARE + division.name);
-      else keep(SHARE + division.name, share.toFixed(1));
+      if (share === null) forget(SHARE + name);
+      else keep(SHARE + name, share.toFixed(1));
       this.update();
     });
-    this.bars.set(division, bar);
+    this.bars.set(name, bar);
     this.element.append(bar.element);
     return bar;
   }

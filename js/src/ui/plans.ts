@@ -1,7 +1,9 @@
 /**
  * How the lab's panels divide its room. The world comes first, in its own proportions: it stands beside the program,
- * or lies above it where that makes it larger. The program keeps its lines, and in a large room has the whole height.
+ * or lies below it where that makes it larger. The program keeps its lines, and in a large room has the whole height.
  * The other panels share the rest.
+ *
+ * The program begins at the top left, so that it stays where it is when the world grows or is another one.
  */
 
 import type { Division, Plan } from "./boxes";
@@ -9,6 +11,8 @@ import type { Division, Plan } from "./boxes";
 /** What is large: the program and the world, the world, or the world and the graph. */
 export const ARRANGEMENTS = ["work", "world", "demo"] as const;
 export type Arrangement = (typeof ARRANGEMENTS)[number];
+/** An arrangement, or that of the program and the world while an earlier moment is shown: with a larger world. */
+export type Shape = Arrangement | "past";
 
 /** In px; `lab` is the area of the whole lab. */
 export interface Room {
@@ -26,6 +30,7 @@ export interface Shown {
 export const HEAD = 28; // px of a panel's heading
 export const PROGRAM = 14 * 17 + 8; // px of fourteen lines
 const LISTS = 140; // px in which three issues can be read
+const EDITOR = 58; // percent of the width that a program has over the world
 const COLUMN = 360; // px in which a program can be read
 const GRAPH = 200; // px
 const NARROW = 300; // px of the lists: four tabs
@@ -33,7 +38,7 @@ const LARGE: Size = { width: 780, height: 290 }; // px of a graph and the lists 
 const LEAST = 750; // px: with less room the panels lie one below the other
 const ROBOT = 1; // the proportions of a robot's panel, which holds more than a picture
 /** The world's part of the lab, as far as there is room. */
-const PART = { work: 0.305, tall: 0.35, world: 0.5, demo: 0.42 } as const;
+const PART = { work: 0.305, tall: 0.35, past: 0.5, world: 0.5, demo: 0.42 } as const;
 
 interface Size {
   width: number;
@@ -48,56 +53,83 @@ function fitted(area: number, aspect: number | null, most: Size): Size {
 }
 
 /** The plan for a room; null: panels one below the other, as high as they need to be. */
-export function planFor(room: Room, shown: Shown, arrangement: Arrangement): Plan | null {
+export function planFor(room: Room, shown: Shown, shape: Shape): Plan | null {
   if (room.width < LEAST) return null;
-  if (shown.hasGoal) return challenge(room, shown, arrangement);
-  if (arrangement === "demo") return demo(room, shown);
-  const { width, height, lab } = room;
-  const isWork = arrangement === "work";
-  if (isWork && shown.aspect) {
-    const under = fitted(PART.tall * lab, shown.aspect, {
-      width: width - Math.max(COLUMN, 0.3 * width),
-      height: height - HEAD - LARGE.height,
-    });
-    if (under.width >= LARGE.width && under.width * under.height > 0.25 * lab) return tall(room, under);
-  }
-  const besideIt = fitted(PART[arrangement] * lab, shown.aspect, {
+  if (shown.hasGoal) return challenge(room, shown, shape);
+  if (shape === "demo") return demo(room, shown);
+  if (programOf(shape) === "work" && hasRoomUnder(room, shown))
+    return tall(room, overGraph(room, shown, shape), shape);
+  const isBeside = !shown.aspect || isWiderBeside(room, shown, shape === "past" ? "work" : shape);
+  const world = (isBeside ? besideProgram : belowProgram)(room, shown, shape);
+  if (isBeside) return beside(room, world, shape);
+  return shape === "work" ? below(room, world) : large(room, world, shape);
+}
+
+function isWiderBeside(room: Room, shown: Shown, shape: Shape): boolean {
+  return besideProgram(room, shown, shape).width >= belowProgram(room, shown, shape).width;
+}
+
+/** The largest world beside the program. */
+function besideProgram({ width, height, lab }: Room, { aspect }: Shown, shape: Shape): Size {
+  const isWork = shape === "work";
+  return fitted(PART[shape] * lab, aspect, {
     width: width - (isWork ? Math.max(COLUMN, 0.34 * width) : 280),
-    height: height - HEAD - (shown.aspect ? (isWork ? LISTS : LISTS / 2) + HEAD : GRAPH),
+    height: height - HEAD - (aspect ? (isWork ? LISTS : LISTS / 2) + HEAD : GRAPH),
   });
-  const aboveIt = fitted(PART[arrangement] * lab, shown.aspect, {
+}
+
+/** The largest world below the program. */
+function belowProgram({ width, height, lab }: Room, { aspect }: Shown, shape: Shape): Size {
+  const isWork = shape === "work";
+  return fitted(PART[shape] * lab, aspect, {
     width: width - (isWork ? GRAPH : 0),
     height: height - HEAD - (isWork ? PROGRAM + HEAD : GRAPH),
   });
-  if (!shown.aspect || besideIt.width >= aboveIt.width) return beside(room, besideIt, arrangement);
-  return isWork ? above(room, aboveIt) : large(room, aboveIt);
 }
 
+/** The largest world beside the program, over the graph and the lists. */
+function overGraph({ width, height, lab }: Room, { aspect }: Shown, shape: Shape): Size {
+  const isPast = shape === "past";
+  return fitted((isPast ? PART.past : PART.tall) * lab, aspect, {
+    width: width - (isPast ? 280 : Math.max(COLUMN, 0.3 * width)),
+    height: height - HEAD - (isPast ? GRAPH + HEAD : LARGE.height),
+  });
+}
+
+/** Whether the graph and the lists have room under a world that is large enough. */
+function hasRoomUnder(room: Room, shown: Shown): boolean {
+  const { width, height } = overGraph(room, shown, "work");
+  return shown.aspect !== null && width >= LARGE.width && width * height > 0.25 * room.lab;
+}
+
+/** What an arrangement calls the program's bars, which stay where they are while an earlier moment is shown. */
+const programOf = (shape: Shape) => (shape === "past" ? "work" : shape);
+
 /** The world stands beside the program. */
-function beside({ width, height }: Room, world: Size, name: string): Plan {
+function beside({ width, height }: Room, world: Size, shape: Shape): Plan {
   return columns(
-    `${name}-beside`,
+    `${shape}-beside`,
     "Width of the world",
     100 - (100 * world.width) / width,
-    rows(`${name}-program`, "Height of the editor", programIn(height), "editor", "machines"),
-    rows(`${name}-world`, "Height of the world", (100 * (world.height + HEAD)) / height, "world", "lists"),
+    rows(`${programOf(shape)}-program`, "Height of the editor", programIn(height), "editor", "machines"),
+    rows(`${shape}-world`, "Height of the world", (100 * (world.height + HEAD)) / height, "world", "lists"),
   );
 }
 
 /** The program has the whole height; the graph and the lists lie under the world. */
-function tall({ width, height }: Room, world: Size): Plan {
+function tall({ width, height }: Room, world: Size, shape: Shape): Plan {
   return columns(
-    "work-tall",
+    `${shape}-tall`,
     "Width of the world",
     100 - (100 * world.width) / width,
     "editor",
     rows(
-      "work-tall-world",
+      `${shape}-tall-world`,
       "Height of the world",
       (100 * (world.height + HEAD)) / height,
       "world",
       columns(
-        "work-tall-graph",
+        `${programOf(shape)}-tall-graph`,
         "Width of the graph",
         100 - (100 * NARROW) / world.width,
         "machines",
@@ -107,31 +139,31 @@ function tall({ width, height }: Room, world: Size): Plan {
   );
 }
 
-/** The world lies above the program, the lists beside it, the graph beside the program. */
-function above({ width, height }: Room, world: Size): Plan {
+/** The world lies below the program, the lists beside it, the graph beside the program. */
+function below({ width, height }: Room, world: Size): Plan {
   return rows(
-    "work-above",
+    "work-below",
     "Height of the world",
-    (100 * (world.height + HEAD)) / height,
+    100 - (100 * (world.height + HEAD)) / height,
+    columns("work-editor", "Width of the editor", EDITOR, "editor", "machines"),
     columns("work-width", "Width of the world", (100 * world.width) / width, "world", "lists"),
-    columns("work-editor", "Width of the editor", 58, "editor", "machines"),
   );
 }
 
-/** The world lies above everything else. */
-function large({ height }: Room, world: Size): Plan {
+/** The world lies below everything else. */
+function large({ height }: Room, world: Size, shape: Shape): Plan {
   return rows(
-    "world-above",
+    `${shape}-below`,
     "Height of the world",
-    (100 * (world.height + HEAD)) / height,
-    "world",
+    100 - (100 * (world.height + HEAD)) / height,
     columns(
-      "world-editor",
+      `${programOf(shape)}-editor`,
       "Width of the editor",
-      44,
+      shape === "past" ? EDITOR : 44,
       "editor",
-      columns("world-graph", "Width of the graph", 46, "machines", "lists"),
+      columns(`${shape}-graph`, "Width of the graph", 46, "machines", "lists"),
     ),
+    "world",
   );
 }
 
@@ -151,28 +183,28 @@ function demo({ width, height, lab }: Room, { aspect }: Shown): Plan {
 }
 
 /** A challenge: what is to be done and the world at the left, the program at the right. */
-function challenge({ width, height, lab }: Room, { aspect }: Shown, arrangement: Arrangement): Plan {
-  const world = fitted(PART[arrangement] * lab, aspect, {
-    width: (arrangement === "work" ? 0.46 : 0.6) * width,
+function challenge({ width, height, lab }: Room, { aspect }: Shown, shape: Shape): Plan {
+  const world = fitted(PART[shape] * lab, aspect, {
+    width: (shape === "work" ? 0.46 : 0.6) * width,
     height: height - HEAD - 240,
   });
   return columns(
-    `${arrangement}-goal`,
+    `${shape}-goal`,
     "Width of the world",
     Math.max(44, (100 * world.width) / width),
     rows(
-      `${arrangement}-goal-world`,
+      `${shape}-goal-world`,
       "Height of the goal",
       100 - (100 * (world.height + HEAD)) / height,
       "goal",
       "world",
     ),
     rows(
-      `${arrangement}-goal-program`,
+      `${programOf(shape)}-goal-program`,
       "Height of the editor",
       programIn(height),
       "editor",
-      columns(`${arrangement}-goal-graph`, "Width of the graph", 42, "machines", "lists"),
+      columns(`${programOf(shape)}-goal-graph`, "Width of the graph", 42, "machines", "lists"),
     ),
   );
 }
