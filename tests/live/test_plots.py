@@ -79,6 +79,35 @@ def test_the_last_seconds_of_what_an_event_reads_come_with_the_thresholds_of_its
             session.plots(event="nothing")
 
 
+def test_a_machine_that_is_spawned_elsewhere_has_its_own_thresholds():
+    program = """\
+    (var most := [9])
+    (machine counter
+      (var n := [0]) (var limit := [5])
+      (event full [n > limit + most])
+      (state up
+        (running [n += 1; limit = 5 + n])
+        (onentry (spawn inside i))
+        (machine inside (var low := [3]) (state i) (state j) (on [n < low] i -> j)))
+      (state done)
+      (on full up -> done)
+      (on [robot.light.data < limit] up -> done))
+    (machine m (state x (onentry (spawn counter up))) (state z) (ontime 1000 x -> z))
+    (spawn m x)
+    """
+    with Session(program, "sim", world="empty") as session:
+        for seconds in (0.8, 1):  # while it runs, and afterwards
+            session.run(seconds)
+            (n,) = session.plots(["m/x/counter/n"])
+            by_text = {each.text: each.values[:8] for each in n.thresholds}
+            assert by_text == {"limit + most": (*range(15, 23),), "low": (3.0,) * 8}
+            if seconds == 0.8:
+                (light,) = session.plots(["robot.light.data"])
+                assert [(each.text, each.values[-1]) for each in light.thresholds] == [("limit", 13.0)]
+                (full,) = session.plots(event="full")
+                assert (full.name, full.thresholds) == ("m/x/counter/n", n.thresholds[:1])
+
+
 def test_a_variable_that_did_not_exist_has_no_samples_then():
     program = """\
     (machine m

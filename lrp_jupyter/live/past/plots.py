@@ -76,7 +76,8 @@ def plotting(
         return list
     program, first = loop.interpreter.program, min(wanted.values())
     conditions = list(_conditions(program) if tested is None else tested)
-    compared = {name: list(_compared(conditions, name)) for name in wanted}
+    machines = _Machines(loop)
+    compared = {name: list(_compared(conditions, name, machines)) for name in wanted}
     paths = {as_path(name) for name in wanted if not name.startswith(_ROBOT)}
     paths |= {path for each in compared.values() for other in each for path in other.variables.values()}
     reads = any(name.startswith(_ROBOT) for name in wanted) or any(
@@ -277,28 +278,50 @@ def _conditions(program: Program) -> Iterator[_Tested]:
             yield arrow.tested
 
 
-def _compared(conditions: Iterable[_Tested], name: str) -> Iterator[_Compared]:
+class _Machines:
+    """Where machines run, as spawned, and where they find the variables that they see."""
+
+    def __init__(self, loop: Loop) -> None:
+        self.defined = resolve(loop.interpreter.program).defined
+        every = (path[:end] for path in loop.frame.active for end in range(1, len(path), 2))
+        self._running = {self.defined(machine): machine for machine in every}
+
+    def path(self, scope: Scope) -> Path:
+        """Return the path of a machine that runs, or else where it is defined."""
+        return self._running.get(scope.path, scope.path)
+
+    def path_inside(self, machine: Path, owner: Scope, scope: Scope) -> Path:
+        """Return the path of a machine in one whose variables it sees."""
+        found = self.path(scope)
+        return found if found[: len(machine)] == machine else (*machine, *scope.path[len(owner.path) :])
+
+    def variable(self, machine: Path, owner: Scope, name: str) -> Path:
+        """Return the path of a variable that a machine sees."""
+        around = (machine[:end] for end in range(len(machine), 0, -2))
+        found = next((path for path in around if self.defined(path) == owner.path), owner.path)
+        return (*found, name)
+
+
+def _compared(conditions: Iterable[_Tested], name: str, machines: _Machines) -> Iterator[_Compared]:
     """Yield the expressions that conditions compare a name with."""
     is_reading, path = name.startswith(_ROBOT), as_path(name)
-    written = name if is_reading else path[-1]
+    written, machine = (name, ()) if is_reading else (path[-1], path[:-1])
+    defined = machines.defined(machine)
     seen: set[object] = set()
     for block, scope in conditions:
+        visible = scope.visible
+        owner = None if is_reading else visible.get(written)
         tree = expression_of(block.text)
-        if tree is None or not (is_reading or _means(scope, path)):
+        if tree is None or not (is_reading or (owner is not None and owner.path == defined)):
             continue
+        here = machines.path(scope) if owner is None else machines.path_inside(machine, owner, scope)
         for other in _others(tree, written):
-            visible = scope.visible
-            variables = {each: (*visible[each].path, each) for each in names_in(other) if each in visible}
+            used = [each for each in names_in(other) if each in visible]
+            variables = {each: machines.variable(here, visible[each], each) for each in used}
             key = ast.unparse(other), tuple(sorted(variables.items()))
             if key not in seen and len(seen) < _MOST:
                 seen.add(key)
                 yield _Compared(key[0], other, variables)
-
-
-def _means(scope: Scope, path: Path) -> bool:
-    """Return whether the bare name of a variable refers to it in a scope."""
-    owner = scope.visible.get(path[-1])
-    return owner is not None and owner.path == path[:-1]
 
 
 def _others(tree: ast.expr, written: str) -> Iterator[ast.expr]:
