@@ -120,15 +120,28 @@ describe("a preview", () => {
     expect([store.state.whatIf?.begin, questions.length]).toEqual([5.5, 0]);
   });
 
-  it("that comes late, or not at all, ends the one before", async () => {
-    for (const reply of [{ what_if: whatIf(5) }, { error: "There is no simulated robot." }]) {
+  it("that comes late, or not at all, ends the one before; the first is said for a while", async () => {
+    for (const [reply, said] of [
+      [{ what_if: whatIf(5) }, "too long to compute"],
+      [{ error: "There is no simulated robot." }, ""],
+    ] as const) {
       await answer({ what_if: whatIf(store.state.time) });
       expect(store.state.whatIf).not.toBeNull();
-      await set({ revision: store.state.revision + 1, time: 6.5 });
+      expect(store.state.unforetold).toBe("");
+      await set({ revision: store.state.revision + 1, time: 7.1 });
       await answer(reply);
       expect(store.state.whatIf).toBeNull();
+      expect(store.state.unforetold).toContain(said);
+      await set({ time: 10.2 });
+      expect(store.state.unforetold).toBe("");
       await set({ revision: store.state.revision + 1 });
     }
+  });
+
+  it("that comes while it still foretells something is shown", async () => {
+    await set({ time: 6.9 });
+    await answer({ what_if: whatIf(5) });
+    expect([store.state.whatIf?.begin, store.state.unforetold]).toEqual([5, ""]);
   });
 
   it("ends where the robot goes another way, is set back, or an earlier moment is looked at", async () => {
@@ -206,13 +219,15 @@ describe("a preview", () => {
       expect([store.state.whatIf?.begin, questions.length]).toEqual([6.7, 0]);
     });
 
-    it("is nothing where the number makes no difference, or the program is wrong", async () => {
+    it("is nothing where the number makes no difference, which is said, or the program is wrong", async () => {
       await answer({ what_ifs: courses(1, 2, 3) });
-      for (const reply of [{ what_ifs: courses(1, 1, 1) }, { error: "A bracket is missing." }]) {
-        await set({ stepped: stepped(String(store.state.revision)) });
-        await answer(reply);
-        expect(store.state.whatIf).toBeNull();
-      }
+      await set({ stepped: stepped("1") });
+      await answer({ what_ifs: courses(1, 1, 1) });
+      expect(store.state.whatIf).toBeNull();
+      expect(store.state.unforetold).toBe("The next 3 s are the same with 1, 11.");
+      await set({ stepped: stepped("2") });
+      await answer({ error: "A bracket is missing." });
+      expect([store.state.whatIf, store.state.unforetold]).toEqual([null, ""]);
     });
 
     it("is withheld in a quiet lab, and while edits wait", async () => {

@@ -50,6 +50,8 @@ export interface LabState extends ViewState, Told {
   /** What the timeline plots. */
   plots: readonly string[];
   whatIf: Foretold | null;
+  /** Why it is not shown how it goes on; empty if it is, or if that was not asked. */
+  unforetold: string;
   /** The number that was changed by the last step in the editor, until something else is done there. */
   stepped: Stepped | null;
 }
@@ -95,6 +97,7 @@ export function initialState(): LabState {
     follow: "nothing",
     plots: [],
     whatIf: null,
+    unforetold: "",
     stepped: null,
   };
 }

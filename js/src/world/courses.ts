@@ -35,9 +35,10 @@ export function coursesOf({ changed, recorded, divergence, tried }: Foretold, pa
     ];
     return courses.filter(({ label }, i) => courses.findLastIndex((each) => each.label === label) === i);
   }
+  if (!divergence) return [{ ...dashed, name: "what comes next", title: "How it goes on", label: "" }];
   const now = { ...dashed, name: "with the edit", title: "How it goes with the edit", label: "" };
   const before = { ...plain, name: "as recorded", title: "How it was recorded", label: "" };
-  return divergence ? [before, now] : [now];
+  return [before, now];
 }
 
 function called(what: string, label: string, how: string): Pick<Drawn, "name" | "title" | "label"> {

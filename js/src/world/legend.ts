@@ -91,13 +91,13 @@ interface Entry {
   line: string | null;
 }
 
-/** What the lines in the world mean: courses that part, and the states of the trail in the order of the program. */
+/** What the lines in the world mean: courses, and the states of the trail in the order of the program. */
 function entriesOf(
   { whatIf, palette, trail, latest, showsTrail, styleOf }: Stage,
   program: ProgramView,
 ): Entry[] {
   const drawn = whatIf ? coursesOf(whatIf, palette).reverse() : [];
-  const courses = drawn.length < 2 ? [] : drawn.map((each) => ({ ...each, line: lineOf(each.dash) }));
+  const courses = drawn.map((each) => ({ ...each, line: lineOf(each.dash) }));
   if (!showsTrail.on) return courses;
   const states = trail.states(latest?.time ?? 0).filter((state) => state !== "");
   const styled = states.map((state) => ({ state, ...styleOf(state) }));

@@ -15,9 +15,20 @@ const PACE = {
   calm: 300, // ms after an edit: first it is applied and drawn
   rest: 0.5, // after an answer about a number, as many times as long as it took: the robot needs the kernel, too
 };
-const LATE = 1; // s of the session: what is older is no news
+const LEFT = 1; // s of the session that are foretold, at least, when the answer comes
 const LINGER = 10_000; // ms after the last step of a number in which it is foretold again and again
 const ASTRAY = 0.1; // metres: something else has happened than was foretold
+
+const TOO_SLOW = `The next ${SECONDS} s take too long to compute to be shown ahead.`;
+
+function sameWith([before, now, beyond]: Stepped["values"]): string {
+  return `The next ${SECONDS} s are the same with ${[...new Set([before, now, beyond])].join(", ")}.`;
+}
+
+/** Whether a step of a number is seen in the world. */
+function areOther({ recorded, changed, tried }: Foretold): boolean {
+  return isOther(recorded, changed) || isOther(changed, tried?.beyond ?? changed);
+}
 
 export class Preview {
   /** The newest preview, whether or not it is still shown. */
@@ -25,6 +36,7 @@ export class Preview {
   private revision: number | null = null;
   private time = 0;
   private edited = 0; // when, in ms
+  private said: { end: number } | null = null;
   private renewed: Foretold | null = null;
   private rested = 0;
   private readonly ask: () => void;
@@ -56,6 +68,7 @@ export class Preview {
     const { whatIf, time, looking } = this.lab.store.state;
     const isBack = time < this.time;
     this.time = time;
+    if (this.said && (!this.foretells.on || looking || isBack || time >= this.said.end)) this.say("");
     if (!whatIf || whatIf !== this.latest) return;
     const foretold = at && ghostAt(whatIf.changed.way, time);
     const isAstray = foretold && Math.hypot(at[0]! - foretold[0], at[1]! - foretold[1]) > ASTRAY;
@@ -96,21 +109,30 @@ export class Preview {
     this.rested = stepped ? now + this.pace.rest * (now - begun) : 0;
     const isNewer = edited !== this.edited;
     if (isNewer && !(stepped && this.stepped)) return; // than the answer; of the same number it is shown meanwhile
-    const isNews = whatIf && this.isWanted && this.lab.store.state.time - whatIf.begin <= LATE;
-    this.show(isNews ? whatIf : null);
+    const isForetold = whatIf && this.isWanted;
+    const isLate = isForetold && whatIf.end - this.lab.store.state.time < LEFT;
+    const isFelt = isForetold && (!whatIf.tried || areOther(whatIf));
+    this.show(isFelt && !isLate ? whatIf : null);
+    this.say(isLate ? TOO_SLOW : isForetold && !isFelt ? sameWith(whatIf.tried!.values) : "");
   }
 
   private async next(): Promise<Foretold | undefined> {
     return (await this.lab.ask({ type: "what_if", seconds: SECONDS })).what_if;
   }
 
-  /** How it goes on with each of the three values; null if that makes no difference to the world. */
+  /** How it goes on with each of the three values. */
   private async tried({ values, programs }: Stepped): Promise<Foretold | null> {
     const reply = await this.lab.ask({ type: "try_programs", programs: [...programs], seconds: SECONDS });
     const [, now, beyond] = reply.what_ifs ?? [];
     if (!now || !beyond) return null;
-    const isFelt = isOther(now.recorded, now.changed) || isOther(now.changed, beyond.changed);
-    return isFelt ? { ...now, tried: { values, beyond: beyond.changed } } : null;
+    return { ...now, tried: { values, beyond: beyond.changed } };
+  }
+
+  /** Say why nothing is shown, as long as something would be. */
+  private say(text: string): void {
+    const { store } = this.lab;
+    this.said = text ? { end: store.state.time + SECONDS } : null;
+    if (store.state.unforetold !== text) store.set("unforetold", text);
   }
 
   private show(whatIf: Foretold | null): void {

@@ -161,8 +161,8 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     iconButton("fit", "Show all (0)", "world-zoom-fit", () => stage.showAll()),
     follow,
   );
-  const collision = h("div", { class: "lrp-world-ahead", role: "status" });
-  const over = [zoom, colours.tip, collision, time, colours.element, strip.element];
+  const ahead = h("div", { class: "lrp-world-ahead", role: "status" });
+  const over = [zoom, colours.tip, ahead, time, colours.element, strip.element];
   const view = h("div", { class: "lrp-world-body" }, canvas, ...over);
   const { element, heading } = panel(
     "world",
@@ -217,10 +217,11 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     colours.refresh();
     stage.wake();
   });
-  store.watch(["whatIf", "time"], () => {
-    const { whatIf, time } = store.state;
+  store.watch(["whatIf", "unforetold", "time"], () => {
+    const { whatIf, unforetold, time } = store.state;
     const touch = whatIf?.changed.touch;
-    setProse(collision, touch && touch.time >= time ? touch.text : "");
+    setProse(ahead, touch && touch.time >= time ? touch.text : unforetold);
+    setAttribute(ahead, "data-quiet", unforetold !== "");
   });
   store.watch(["looking"], () => {
     const { looking } = store.state;
