@@ -57,7 +57,7 @@ from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.edits.rename import rename as renamed_text
-from lrp_jupyter.language.half_typed import Unmeant
+from lrp_jupyter.language.half_typed import Unmeant, waits_for
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.successors import Successors, after_rename, after_undo
@@ -450,9 +450,8 @@ class Interpreter:
         run = self._run
         self._advance(now)
         before = run.program
-        waits = unmeant is not None and (
-            unmeant.always or decide(run, link(program), "restart").reason is not None
-        )
+        disturbed = None if unmeant is None else decide(run, link(program), "restart").reason
+        waits = unmeant is not None and (unmeant.always or disturbed is not None)
         if unmeant is not None and waits:
             program = unmeant.instead
         changes = diff(before, program)
@@ -469,7 +468,9 @@ class Interpreter:
                 adopt(run, program, changes.successors)
             self._report_duplicates()
             self._count_revision(changes.successors)
-        reason = unmeant.reason if unmeant is not None and waits else decision.reason
+        reason = decision.reason
+        if unmeant is not None and waits:
+            reason = unmeant.reason or (disturbed and waits_for(disturbed))
         self.patch_reason = reason or ""
         patch = Patch(changes, decision.apply and not waits, decision.restart, reason)
         if decision.apply:

@@ -54,7 +54,8 @@ class Unmeant:
     """The unfinished part of a program.
 
     `instead`: the program without it.
-    `reason`: why it waits: ``waits:`` and a sentence, without a full stop; empty if it does not.
+    `reason`: why it waits: ``waits:`` and a sentence, without a full stop; empty if only for what it would
+        disturb.
     `always`: whether `instead` always runs; otherwise only where the program would change the actions of an
         active state, remove it, or restart.
     `element`: the element that contains it; its faults are not reported.
@@ -135,7 +136,7 @@ def _judge_at(
         instead = without_change(program, running, state.span)
         errors = _new_errors(findings, instead, check)
         if errors:
-            return Judgement(program, findings, Unmeant(instead, _reason(errors[0]))), state.span
+            return Judgement(program, findings, Unmeant(instead, waits_for(errors[0].message))), state.span
     if word is not None and cursor.meant:
         errors = [each for each in findings if each.severity == "error"]
         element = _element_at(program, word) if len(_away_from(text, word, errors)) < len(errors) else None
@@ -169,7 +170,7 @@ def _without_word(
         known = {(each.code, each.message) for each in check(instead)}
         about = [each for each in errors if each not in left] or errors
         left = tuple(each for each in left if (each.code, each.message) in known)
-        return left, Unmeant(instead, _reason(about[0]), always=True)
+        return left, Unmeant(instead, waits_for(about[0].message), always=True)
     if len(left) == len(findings) and (not several or instead == program):
         return findings, None
     return left, Unmeant(instead, element=_element_at(program, word))
@@ -201,8 +202,9 @@ def _begins_arrow(program: Program, instead: Program, errors: list[Finding]) -> 
     return now > before and all(each.code in _ARROWS for each in errors)
 
 
-def _reason(error: Finding) -> str:
-    problem = error.message.partition(". ")[0].rstrip(".")
+def waits_for(problem: str) -> str:
+    """Return a reason to wait: the first sentence about a problem."""
+    problem = problem.partition(". ")[0].rstrip(".")
     return f"waits: {problem[0].lower()}{problem[1:]}"
 
 

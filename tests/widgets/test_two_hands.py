@@ -324,6 +324,9 @@ def test_what_is_typed_at_several_cursors_of_a_view_is_one_word(bench):
     *cursors, last = [text.index(piece) + len(piece) for piece in ("state aa", "eps aa", "m aa")]
     page.type(text, at=last, cursors=cursors, meant=False)
     assert lab.session.program.text == PROGRAM
+    lab.publish()
+    answer = page.last("answer")
+    assert (answer["applied"], answer["reason"]) == (False, "waits: `a` is active and was removed or renamed")
     page.moves(0)
     assert lab.session.program.text == text
 
