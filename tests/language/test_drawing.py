@@ -365,6 +365,24 @@ def test_the_first_state_of_an_empty_program_makes_its_machine_and_spawn() -> No
     assert drawn("; note", (drawing.new_state, (), "a")).startswith("; note\n\n(machine main")
 
 
+def test_the_first_state_is_the_start_of_the_machine_that_is_spawned_already() -> None:
+    for text, machine, expected in (
+        ("(spawn rover driving)", (), "(machine rover\n  (state a))\n\n(spawn rover a)"),
+        ("(machine m)\n(spawn m x)", ("m",), "(machine m\n  (state a))\n(spawn m a)"),
+        (
+            "(machine m (state b (onentry (spawn in_b x)) (machine in_b)))",
+            ("m", "b", "in_b"),
+            "(machine m (state b (onentry (spawn in_b a)) (machine in_b (state a))))",
+        ),
+        (
+            "(machine m (state b)) (spawn m b)",
+            (),
+            "(machine m (state b))\n\n(machine main\n  (state a)) (spawn m b)\n(spawn main a)\n",
+        ),
+    ):
+        assert drawn(text, (drawing.new_state, machine, "a")) == expected
+
+
 def test_crlf_comments_and_indentation_are_kept() -> None:
     text = "(machine m ; top\r\n\t(state a)   ; first\r\n\r\n\t; the end\r\n)\r\n(spawn m a)"
     text = drawn(text, (drawing.new_transition, ("m",), "a", "b", "bump"), (drawing.new_state, ("m",), "c"))

@@ -149,17 +149,23 @@ class WrittenTransition(NamedTuple):
 
 
 def new_state(text: str, machine: Path, name: str) -> list[Edit]:
-    """Return the edits for a new state; the first one of a machine that nothing spawns is its start.
+    """Return the edits for a new state; the first one of a machine is its start.
 
-    `machine`: empty to make a machine as well.
+    `machine`: empty to make a machine as well, which is the one that is spawned already, if there is none.
     Raises ValueError: the name cannot be used.
     """
     drawing = DrawnProgram(text)
     name = _new_name(name)
     if not machine:
         one, taken = drawing.sheet.line_end, drawing.names.top.machines.get("", {})
-        first = next(free for free in numbered(FIRST_MACHINE) if free not in taken)
+        spawned = [str(spawn.machine) for spawn in drawing.program.spawns]
+        wanted = chain(spawned, numbered(FIRST_MACHINE))
+        first = next(free for free in wanted if free not in taken)
         form = f"(machine {first}{one}  (state {name}))"
+        if first in spawned:
+            there = [spawn for spawn in drawing.program.spawns if spawn.machine == first]
+            starts = _started([drawing.sheet.at(spawn.span.start) for spawn in there], name)
+            return drawing.edits([drawing.sheet.added(drawing.sheet.root, form), *starts])
         spawn = f"(spawn {first} {name})"
         if drawing.program.spawns:
             return drawing.edits([drawing.sheet.added(drawing.sheet.root, each) for each in (form, spawn)])
@@ -182,9 +188,14 @@ def _state(drawing: DrawnProgram, scope: Scope, name: str) -> list[Edit]:
     if name in scope.states:
         raise ValueError(f"`{name}` is taken by another state. Choose another name.")
     edits = [drawing.sheet.added(drawing.form_of(scope), f"(state {name})")]
-    if not scope.states and not drawing.spawns(scope):
-        edits.append(drawing.spawn(scope, name))
+    if not scope.states:
+        edits += _started(drawing.spawns(scope), name) or [drawing.spawn(scope, name)]
     return edits
+
+
+def _started(spawns: list[WrittenForm], state: str) -> list[Edit]:
+    """Return the edits with which spawns start their machine in a state."""
+    return [Edit(*spawn.span(2), state) for spawn in spawns]
 
 
 def new_transition(text: str, machine: Path, source: str, destination: str, trigger: str) -> list[Edit]:
@@ -376,6 +387,4 @@ def start_in(text: str, path: Path) -> list[Edit]:
     drawing = DrawnProgram(text)
     scope, state = drawing.state(path)
     name, spawns = str(state.name), drawing.spawns(scope)
-    if not spawns:
-        return drawing.edits([drawing.spawn(scope, name)])
-    return drawing.edits([Edit(*spawn.span(2), name) for spawn in spawns])
+    return drawing.edits(_started(spawns, name) or [drawing.spawn(scope, name)])
