@@ -9,6 +9,7 @@ from e2e.pages import APP
 from e2e.programs import COUNTER, FOLLOWER
 
 PRINTS = "(machine m (state a (running [print('here'); 1 / 0]))) (spawn m a)"
+MANY = "\n".join(f"(machine m{n} (state a)) (spawn m{n} a)" for n in range(9))
 DIAMETER = 0.16  # m, of the bundled robot
 PANELS = ("editor", "graph", "world", "variables")
 TABS = ("robot", "issues", "breakpoints", "variables")
@@ -190,6 +191,21 @@ def test_panels_are_enlarged_hidden_resized_and_kept(open_notebook, page):
     inspect_in_sight(lab)
     resize_and_reload(lab)
     push_nothing_by_notes(lab.notebook.open(COUNTER, "m"))
+    list_machines_where_the_graph_has_room(lab.notebook.open(MANY, "many --world oval"))
+
+
+def list_machines_where_the_graph_has_room(lab):
+    """Many machines are listed above the graph, and beside it where it is wide and low."""
+    lab.page.set_viewport_size({"width": 1920, "height": 1080})
+    for arrangement, side, length in (("work", "y", "height"), ("demo", "x", "width")):
+        lab.do("menu")
+        lab.choose(f"arrange-{arrangement}")
+        lab.at_rest('[data-lrp="graph"]')
+        tree, graph = box(lab, "tree"), box(lab, "graph")
+        assert graph[side] == pytest.approx(tree[side] + tree[length], abs=1), arrangement
+        assert graph["height"] > 200
+    lab.do("menu")
+    lab.choose("arrange-work")
 
 
 def ink(lab, part):
