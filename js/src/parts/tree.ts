@@ -27,7 +27,9 @@ export function treeView(lab: Lab): HTMLElement {
   );
   const switches = isPart ? [followSwitch(lab)] : [];
   const { element } = panel("tree", "Machines", switches, list);
-  store.watch(["program", "snapshot"], () => element.toggleAttribute("data-folded", isFolded()));
+  store.watch(["program", "snapshot"], () => {
+    setAttribute(element, "data-folded", isFolded() ? String(store.state.program.machines.length) : null);
+  });
   if (isPart) followRun(lab);
   new ResizeObserver(update).observe(element);
   return element;

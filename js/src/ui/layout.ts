@@ -126,6 +126,12 @@ export class Layout {
 
   private update(): void {
     this.tabs.update();
+    const { tree, graph } = this.panels;
+    const machines = Object.entries({ tree, graph }).filter(
+      ([, panel]) =>
+        isPanelVisible(panel) && (panel === this.alone || !panel.parentElement?.contains(this.alone)),
+    );
+    setAttribute(this.places.get("machines")!, "data-shows", machines.map(([name]) => name).join(" "));
     const alone = [...this.places.keys()].find((name) => this.places.get(name)!.contains(this.alone));
     const { clientWidth: width, clientHeight: height, parentElement: lab } = this.element;
     const room = { width, height, lab: (lab?.clientWidth ?? width) * (lab?.clientHeight ?? height) };

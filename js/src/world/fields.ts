@@ -38,7 +38,8 @@ export function inputs(panel: Panel, press: (key: string, row: string) => void):
       });
     }
     const unit = field.unit && h("span", { class: "lrp-faint" }, field.unit);
-    element.append(h("label", { class: "lrp-setting" }, h("span", {}, field.label), input, unit, offer));
+    element.append(h("label", { class: "lrp-setting" }, h("span", {}, field.label), input, unit));
+    if (offer) element.append(offer);
   }
   return {
     element,
