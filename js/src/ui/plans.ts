@@ -33,6 +33,7 @@ const LISTS = 140; // px in which three issues can be read
 const EDITOR = 58; // percent of the width that a program has over the world
 const COLUMN = 360; // px in which a program can be read
 const GRAPH = 200; // px
+const GOAL = 200; // px, with its heading
 const NARROW = 300; // px of the lists: four tabs
 const LARGE: Size = { width: 780, height: 290 }; // px of a graph and the lists side by side
 const LEAST = 750; // px: with less room the panels lie one below the other
@@ -186,7 +187,7 @@ function demo({ width, height, lab }: Room, { aspect }: Shown): Plan {
 function challenge({ width, height, lab }: Room, { aspect }: Shown, shape: Shape): Plan {
   const world = fitted(PART[shape] * lab, aspect, {
     width: (shape === "work" ? 0.46 : 0.6) * width,
-    height: height - HEAD - 240,
+    height: height - HEAD - GOAL,
   });
   return columns(
     `${shape}-goal`,
