@@ -298,13 +298,13 @@ describe("the drawing", () => {
     const marks = [
       mark,
       { ...mark, time: 1.01, text: "Again." },
-      { ...mark, time: 5 },
+      ...[5, 5.2, 5.4, 5.6].map((time) => ({ ...mark, time, text: "Typed." })),
       { ...mark, time: 50 },
     ];
     const shown = drawn({ marks }).querySelectorAll("[data-lrp-mark] > title");
     expect([...shown].map((title) => title.textContent)).toEqual([
       "1.0 s: The program was edited.\n1.0 s: Again.",
-      "5.0 s: The program was edited.",
+      "5.0 s: Typed.\n5.2 s: Typed.\n5.4 s: Typed.\n5.6 s: Typed.",
     ]);
   });
 

@@ -46,6 +46,8 @@ const LANES = 2; // for which there is room
 const WORDS = 12; // px of a bar in which a name can be read
 const NARROW = 8; // px of a visit at which nobody can aim: all of a lane are drawn together
 const GAP = 3;
+/** How far from the last mark of its kind one is drawn, in px. */
+const APART: Partial<Record<HappeningKind, number>> = { command: 3, edit: 12 };
 const MOST_WORDS = 10; // marks in one place that are named
 const LETTER = 6; // px, about
 const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
@@ -164,7 +166,8 @@ function marksOf(drawing: Drawing, y: number): Node[] {
     if (!shape || x < left || x > left + width) continue;
     const words = `${time.toFixed(1)} s: ${unmarked(text)}`;
     const before = last.get(kind);
-    if (before && x - before.x < (kind === "command" ? 3 : 6)) {
+    if (before && x - before.x < (APART[kind] ?? 6)) {
+      if (kind === "edit") before.x = x; // one goes on being typed
       before.count += 1;
       if (before.count < MOST_WORDS) before.title.append(`\n${words}`);
       else if (before.count === MOST_WORDS) before.title.append("\n…");
