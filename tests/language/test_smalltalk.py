@@ -23,6 +23,7 @@ from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.python.block_suite import parse_block
+from lrp_jupyter.language.python.python_parser import parse_python
 from lrp_jupyter.language.reading.tokens import tokenize
 
 HERE = Path(__file__).parent
@@ -36,7 +37,7 @@ def _python() -> Iterator[str]:
     for path in sorted(Path(sysconfig.get_path("stdlib")).glob("[a-h]*.py")):
         source = path.read_text(encoding="utf-8")
         places = Offsets(source)
-        for node in ast.walk(ast.parse(source)):
+        for node in ast.walk(parse_python(source)):
             if isinstance(node, ast.stmt | ast.expr):
                 yield source[places.start_of(node) : places.end_of(node)]
 
