@@ -93,7 +93,7 @@ function overGraph({ width, height, lab }: Room, { aspect }: Shown, shape: Shape
   const isPast = shape === "past";
   return fitted((isPast ? PART.past : PART.tall) * lab, aspect, {
     width: width - (isPast ? 280 : Math.max(COLUMN, 0.3 * width)),
-    height: height - HEAD - (isPast ? GRAPH + HEAD : LARGE.height),
+    height: height - HEAD - (isPast ? GRAPH : LARGE.height),
   });
 }
 
