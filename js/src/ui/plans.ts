@@ -92,7 +92,7 @@ function belowProgram({ width, height, lab }: Room, { aspect }: Shown, shape: Sh
 function overGraph({ width, height, lab }: Room, { aspect }: Shown, shape: Shape): Size {
   const isPast = shape === "past";
   return fitted((isPast ? PART.past : PART.tall) * lab, aspect, {
-    width: width - (isPast ? 280 : Math.max(COLUMN, 0.3 * width)),
+    width: width - (isPast ? 280 : Math.max(1.2 * COLUMN, 0.3 * width)),
     height: height - HEAD - (isPast ? GRAPH : LARGE.height),
   });
 }
