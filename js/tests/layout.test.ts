@@ -70,6 +70,15 @@ describe("the plans", () => {
     }
   });
 
+  it("leave every panel some height in a lab that its user has made low", () => {
+    for (const aspect of Object.values(ASPECTS).filter((each) => each < 4)) {
+      const { inPx, picture } = boxesOf([848, 380, 270], aspect);
+      expect(picture.height, `${aspect}`).toBeGreaterThan(95);
+      for (const name of ["editor", "machines", "lists"])
+        expect(inPx(name).height, `${name} ${aspect}`).toBeGreaterThan(90);
+    }
+  });
+
   it("make the world larger where that is wanted, and keep every panel in sight", () => {
     for (const lab of LABS)
       for (const aspect of Object.values(ASPECTS)) {

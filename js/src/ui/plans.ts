@@ -75,7 +75,7 @@ function besideProgram({ width, height, lab }: Room, { aspect }: Shown, shape: S
   const isWork = shape === "work";
   return fitted(PART[shape] * lab, aspect, {
     width: width - (isWork ? Math.max(COLUMN, 0.34 * width) : 280),
-    height: height - HEAD - (aspect ? (isWork ? LISTS : LISTS / 2) + HEAD : GRAPH),
+    height: Math.max(height / 2, height - HEAD - (aspect ? (isWork ? LISTS : LISTS / 2) + HEAD : GRAPH)),
   });
 }
 
@@ -210,9 +210,9 @@ function challenge({ width, height, lab }: Room, { aspect }: Shown, shape: Shape
   );
 }
 
-/** The share of the program above another panel, in percent. */
+/** The share of the program above another panel, in percent; in a low lab it has fewer lines. */
 function programIn(height: number): number {
-  return Math.max(52, (100 * (PROGRAM + HEAD)) / height);
+  return Math.min(65, Math.max(52, (100 * (PROGRAM + HEAD)) / height));
 }
 
 type Parts = readonly [first: Plan, second: Plan];
