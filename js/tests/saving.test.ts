@@ -146,7 +146,7 @@ describe("what is typed", () => {
     page.confirm();
     await page.drawn();
     page.find(MARK).click();
-    expect(page.find(".lrp-toast").textContent).toContain("the cell above has another text");
+    expect(page.find(".lrp-toast").textContent).toContain("the cell above has a different text");
     expect(page.around.classList.contains("lrp-lab-differs")).toBe(true);
     await notebook.save();
     expect(cell().source).toBe(`${LINE}\n(machine mine)`);

@@ -112,7 +112,7 @@ def overwrite_nothing_unasked(lab):
     notebook.write_cell(1, edited)
     lab.type_after("(state fifth)", " (state sixth)")
     lab.sees(NOT_SAVED).press("Enter")
-    lab.reads(".lrp-toast", "the cell above has another text")
+    lab.reads(".lrp-toast", "the cell above has a different text")
     lab.page.evaluate("document.activeElement.blur()")
     is_whole(lab.page)
     notebook.save()

@@ -53,9 +53,9 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
       return by_hand && !cell.is_saved ? `${NOT_SAVED} this page cannot write into it. ${by_hand}` : "";
     if (held) return "";
     if (own())
-      return `${NOT_SAVED} the cell above has another text. Run the cell, or choose in the menu More which text to use.`;
+      return `${NOT_SAVED} the cell above has a different text. Run the cell, or choose in the menu More which text to use.`;
     const isLost = place && cell.given && !cell.is_saved;
-    return isLost ? `${NOT_SAVED} no cell has this program. The menu More writes it into a new cell.` : "";
+    return isLost ? `${NOT_SAVED} no cell has this program. The menu More can write it into a new cell.` : "";
   };
   const update = () => {
     const { held } = holder;

@@ -19,7 +19,7 @@ const LEFT = 1; // s of the session that are foretold, at least, when the answer
 const LINGER = 10_000; // ms after the last step of a number in which it is foretold again and again
 const ASTRAY = 0.1; // metres: something else has happened than was foretold
 
-const TOO_SLOW = `The next ${SECONDS} s take too long to compute to be shown ahead.`;
+const TOO_SLOW = `The next ${SECONDS} s take too long to compute, so they are not shown.`;
 
 function sameWith([before, now, beyond]: Stepped["values"]): string {
   return `The next ${SECONDS} s are the same with ${[...new Set([before, now, beyond])].join(", ")}.`;
