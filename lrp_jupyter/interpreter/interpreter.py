@@ -450,13 +450,12 @@ class Interpreter:
         run = self._run
         self._advance(now)
         before = run.program
-        disturbed = None if unmeant is None else decide(run, link(program), "restart").reason
-        waits = unmeant is not None and (unmeant.always or disturbed is not None)
-        if unmeant is not None and waits:
+        waiting = None if unmeant is None else self._waiting(program, unmeant)
+        if unmeant is not None and waiting is not None:
             program = unmeant.instead
         changes = diff(before, program)
         decision = decide(run, link(program), self.on_active_edit) if run.roots else Decision()
-        run.unmeant = None if unmeant is None or waits else unmeant.element
+        run.unmeant = None if unmeant is None or waiting is not None else unmeant.element
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)
@@ -468,16 +467,21 @@ class Interpreter:
                 adopt(run, program, changes.successors)
             self._report_duplicates()
             self._count_revision(changes.successors)
-        reason = decision.reason
-        if unmeant is not None and waits:
-            reason = unmeant.reason or (disturbed and waits_for(disturbed))
+        reason = decision.reason if waiting is None else waiting
         self.patch_reason = reason or ""
-        patch = Patch(changes, decision.apply and not waits, decision.restart, reason)
+        patch = Patch(changes, decision.apply and waiting is None, decision.restart, reason)
         if decision.apply:
             self._note("restarted" if decision.restart else "patched", decision.reason or "")
         run.emit("patched", (), patch)
         self._done()
         return patch
+
+    def _waiting(self, program: Program, unmeant: Unmeant) -> str | None:
+        """Return why the part that is still being typed waits; None if it does not."""
+        if unmeant.always:
+            return unmeant.reason
+        disturbed = decide(self._run, link(program), "restart").reason
+        return None if disturbed is None else unmeant.reason or waits_for(disturbed)
 
     def rename(self, kind: str, path: Path | str, new_name: str, now: float | None = None) -> str:
         """Rename an element and every reference to it; nothing restarts.

@@ -126,12 +126,13 @@ export class Layout {
 
   private update(): void {
     this.tabs.update();
-    const { tree, graph } = this.panels;
-    const machines = Object.entries({ tree, graph }).filter(
-      ([, panel]) =>
-        isPanelVisible(panel) && (panel === this.alone || !panel.parentElement?.contains(this.alone)),
-    );
-    setAttribute(this.places.get("machines")!, "data-shows", machines.map(([name]) => name).join(" "));
+    const machines = this.places.get("machines")!;
+    const only = machines.contains(this.alone) ? this.alone : null;
+    const shows = (["tree", "graph"] as const).filter((name) => {
+      const panel = this.panels[name];
+      return isPanelVisible(panel) && (!only || only === panel);
+    });
+    setAttribute(machines, "data-shows", shows.join(" "));
     const alone = [...this.places.keys()].find((name) => this.places.get(name)!.contains(this.alone));
     const { clientWidth: width, clientHeight: height, parentElement: lab } = this.element;
     const room = { width, height, lab: (lab?.clientWidth ?? width) * (lab?.clientHeight ?? height) };

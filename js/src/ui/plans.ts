@@ -60,7 +60,7 @@ export function planFor(room: Room, shown: Shown, shape: Shape): Plan | null {
   if (shape === "demo") return demo(room, shown);
   if (programOf(shape) === "work" && hasRoomUnder(room, shown))
     return tall(room, overGraph(room, shown, shape), shape);
-  const isBeside = !shown.aspect || isWiderBeside(room, shown, shape === "past" ? "work" : shape);
+  const isBeside = !shown.aspect || isWiderBeside(room, shown, programOf(shape));
   const world = (isBeside ? besideProgram : belowProgram)(room, shown, shape);
   if (isBeside) return beside(room, world, shape);
   return shape === "work" ? below(room, world) : large(room, world, shape);
@@ -103,7 +103,7 @@ function hasRoomUnder(room: Room, shown: Shown): boolean {
   return shown.aspect !== null && width >= LARGE.width && width * height > 0.25 * room.lab;
 }
 
-/** What an arrangement calls the program's bars, which stay where they are while an earlier moment is shown. */
+/** Whose kind of plan and whose bars of the program a shape has: these stay while an earlier moment is shown. */
 const programOf = (shape: Shape) => (shape === "past" ? "work" : shape);
 
 /** The world stands beside the program. */

@@ -36,7 +36,7 @@ export class Preview {
   private revision: number | null = null;
   private time = 0;
   private edited = 0; // when, in ms
-  private said: { end: number } | null = null;
+  private said = 0; // until when, in s of the session, it is said why nothing is shown
   private renewed: Foretold | null = null;
   private rested = 0;
   private readonly ask: () => void;
@@ -65,10 +65,10 @@ export class Preview {
 
   /** End the preview if it is over or switched off, or if the robot, which is at (x, y), has gone another way. */
   check(at?: readonly number[]): void {
-    const { whatIf, time, looking } = this.lab.store.state;
+    const { whatIf, unforetold, time, looking } = this.lab.store.state;
     const isBack = time < this.time;
     this.time = time;
-    if (this.said && (!this.foretells.on || looking || isBack || time >= this.said.end)) this.say("");
+    if (unforetold && (!this.foretells.on || looking || isBack || time >= this.said)) this.say("");
     if (!whatIf || whatIf !== this.latest) return;
     const foretold = at && ghostAt(whatIf.changed.way, time);
     const isAstray = foretold && Math.hypot(at[0]! - foretold[0], at[1]! - foretold[1]) > ASTRAY;
@@ -131,7 +131,7 @@ export class Preview {
   /** Say why nothing is shown, as long as something would be. */
   private say(text: string): void {
     const { store } = this.lab;
-    this.said = text ? { end: store.state.time + SECONDS } : null;
+    this.said = store.state.time + SECONDS;
     if (store.state.unforetold !== text) store.set("unforetold", text);
   }
 
