@@ -21,6 +21,7 @@ from lrp_jupyter.interpreter.trace_events import UNSET
 class Slot:
     """An existing variable: its cell, and its value when it was last compared.
 
+    `captured`: the variables to which functions in its initialiser referred when that ran.
     `computed`, `assigned`: when its initialiser ran, and when a value was assigned by hand: the time in
         seconds, and the number of assignments in the run until then, because time may stand still.
     """
@@ -28,6 +29,7 @@ class Slot:
     cell: CellType
     last: object = UNSET  # up to date only if it is compared: it is leaked, or the run has observers
     leaked: bool = False  # whether a function defined in a block can write it, even after that block's end
+    captured: tuple[Slot, ...] = ()
     computed: tuple[float, int] = (-inf, 0)
     assigned: tuple[float, int] = (-inf, 0)
 
@@ -52,6 +54,13 @@ def put(cell: CellType, value: object) -> None:
         cell.cell_contents = value
     elif content(cell) is not UNSET:
         del cell.cell_contents
+
+
+@lru_cache(maxsize=20_000)
+def captures_of(code: CodeType) -> frozenset[str]:
+    """Return the free variables to which functions, classes and comprehensions inside a code object refer."""
+    inside = [each.co_freevars for each in code.co_consts if isinstance(each, CodeType)]
+    return frozenset(code.co_freevars).intersection(*[frozenset().union(*inside)])
 
 
 class Writes(NamedTuple):

@@ -1,122 +1,154 @@
 """Forced states: *transition here*, *teleport here* and *fire now*. Paper: §6.4.
 
 They affect only the part of the tree below the innermost running machine that contains the target. Missing
-machines on the path down are created: enclosing states become active without their spawns, so that only the
-path to the target is created.
+machines on the path down are created, and the states around the target are entered with all else that they
+spawn: the result is a configuration that the program can reach.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.interpreter.tree import Activation, Row, chained
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import find
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.language.resolution import resolve
 
 How = Literal["transition", "teleport", "fire"]
 
 
-def find_state(run: Run, wanted: str | Path) -> StatePlan:
-    """Return a state.
+def find_state(run: Run, wanted: str | Path) -> Path:
+    """Return the path of a state as spawned: in a running instance of its machine, or where one can run.
 
     Raises UnknownElementError: there is none, or there are several.
     """
     *machine, name = find(run.program, "state", wanted).path
-    return run.plan.machines[tuple(machine)].states[name]
+    running = [act.path for act in run.walk() if act.defined == tuple(machine)]
+    places = running or resolve(run.program).places(tuple(machine)) or [tuple(machine)]
+    return (*_chosen(places, as_path(wanted)[:-1], tuple(machine), as_path(wanted)), name)
 
 
-def find_destination(run: Run, wanted: str | Path) -> StatePlan:
-    """Return the state to which a transition leads from the active state of its machine.
+def find_destination(run: Run, wanted: str | Path) -> Path:
+    """Return the path, as spawned, of the state to which a transition leads from the active state.
 
     Raises UnknownElementError: there is no such transition, or there are several.
     Raises ValueError: the active state is not one of its sources, or it leads nowhere.
     """
     element = find(run.program, "transition", wanted)
-    act = run.live.get(element.path[:-1])
-    edges = chained(act.row.edge) if isinstance(act, Activation) else ()
-    edge = next((each for each in edges if each.plan.site.element == element), None)
-    if edge is None:
+    edges = (edge for act in run.walk() for edge in chained(act.row.edge))
+    found = {edge.path: edge for edge in edges if edge.plan.site.element == element}
+    if not found:
         arrow = resolve(run.program).arrow(element)
         source = arrow and arrow.noun.source_text
         raise ValueError(f"None of the states that `{element.shown[-1]}` leaves is active: {source}.")
+    machine = _chosen(list(found), as_path(wanted)[:-1], element.path[:-1], as_path(wanted))
+    edge = found[machine]
     if edge.target is None:
         raise ValueError(edge.missing)
-    return edge.target
+    return (*edge.home.path, edge.target.name)
 
 
-def force(run: Run, target: StatePlan, how: How) -> None:
-    """Make `target` active; all but a teleport run the onexit and onentry actions on the path."""
+def _chosen(places: Sequence[Path], wanted: Path, defined: Path, named: Path) -> Path:
+    """Return the instance of a machine that is meant, of several: the wanted one, the only one, or its own.
+
+    Raises UnknownElementError: several are possible.
+    """
+    if len(places) == 1:
+        return places[0]
+    for choice in (wanted, defined):
+        if choice in places:
+            return choice
+    texts = [path_text((*place, named[-1])) for place in places]
+    raise UnknownElementError.ambiguous("states", path_text(named), texts)
+
+
+def force(run: Run, where: Path, how: How) -> StatePlan:
+    """Make the state with a path as spawned active; all but a teleport run the onexit and onentry actions.
+
+    Return the state.
+    """
     run.remember()
     before = len(run.events)
-    _go(run, target, blocks=how != "teleport")
-    if run.observers:  # the target's path as spawned is only known now
-        where = (*run.live[target.path[:-1]].path, target.name)
+    target = _go(run, where, blocks=how != "teleport")
+    if run.observers:
         run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))
+    return target
 
 
-def _go(run: Run, target: StatePlan, *, blocks: bool) -> None:
+def _go(run: Run, where: Path, *, blocks: bool) -> StatePlan:
     """Leave the states in the way, then enter those on the path; `blocks`: with their actions."""
-    way = [target]
-    while (outer := run.plan.state(way[0].path[:-2])) is not None:
-        way.insert(0, outer)
-    depth = max((i for i, state in enumerate(way) if state.path[:-1] in run.live), default=-1)
-    act = run.live.get(way[depth].path[:-1]) if depth >= 0 else None
-    above = depth < len(way) - 1
-    if isinstance(act, Activation) and act.state is way[depth] and above:
-        depth += 1  # the enclosing state is already active and stays
+    defined = resolve(run.program).defined
+    ends = range(1, len(where), 2)
+    way = [run.plan.machines[defined(where[:end])].states[where[end]] for end in ends]
+    depth = max((index for index, end in enumerate(ends) if where[:end] in run.live), default=-1)
+    act = run.live[where[: ends[depth]]] if depth >= 0 else None
+    if isinstance(act, Activation) and act.state is way[depth] and depth < len(way) - 1:
+        _create(run, act, way[depth + 1 :], blocks)  # the enclosing state is active already, and stays
     elif isinstance(act, Activation):
         (run.leave if blocks else partial(_leave, run))(act)
-        _enter(run, act, way[depth], target, blocks)
-        depth += 1
+        _enter(run, act, way[depth:], blocks)
     else:
-        depth = 0
-    for state in way[depth:]:
-        act = _create(run, state, act if isinstance(act, Activation) else None)
-        _enter(run, act, state, target, blocks)
+        _enter(run, _root(run, way[0]), way, blocks)
+    return way[-1]
 
 
-def _create(run: Run, state: StatePlan, parent: Activation | None) -> Activation:
+def _root(run: Run, state: StatePlan) -> Activation:
+    """Create a root machine as a top-level spawn does; if nothing is active, the program starts with it."""
     machine = run.plan.machines[state.path[:-1]]
-    if parent is not None:
-        return run.create(machine, parent, None, state)
-    # A root machine starts as if by a top-level spawn; if nothing is active, the program starts with it.
-    spawns = [spawn.identity for spawn in run.plan.spawns]
-    own = next((identity for identity in spawns if identity[0] == machine.name), None)
+    own = _spawn_of(run.plan.spawns, state)
     if not run.roots:
         if not run.started:
             run.begin()
-        run.pending = frozenset(spawns)
+        run.pending = frozenset(spawn.identity for spawn in run.plan.spawns)
     run.pending -= {identity for identity in run.pending if identity[0] == machine.name}
     return run.create(machine, None, own, state)
 
 
-def _enter(run: Run, act: Activation, state: StatePlan, target: StatePlan, blocks: bool) -> None:
-    """Enter a state on the path, or the target; only the target executes its spawns."""
-    row = run.row(act, state)
-    if blocks and state is target:
-        run.enter(act, row)
-    else:
-        _enter_partly(run, act, row, blocks=blocks, spawns=state is target)
+def _spawn_of(items: Iterable[object], state: StatePlan) -> SpawnPlan | None:
+    """Return the spawn of the machine of a state among some items, or None."""
+    path = state.path[:-1]
+    return next((item for item in items if isinstance(item, SpawnPlan) and item.target == path), None)
 
 
-def _enter_partly(run: Run, act: Activation, row: Row, *, blocks: bool, spawns: bool) -> None:
-    """Enter a state with only its blocks, only its spawns (recursively), or neither."""
+def _create(run: Run, parent: Activation, way: Sequence[StatePlan], blocks: bool) -> None:
+    """Create the machine of the first state on a way in a machine whose state contains or spawns it."""
+    machine = run.plan.machines[way[0].path[:-1]]
+    act = run.create(machine, parent, _spawn_of(parent.state.onentry, way[0]), way[0])
+    _enter(run, act, way, blocks)
+
+
+def _enter(run: Run, act: Activation, way: Sequence[StatePlan], blocks: bool) -> None:
+    """Enter the first state on a way and those inside it, with what they spawn; `blocks`: with actions."""
+    row, inside = run.row(act, way[0]), way[1:]
+    own = _spawn_of(row.state.onentry, inside[0]) if inside else None
     run.enter(act, Row(row.state, row.path, row.count))
     act.row = row
     for action, plan in zip(chained(row.onentry), row.state.onentry, strict=True):
-        if isinstance(plan, SpawnPlan):
-            if spawns:
-                run.spawn(act, plan, partial(_enter_partly, run, blocks=blocks, spawns=True))
+        if plan is own:
+            _create(run, act, inside, blocks)
+        elif isinstance(plan, SpawnPlan):
+            run.spawn(act, plan, None if blocks else partial(_start, run))
         elif blocks:
-            run.attempt(action.call, plan.site)
+            run.do(replace(action, next=None))
+    if inside and own is None:
+        _create(run, act, inside, blocks)
+
+
+def _start(run: Run, act: Activation, row: Row) -> None:
+    """Enter the start state of a machine without any action."""
+    _enter(run, act, [row.state], blocks=False)
 
 
 def _leave(run: Run, act: Activation) -> None:
     """Leave a state without running any onexit."""
+    run.depart(act)
     run.discard(act, partial(_leave, run))
     run.emit("left", act.row.path)

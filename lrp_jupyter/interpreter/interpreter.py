@@ -45,12 +45,12 @@ from lrp_jupyter.interpreter.forcing import How, find_destination, find_state, f
 from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.journal import EDITS, note, undo_write
-from lrp_jupyter.interpreter.linker import BlockPlan, StatePlan, link, show_in_tracebacks
+from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Count, bind_block, chained
+from lrp_jupyter.interpreter.tree import Activation, Count, Scope, bind_block, chained
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
 from lrp_jupyter.language.blocks.expressions import Evaluation
@@ -320,6 +320,7 @@ class Interpreter:
         run = self._run
         if not now >= run.now:
             self._advance(now)
+        run.before = run.now
         run.now = now
         run.ticks += 1
         log = run.log
@@ -335,7 +336,7 @@ class Interpreter:
                 try:
                     holds = test()
                 except BaseException as error:
-                    run.fault(edge.tested, error, edge)
+                    run.fault(edge.tested, error, act, edge.plan.site.element)
                     holds = False
                 if holds is not False and (holds is True or run.judge(edge, holds)):
                     row = edge.row or run.find_destination(edge)
@@ -344,6 +345,8 @@ class Interpreter:
                             left, act = act, edge.home
                             if log is not None:
                                 log += (edge.fact, act.children, act.entered, act.place, act, undo_fired)
+                            if edge.leaving is not None:
+                                run.do(edge.leaving)
                             if act.children:
                                 run.discard(act, run.leave)
                             act.row = row
@@ -374,7 +377,7 @@ class Interpreter:
                 try:
                     call()
                 except BaseException as error:
-                    run.fault(action.site, error)
+                    run.fault(action.site, error, action.home)
                 action = action.next
             if entered is None:
                 act = act.next
@@ -396,7 +399,10 @@ class Interpreter:
             return
         if not now >= self._run.now:
             raise ValueError(f"Time cannot go back: {now!r} is before {self._run.now!r}.")
-        self._run.now = now
+        run = self._run
+        if run.ended[0] != run.ticks:
+            run.ended = run.ticks, run.now
+        run.now = now
 
     def _done(self, *, ticked: bool = False) -> None:
         """End a command, or a tick."""
@@ -588,10 +594,9 @@ class Interpreter:
         """
         self._force("fire", find_destination(self._run, path), now)
 
-    def _force(self, how: How, target: StatePlan, now: float | None) -> None:
-        run = self._run
+    def _force(self, how: How, where: Path, now: float | None) -> None:
         self._advance(now)
-        force(run, target, how)
+        target = force(self._run, where, how)
         self._note("forced", how, target.path)
         self._done()
 
@@ -746,7 +751,7 @@ class Interpreter:
     def _between(self, blocks: tuple[BlockPlan, ...]) -> None:
         run = self._run
         for block in blocks if run.roots else ():
-            run.attempt(bind_block(run, block, run.globals.visible), block.site)
+            run.attempt(bind_block(run, block, Scope.of(run.globals)), block.site, run.globals)
 
     def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
         """Log that a command was applied, unless the previous one was the same."""
@@ -757,11 +762,11 @@ class Interpreter:
     def _report_duplicates(self) -> None:
         run = self._run
         for site in run.plan.duplicates:
-            if site[:2] in run.issues.open_blocks:
+            if run.issues.is_open(site[:2], run.globals):
                 continue
             name = site.element.path[-1]
             message = (
                 f"The {site.element.kind} `{name}` is defined twice here, and only the first definition "
                 "counts. Rename or remove the other one."
             )
-            run.report(site, "defined twice", message)
+            run.report(site, "defined twice", message, run.globals)

@@ -11,13 +11,25 @@ unresolved reference is kept as a sentence and becomes an issue only when the in
 from __future__ import annotations
 
 import linecache
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 from typing import NamedTuple
 
 from lrp_jupyter.interpreter.issues import IssueKind
-from lrp_jupyter.language.blocks.block import compile_block
-from lrp_jupyter.language.program import Element, Path, Program, State, Transition, Variable
+from lrp_jupyter.language.blocks.block import compile_block, words_of
+from lrp_jupyter.language.blocks.builtin_names import TIMES
+from lrp_jupyter.language.blocks.computed_names import value_cell
+from lrp_jupyter.language.program import (
+    Element,
+    Event,
+    Path,
+    Program,
+    State,
+    Transition,
+    Variable,
+    effect_of,
+)
 from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
 
@@ -45,6 +57,11 @@ class BlockPlan:
     site: Site
     code: CodeType | Broken
 
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The names that it mentions: variables, and names provided to every program."""
+        return () if isinstance(self.code, Broken) else self.code.co_freevars
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VariablePlan:
@@ -54,30 +71,29 @@ class VariablePlan:
     noun: Variable
     initial: BlockPlan
 
-    @property
-    def reads(self) -> tuple[str, ...]:
-        """The names that its initialiser mentions: variables, and names provided to every program."""
-        code = self.initial.code
-        return () if isinstance(code, Broken) else code.co_freevars
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EventPlan:
     """An event and the machine in whose scope its block runs (None: the top level)."""
 
     owner: Path
+    noun: Event
     block: BlockPlan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpawnPlan:
-    """A spawn with its machine resolved lexically, by path; `start` is looked up when it is executed."""
+    """A spawn with its machine resolved lexically, by path; `start` is looked up when it is executed.
+
+    `resolves`: whether machine and start state exist.
+    `settings`: for variables of the machine, the initialisers of this use, which see the scope of the spawn.
+    """
 
     site: Site
     start: str
     target: Path | Broken
     resolves: bool
-    """Whether machine and start state exist."""
+    settings: Mapping[str, VariablePlan]
 
     @property
     def identity(self) -> tuple[str, str]:
@@ -87,12 +103,28 @@ class SpawnPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgePlan:
-    """A transition; `test` is the event or block to test, the reason for its absence, or None."""
+    """A transition.
+
+    `test`: the event or block to test, the reason for its absence, or None.
+    `watched`: for a machine's state, the machine by the name of the source that spawns it.
+    `hold`: the block after ``for``, the reason for the absence of the variable there, or None.
+    """
 
     site: Site
     label: str
     noun: Transition
     test: EventPlan | BlockPlan | Broken | None
+    watched: Mapping[str, Path]
+    hold: BlockPlan | Broken | None
+    effect: tuple[BlockPlan, ...]
+
+    @property
+    def means(self) -> object:
+        """What it tests: while this stays the same, so does the time for which it has held."""
+        test = self.test
+        if isinstance(test, EventPlan):
+            return test.noun.condition
+        return self.noun.trigger, self.watched
 
 
 @dataclass(slots=True, eq=False)
@@ -106,6 +138,8 @@ class StatePlan:
     running: tuple[BlockPlan, ...] = ()
     onexit: tuple[BlockPlan, ...] = ()
     edges: tuple[EdgePlan, ...] = ()
+    departs: bool = False
+    """Whether leaving it needs more than its onexit: it has times to end, or to remember."""
 
 
 @dataclass(slots=True, eq=False)
@@ -165,6 +199,7 @@ class _Linker:
         self.plan = Plan()
         self.filename = program.filename
         self.names = resolve(program)
+        self.computed = self.names.computed
         self.machines: dict[Scope, MachinePlan] = {}
         self.blocks: list[BlockPlan] = []
         self.spawns: dict[Path, dict[int, SpawnPlan]] = {}  # by the path of the state that spawns
@@ -218,6 +253,9 @@ class _Linker:
             if noun.onexit:
                 state.onexit = self._blocks(Element("onexit", path))
             state.edges = tuple(leaving[name])
+            state.departs = any(edge.noun.hold for edge in state.edges) or any(
+                name.endswith(value_cell("")) for block in state.onexit for name in block.reads
+            )
 
     def _entry(self, element: Element) -> tuple[BlockPlan | SpawnPlan, ...]:
         """Link the onentry items of a state: blocks and spawns, in the order of the text."""
@@ -242,7 +280,7 @@ class _Linker:
         for name, noun in scope.events.items():
             element = Element("event", (*scope.path, name))
             self.plan.places[element] = noun.span.start
-            events[name] = EventPlan(scope.path, self._blocks(element)[0])
+            events[name] = EventPlan(scope.path, noun, self._blocks(element)[0])
         return events
 
     def _blocks(self, element: Element) -> tuple[BlockPlan, ...]:
@@ -253,8 +291,17 @@ class _Linker:
         self.plan.places.setdefault(element, block.span.start)
         name = f"{element.shown[-1]}.{element.kind}" if element.path else element.kind
         code: CodeType | Broken
+        words = words_of(block)
+        events, machines = self.computed
         try:
-            code = compile_block(block, place.visible, self.filename, name)
+            code = compile_block(
+                block,
+                place.visible,
+                self.filename,
+                name,
+                frozenset([word for word in words & events if _is_computed(place, word)]),
+                frozenset([word for word in words & machines if place.machines(word)]),
+            )
         except SyntaxError as error:  # such as a `nonlocal` whose variable was removed: the text is correct
             code = Broken("unknown variable", f"The block cannot be linked: {error.msg}.")
         self.blocks.append(BlockPlan(Site(element, ordinal, block.span.start), code))
@@ -265,18 +312,27 @@ class _Linker:
         self.plan.places[element] = noun.span.start
         if not noun.outward and noun.destination not in arrow.scope.states:
             self.plan.dangling.add((element, "unknown state"))
-        reference, owner = noun.trigger.reference, arrow.owner
+        reference, owner, blocks = noun.trigger.reference, arrow.owner, self._blocks(element)
         test: EventPlan | BlockPlan | Broken | None = None
         unresolved = arrow.unresolved_trigger
         if unresolved is not None:
             self.plan.dangling.add((element, unresolved.kind))
             test = Broken(*unresolved)
         elif noun.trigger.block is not None:
-            test = self._blocks(element)[0]
+            test = blocks[0]
         elif reference is not None and reference[0] == "event" and owner is not None:
             events = self.machines[owner].events if owner.noun else self.plan.events
             test = events[reference[1]]
-        return EdgePlan(Site(element, 0, noun.span.start), arrow.label, noun, test)
+        watched = {source: machine.path for source, machine in arrow.watched.items()}
+        effect = self._blocks(effect_of(element)) if noun.effect else ()
+        site = Site(element, 0, noun.span.start)
+        hold: BlockPlan | Broken | None = None
+        if noun.hold is not None and noun.hold.block is not None:
+            hold = blocks[-1]
+        elif arrow.unresolved_hold is not None:
+            self.plan.dangling.add((element, arrow.unresolved_hold.kind))
+            hold = Broken(*arrow.unresolved_hold)
+        return EdgePlan(site, arrow.label, noun, test, watched, hold, effect)
 
     def _spawn(self, spawning: Spawning) -> SpawnPlan:
         element, noun, unresolved = spawning.element, spawning.noun, spawning.unresolved
@@ -289,4 +345,15 @@ class _Linker:
             target = Broken(*unresolved)
         else:
             target = spawning.machine.path
-        return SpawnPlan(Site(element, 0, noun.span.start), str(noun.state), target, unresolved is None)
+        settings = {}
+        for setting, variable in spawning.settings.items():
+            self.plan.places[setting] = variable.span.start
+            name = setting.path[-1]
+            settings[name] = VariablePlan(name, variable, self._blocks(setting)[0])
+        site = Site(element, 0, noun.span.start)
+        return SpawnPlan(site, str(noun.state), target, unresolved is None, settings)
+
+
+def _is_computed(place: PlacedBlock, word: str) -> bool:
+    """Return whether a word means the value of an event, or a time, in a block."""
+    return place.event(word) is not None or (word in TIMES and word not in place.visible)

@@ -11,17 +11,19 @@ one can start, so that a half-typed name does not stop the robot.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from types import CellType
+from types import CellType, MappingProxyType
 from typing import Literal
 
-from lrp_jupyter.interpreter.cells import Slot
+from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan, link
-from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.run import Run, captured
+from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Activation, Environment
-from lrp_jupyter.language.diff import ChangeSet
-from lrp_jupyter.language.program import Element, Path, Program, Spawn
+from lrp_jupyter.language.diff import ChangeSet, unset
+from lrp_jupyter.language.program import Block, Element, Path, Program, Spawn
 from lrp_jupyter.language.successors import Successors, is_inside
 
 Policy = Literal["restart", "keep"]
@@ -93,7 +95,7 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
 
 
 def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
-    if old.noun.onentry != new.noun.onentry:
+    if unset(old.noun.onentry) != unset(new.noun.onentry):
         before, after = ([x for x in s.noun.onentry if not isinstance(x, Spawn)] for s in (old, new))
         return "`onentry`" if before != after else "`spawn`"
     if old.noun.running != new.noun.running:
@@ -111,12 +113,14 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
     old, plan = run.plan, link(program)
     run.replace_program(program, successors)
     run.pending = frozenset(_spawn_now(successors, identity) for identity in run.pending)
-    reinitialised: set[Slot] | None = None if renamed else set()
+    carrier = _Carrier(run, successors, renamed)
     if run.started:
-        _carry(run, run.globals, old.variables, plan.variables, run.base, successors, reinitialised)
+        carrier.carry(run.globals, old.variables, plan.variables, run.base)
     added: list[tuple[Activation, SpawnPlan]] = []
     live: dict[Path, Environment] = {(): run.globals}
-    for act in [*run.walk()]:  # outer ones come first
+    acts = [*run.walk()]
+    settings = {act: _settings(act, old) for act in acts}
+    for act in acts:  # outer ones come first
         before, state, here = act.machine, act.state, act.place
         there = successors.path("state", here) or here
         act.machine = machine = plan.machines[there[:-1]]
@@ -125,9 +129,13 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
         act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
         if act.spawn is not None:
             act.spawn = _spawn_now(successors, act.spawn)
-        act.outer = live[machine.outer]
-        live[machine.path] = act
-        _carry(run, act, before.variables, machine.variables, act.outer.visible, successors, reinitialised)
+        act.outer = outer = (act.parent or run.globals).around(machine.outer)
+        live[act.path] = act
+        then, now = settings[act], _settings(act, plan)
+        if then is None or now is None:  # nothing spawns it any more: it keeps what it has
+            then = now = {}
+        carrier.carry(act, before.variables, machine.variables, outer.visible, then, now)
+        _carry_holding(act, state, successors)
     run.live = live
     run.rebind()
     if not renamed:
@@ -143,36 +151,110 @@ def _spawn_now(successors: Successors, identity: tuple[str, str]) -> tuple[str, 
     return machine[0], state[-1]
 
 
-def _carry(
-    run: Run,
-    environment: Environment,
-    old: tuple[VariablePlan, ...],
-    new: tuple[VariablePlan, ...],
-    outer: dict[str, Slot],
-    successors: Successors,
-    reinitialised: set[Slot] | None,
-) -> None:
-    """Keep the cells of remaining variables; initialise new, changed and dependent ones.
+_Settings = Mapping[str, VariablePlan]
 
-    `reinitialised`: the variables that have been reinitialised so far; None to reinitialise nothing.
-    """
+
+def _settings(act: Activation, plan: Plan) -> _Settings | None:
+    """Return the settings with which a running machine is spawned in a plan; None if nothing spawns it."""
+    if act.parent is None:
+        spawns: Iterable[object] = plan.spawns
+    else:
+        state = plan.state(act.parent.place)
+        spawns = state.onentry if state is not None else ()
+    path = act.defined
+    return next(
+        (item.settings for item in spawns if isinstance(item, SpawnPlan) and item.target == path), None
+    )
+
+
+def _carry_holding(act: Activation, state: StatePlan, successors: Successors) -> None:
+    """Keep since when the triggers of transitions hold, unless they mean something else now."""
+    if not act.holding:
+        return
+    before = {edge.site.element.path[-1]: edge for edge in state.edges}
+    after = {edge.site.element: edge for edge in act.state.edges}
     kept = {}
-    for variable in old:
-        path = successors.path("variable", variable.initial.site.element.path)
-        if path is not None:
-            kept[path[-1]] = (variable.noun.initial, environment.own[variable.name])
-    environment.own, environment.visible = {}, dict(outer)
-    for variable in new:
-        initial, slot = kept.get(variable.name) or (None, Slot(CellType()))
-        visible = environment.visible
-        if reinitialised is not None and (
-            initial != variable.noun.initial
-            or any(visible.get(name) in reinitialised for name in variable.reads)
-        ):
-            has_changed = run.evaluate(variable, visible, slot)
-            if has_changed and initial is not None:
-                reinitialised.add(slot)
-        visible[variable.name] = environment.own[variable.name] = slot
+    for name, since in act.holding.items():
+        element = successors.of(before[name].site.element)
+        edge = after.get(element) if element is not None else None
+        if edge is not None and edge.means == before[name].means:
+            kept[edge.site.element.path[-1]] = since
+    act.holding = kept
+
+
+class _Carrier:
+    """Carries variables over an edit: keeps the cells, and initialises new, changed and dependent ones.
+
+    `renamed`: the edit has only changed names.
+    """
+
+    def __init__(self, run: Run, successors: Successors, renamed: bool) -> None:
+        self.run, self.successors, self.renamed = run, successors, renamed
+        self.reinitialised: set[Slot] = set()
+
+    def carry(
+        self,
+        environment: Environment,
+        old: tuple[VariablePlan, ...],
+        new: tuple[VariablePlan, ...],
+        outer: dict[str, Slot],
+        settings_before: _Settings = MappingProxyType({}),
+        settings: _Settings = MappingProxyType({}),
+    ) -> None:
+        """Carry the variables of one machine, with its settings before and after."""
+        kept: dict[str, tuple[_Source, Slot]] = {}
+        for variable in old:
+            path = self.successors.path("variable", variable.initial.site.element.path)
+            slot = environment.own[variable.name]
+            if path is None:
+                environment.lost[variable.name] = slot
+            else:
+                kept[path[-1]] = _source(variable, settings_before.get(variable.name)), slot
+        environment.own, environment.visible = {}, dict(outer)
+        for variable in new:
+            setting = settings.get(variable.name)
+            source, slot = kept.get(variable.name) or (None, _returned(environment, variable.name))
+            if self._is_outdated(environment, variable, setting, source, slot):
+                self.run.log_attributes(slot, "captured")
+                has_changed = self.run.evaluate(environment, setting, variable, slot)
+                if has_changed and source is not None:
+                    self.reinitialised.add(slot)
+            environment.visible[variable.name] = environment.own[variable.name] = slot
+
+    def _is_outdated(
+        self,
+        environment: Environment,
+        variable: VariablePlan,
+        setting: VariablePlan | None,
+        source: _Source | None,
+        slot: Slot,
+    ) -> bool:
+        """Return whether a variable is to be initialised, again or for the first time."""
+        initial = (setting or variable).initial
+        home = environment if setting is None else environment.parent or self.run.globals
+        missing = content(slot.cell) is UNSET
+        if any(each not in slot.captured for each in captured(initial, home.visible, is_unset=missing)):
+            return True  # what its functions refer to has been declared, or hidden, since
+        return not self.renamed and (
+            source != _source(variable, setting)
+            or any(home.visible.get(name) in self.reinitialised for name in initial.reads)
+        )
+
+
+_Source = tuple[bool, Block]
+
+
+def _source(variable: VariablePlan, setting: VariablePlan | None) -> _Source:
+    """Return what initialises a variable, and whether that is a setting."""
+    return setting is not None, (setting or variable).noun.initial
+
+
+def _returned(environment: Environment, name: str) -> Slot:
+    """Return an empty variable: the one that was removed, if any, because functions may refer to it."""
+    slot = environment.lost.pop(name, None) or Slot(CellType())
+    put(slot.cell, UNSET)
+    slot.last = UNSET
+    return slot
 
 
 def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:

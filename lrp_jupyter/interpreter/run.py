@@ -9,27 +9,41 @@ from __future__ import annotations
 import builtins
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from operator import itemgetter
-from types import CellType
+from types import CellType, MappingProxyType
 from typing import Any
 
 from lrp_jupyter.errors import NoDataYet
-from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.cells import Slot, captures_of, content
 from lrp_jupyter.interpreter.debugging import Raised
 from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Faulted, Fired, Spawned
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, IssueLog
 from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, note, undo_attribute, undo_write, undoes
-from lrp_jupyter.interpreter.linker import Broken, MachinePlan, Site, SpawnPlan, StatePlan, VariablePlan, link
+from lrp_jupyter.interpreter.linker import (
+    BlockPlan,
+    Broken,
+    EventPlan,
+    MachinePlan,
+    Site,
+    SpawnPlan,
+    StatePlan,
+    VariablePlan,
+    link,
+)
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.tree import (
     Action,
     Activation,
+    Call,
     Count,
     Edge,
     Environment,
     Row,
+    Scope,
+    bind_actions,
     bind_block,
     bind_row,
     chained,
@@ -57,6 +71,10 @@ class Run:
         self.program, self.plan = program, link(program)
         self.namespace = namespace
         self.now = 0.0
+        self.before = (
+            0.0  # the time before the last tick: that of the previous one, unless `ended` says another
+        )
+        self.ended = -1, 0.0  # a tick after which a command advanced the time, and when that tick ended
         self.ticks = 0
         self.issues = IssueLog()
         self.base = {"robot": Slot(CellType(robot)), "print": Slot(CellType(output or builtins.print))}
@@ -85,13 +103,14 @@ class Run:
 
     def clear(self) -> None:
         """Discard all activations and variables."""
+        self.issues.forget_instances()
         self.roots: tuple[Activation, ...] = ()
         self.first: Activation | None = None  # in the order of a tick; the others are linked by `next`
         self.unordered = False
         self.pending: frozenset[tuple[str, str]] = frozenset()
         self.started = False
         self.globals = Environment((), dict(self.base))
-        self.live: dict[Path, Environment] = {(): self.globals}  # every environment, by path of definition
+        self.live: dict[Path, Environment] = {(): self.globals}  # every environment, by path as spawned
 
     # ---- the tick ---------------------------------------------------------------------------
 
@@ -105,7 +124,8 @@ class Run:
     def begin(self) -> None:
         """Start the program: initialise the globals."""
         self.started = True
-        self.log_attributes(self.globals, "own", "visible")
+        self.log_attributes(self.globals, "own", "visible", "entered")
+        self.globals.entered = self.now
         self.emit("started", ())
         self.initialise(self.globals, self.plan.variables, self.base)
 
@@ -129,7 +149,7 @@ class Run:
             try:
                 holds = edge.test()
             except BaseException as error:
-                self.fault(edge.tested, error, edge)
+                self.fault(edge.tested, error, act, edge.plan.site.element)
                 holds = False
             if (
                 holds is not False
@@ -140,7 +160,7 @@ class Run:
                     self.log += (edge.enabled, note)
                 return
             edge = edge.next
-        self._do(act.row.running)
+        self.do(act.row.running)
         for child in act.children:
             self.tick_entered(child)
 
@@ -148,17 +168,19 @@ class Run:
         """Return whether a condition that is neither True nor False holds: only numpy's True does."""
         if is_boolean(value):
             return bool(value)
-        self.report(edge.tested, "not boolean", not_boolean(value), edge)
+        self.report(edge.tested, "not boolean", not_boolean(value), edge.act, edge.plan.site.element)
         return False
 
     def find_destination(self, edge: Edge) -> Row | None:
         """Bind the actions of an edge the first time that it fires, or report that it leads nowhere."""
+        act, plan = edge.act, edge.plan
         if edge.target is None:
-            self.report(edge.site, "unknown state", edge.missing, edge)
+            self.report(edge.site, "unknown state", edge.missing, act, plan.site.element)
             return None
-        if edge.site[:2] in self.issues.open_blocks:
-            self.recovered(edge.site, True)
-        old, new, element = edge.home.row, self.row(edge.home, edge.target), edge.plan.site.element
+        if self.issues.is_open(edge.site[:2], act):
+            self.recovered(edge.site, act, True)
+        old, new, element = edge.home.row, self.row(edge.home, edge.target), plan.site.element
+        edge.leaving = bind_actions(self, act, plan.effect, old.departing)
         label, source = edge.plan.label, edge.source
         edge.fact = Fired(element, label, edge.path, source.name, new.place, new.path)
         edge.enabled = Enabled(element, label, edge.path, source.path)
@@ -166,11 +188,34 @@ class Run:
         if self.observers:
             fired = ("fired", (*edge.path, element.path[-1]), edge.fact)
             events = ("left", old.path, None), fired, ("entered", new.path, None)
-            edge.actions = Action(partial(self._emit_all, events), edge.site, None, edge.actions)
+            edge.actions = Action(partial(self._emit_all, events), edge.site, act, None, edge.actions)
         for action in reversed([*chained(old.onexit)]):
-            edge.actions = Action(action.call, action.site, action.cell, edge.actions)
+            edge.actions = replace(action, next=edge.actions)
         edge.row = new
         return new
+
+    def period(self) -> float:
+        """Return the time since the tick before this one, in seconds; 0 in the first."""
+        tick, ended = self.ended
+        return self.now - (ended if tick in (self.ticks - 1, self.ticks) else self.before)
+
+    def bind_event(self, event: EventPlan, owner: Environment, at: Environment, leaving: bool) -> Call:
+        """Bind the block of an event, for its value in a block of another machine or state."""
+        return bind_block(self, event.block, Scope(owner, owner.visible, at, leaving))
+
+    def hold(self, act: Activation, name: str, since: float | None) -> None:
+        """Note since when the trigger of a transition holds, or that it does not."""
+        self.log_attributes(act, "holding")
+        act.holding = {key: value for key, value in act.holding.items() if key != name}
+        if since is not None:
+            act.holding[name] = since
+
+    def depart(self, act: Activation) -> None:
+        """Prepare to leave the active state: end the times for which triggers hold, and remember its own."""
+        act.before = act.entered
+        if act.holding:
+            self.log_attributes(act, "holding")
+            act.holding = {}
 
     def _emit_all(self, events: Iterable[tuple[str, Path, object]]) -> None:
         tick, now = self.ticks, self.now
@@ -192,25 +237,27 @@ class Run:
         row.count.tick = self.ticks
         self.note(Entered(row.place, row.path))
         self.emit("entered", row.path)
-        self._do(row.onentry)
+        self.do(row.onentry)
 
     def leave(self, act: Activation) -> None:
         """Leave the active state, innermost states first. Paper: §5.1, step 6."""
         if self.log is not None:
             self.log += (act.children, act.entered, act.place, act, undo_change)
+        self.do(act.row.departing)
         if act.children:
             self.discard(act, self.leave)
-        self._do(act.row.onexit)
+        self.do(act.row.onexit)
         self.emit("left", act.row.path)
 
-    def _do(self, action: Action | None) -> None:
+    def do(self, action: Action | None) -> None:
+        """Run actions; a fault of one does not keep the others from running."""
         while action is not None:
             if action.cell is not None:
                 self.log_cell(action.cell)
             try:
                 action.call()
             except BaseException as error:
-                self.fault(action.site, error)
+                self.fault(action.site, error, action.home)
             action = action.next
 
     def discard(self, act: Activation, leave: Callable[[Activation], None]) -> None:
@@ -223,7 +270,8 @@ class Run:
                         if slot.leaked:
                             self.log += (slot.last, slot.cell, undo_write)
                 self.settle((child,))
-            del self.live[child.machine.path]
+            del self.live[child.path]
+            self.stale = self.issues.forget(child) or self.stale
             self.note(Discarded(child.path, child.machine.path))
             self.emit("discarded", child.path)
             child.retire()
@@ -239,33 +287,44 @@ class Run:
         enter: Callable[[Activation, Row], None] | None = None,
     ) -> Activation | None:
         """Execute a spawn and return the machine, or report why it cannot be executed."""
-        target = plan.target
+        target, home = plan.target, parent or self.globals
         if isinstance(target, Broken):
-            self.report(plan.site, target.kind, target.message)
+            self.report(plan.site, target.kind, target.message, home)
             return None
         machine = self.plan.machines[target]
         start = machine.states.get(plan.start)
         if start is None:
+            message = f"The machine `{machine.name}` has no state `{plan.start}`."
+            self.report(plan.site, "unknown state", message, home)
+        elif self.is_running(machine, parent):
             self.report(
-                plan.site, "unknown state", f"The machine `{machine.name}` has no state `{plan.start}`."
+                plan.site, "already running", f"The machine `{machine.name}` is already running.", home
             )
-        elif machine.path in self.live:
-            self.report(plan.site, "already running", f"The machine `{machine.name}` is already running.")
         else:
-            if plan.site[:2] in self.issues.open_blocks:
-                self.recovered(plan.site, None)
-            act = self.create(machine, parent, plan.identity, start)
+            if self.issues.is_open(plan.site[:2], home):
+                self.recovered(plan.site, home, None)
+            act = self.create(machine, parent, plan, start)
             (enter or self.enter)(act, self.row(act, start))
             return act
         return None
 
+    def is_running(self, machine: MachinePlan, parent: Activation | None) -> bool:
+        """Return whether a machine runs where it would be spawned: beside, or around itself."""
+        beside = self.roots if parent is None else parent.children
+        if any(each.machine is machine for each in beside):
+            return True
+        while parent is not None and parent.machine is not machine:
+            parent = parent.parent
+        return parent is not None
+
     def create(
-        self, machine: MachinePlan, parent: Activation | None, spawn: tuple[str, str] | None, state: StatePlan
+        self, machine: MachinePlan, parent: Activation | None, plan: SpawnPlan | None, state: StatePlan
     ) -> Activation:
-        """Create a machine and initialise its variables; `state` is entered next."""
-        outer = self.live[machine.outer]
-        act = Activation(machine, parent, outer, spawn, state)
-        self.live[machine.path] = act
+        """Create a machine as a spawn does, if any, and initialise its variables; `state` is entered next."""
+        outer = (parent or self.globals).around(machine.outer)
+        act = Activation(machine, parent, outer, None if plan is None else plan.identity, state)
+        self.live[act.path] = act
+        act.entered = self.now
         if parent is None:
             self.log_attributes(self, "roots")
             self.roots += (act,)
@@ -277,40 +336,60 @@ class Run:
         by = parent.full_path if parent is not None else ()
         self.note(Spawned(act.path, by, machine.path))
         self.emit("spawned", act.path)
-        self.initialise(act, machine.variables, outer.visible)
+        settings = {} if plan is None else plan.settings
+        for name, setting in settings.items():
+            if all(variable.name != name for variable in machine.variables):
+                message = f"The machine `{machine.name}` has no variable `{name}`."
+                self.report(setting.initial.site, "unknown variable", message, parent or self.globals)
+        self.initialise(act, machine.variables, outer.visible, settings)
         return act
 
     def initialise(
-        self, environment: Environment, variables: tuple[VariablePlan, ...], outer: Mapping[str, Slot]
+        self,
+        environment: Environment,
+        variables: tuple[VariablePlan, ...],
+        outer: Mapping[str, Slot],
+        settings: Mapping[str, VariablePlan] = MappingProxyType({}),
     ) -> None:
-        """Initialise variables in the order of the text; each sees those before it."""
+        """Initialise variables in the order of the text; each sees those before it, or has a setting."""
         environment.own, environment.visible = {}, dict(outer)  # a saved state may hold the old dicts
         for variable in variables:
             slot = Slot(CellType())
-            self.evaluate(variable, environment.visible, slot)
+            self.evaluate(environment, settings.get(variable.name), variable, slot)
             environment.visible[variable.name] = environment.own[variable.name] = slot
 
-    def evaluate(self, variable: VariablePlan, visible: Mapping[str, Slot], slot: Slot) -> bool:
-        """Run an initialiser; if it fails, the variable keeps its value, and False is returned."""
+    def evaluate(
+        self, environment: Environment, setting: VariablePlan | None, variable: VariablePlan, slot: Slot
+    ) -> bool:
+        """Run an initialiser, or a setting instead; if it fails, the variable keeps its value."""
+        initial = (setting or variable).initial
+        home = environment if setting is None else environment.parent or self.globals
         try:
-            slot.cell.cell_contents = bind_block(self, variable.initial, visible)()
+            slot.cell.cell_contents = bind_block(self, initial, Scope.of(home))()
         except BaseException as error:
-            self.fault(variable.initial.site, error)
+            self.fault(initial.site, error, home)
+            slot.captured = captured(initial, home.visible, is_unset=True)
             return False
+        slot.captured = captured(initial, home.visible)
         slot.computed = self.now, self.assigned
         return True
 
-    def attempt(self, call: Callable[[], object], site: Site) -> None:
+    def attempt(self, call: Callable[[], object], site: Site, home: Environment) -> None:
         """Run a block; an exception becomes an issue."""
         try:
             call()
         except BaseException as error:
-            self.fault(site, error)
+            self.fault(site, error, home)
 
     # ---- faults -----------------------------------------------------------------------------
 
-    def fault(self, site: Site, error: BaseException, edge: Edge | None = None) -> None:
-        """Record an exception of a block as an issue, or count it, unless it is being typed. Paper: §6.2."""
+    def fault(
+        self, site: Site, error: BaseException, home: Environment, transition: Element | None = None
+    ) -> None:
+        """Record an exception of a block as an issue, or count it, unless it is being typed. Paper: §6.2.
+
+        `home`: the machine that ran the block, or the top level. `transition`: the one that was tested.
+        """
         type_ = type(error)  # `isinstance` may call code of the exception
         if issubclass(type_, KeyboardInterrupt):  # raised after the tick, so that it is complete
             self.interrupted = error
@@ -319,10 +398,10 @@ class Run:
         if site.element == self.unmeant:
             return
         if issubclass(type_, NoDataYet) and site.element.kind in ("event", "transition"):
-            self._note_fault(site, "no data yet", str(error), edge)
+            self._note_fault(site, "no data yet", str(error), home, transition)
             return  # without data it just does not occur
         kind, message = kind_and_message(self.program, error)
-        self._note_fault(site, kind, message, edge)
+        self._note_fault(site, kind, message, home, transition)
         program, tick = self.program, self.ticks
         raised = None if issubclass(type_, (Fault, NoDataYet)) else error
         if raised is None:
@@ -332,39 +411,47 @@ class Run:
             place, trace = place_of(program, site, raised), traceback_of(program, raised)
             return Issue(kind, site.element, message, *place, trace, tick, tick)
 
-        issue = self.issues.report(
-            (*site[:2], kind), make, message, tick, line_of(program, raised), self._raised(site, error, edge)
-        )
+        self.stale = self.stale or not self.issues.is_open(site[:2], home)
+        key, line = (*site[:2], kind), line_of(program, raised)
+        issue = self.issues.report(key, make, message, tick, line, self._raised(site, error, home), home)
         self.faulted = self.attention = True
         if issue is not None:
             self.stale = True
             self.emit("issue", site.element.path, issue)
 
-    def _raised(self, site: Site, error: BaseException, edge: Edge | None) -> Raised:
+    def _raised(self, site: Site, error: BaseException, home: Environment) -> Raised:
         """Return the data about a fault that a debugger needs."""
         element = site.element
         state: Path = ()
-        path = next(path for n in range(len(element.path), -1, -1) if (path := element.path[:n]) in self.live)
-        environment = self.live[path]
-        if edge is not None:
-            state = (*edge.path, edge.source.name)
-        elif isinstance(environment, Activation):
+        if isinstance(home, Activation):
             is_action = element.kind in ("onentry", "running", "onexit")
-            state = (*environment.path, element.path[-1] if is_action else environment.place[-1])
-        return Raised(error, environment.visible, state)
+            state = (*home.path, element.path[-1] if is_action else home.place[-1])
+        return Raised(error, home.around_element(element).visible, state)
 
-    def _note_fault(self, site: Site, kind: str, message: str, edge: Edge | None) -> None:
-        tested = ((), None) if edge is None else (edge.path, edge.plan.site.element)
-        self.note(Faulted(site.element, site.ordinal, kind, message, *tested))
+    def _note_fault(
+        self, site: Site, kind: str, message: str, home: Environment, transition: Element | None
+    ) -> None:
+        self.note(Faulted(site.element, site.ordinal, kind, message, home.path, transition))
 
-    def report(self, site: Site, kind: IssueKind, message: str, edge: Edge | None = None) -> None:
+    def report(
+        self,
+        site: Site,
+        kind: IssueKind,
+        message: str,
+        home: Environment,
+        transition: Element | None = None,
+    ) -> None:
         """Record a fault of the program that is not an exception of Python."""
-        self.fault(site, Fault(kind, message), edge)
+        self.fault(site, Fault(kind, message), home, transition)
 
-    def recovered(self, site: Site, value: object) -> None:
-        """Resolve the issues of a site that has just run without a fault and returned `value`."""
+    def recovered(self, site: Site, home: Environment, value: object) -> None:
+        """Resolve the issues of a site, which has run without a fault wherever it had failed, now in `home`.
+
+        `value`: what it returned.
+        """
         boolean = is_boolean(value)
-        self.issues.resolve(lambda key, _: key[:2] == site[:2] and (boolean or key[2] != "not boolean"))
+        if self.issues.recovered(site[:2], home):
+            self.issues.resolve(lambda key, _: key[:2] == site[:2] and (boolean or key[2] != "not boolean"))
         self.stale = self.attention = True
 
     def rebind(self) -> None:
@@ -479,7 +566,7 @@ class Run:
         return SavedState(
             [
                 (self, ("source", "roots", "pending", "started", "globals", "counts")),
-                (self.globals, ("own", "visible")),
+                (self.globals, ("own", "visible", "entered")),
                 *((act, _CARRIED) for act in acts),
             ],
             [slot.cell for environment in (self.globals, *acts) for slot in environment.own.values()],
@@ -507,7 +594,9 @@ class Run:
         self.epoch += 1
         self.kept = min(self.kept, self.ticks)
         self.full = 0
-        self.live = {(): self.globals, **{act.machine.path: act for act in self.walk()}}
+        self.ended = -1, 0.0
+        self.issues.forget_instances()
+        self.live = {(): self.globals, **{act.path: act for act in self.walk()}}
         for environment in self.live.values():
             environment.sync()
             for slot in environment.own.values():
@@ -558,7 +647,7 @@ class Run:
                         self.emit("changed", (*environment.path, name), value)
 
 
-_CARRIED = ("path", "outer", "spawn", "own", "visible", "place", "entered", "children")
+_CARRIED = ("path", "outer", "spawn", "own", "visible", "place", "entered", "holding", "children")
 
 
 @undoes(4)
@@ -573,6 +662,14 @@ def undo_fired(log: Log) -> None:
     """Undo the change of state of a transition that fired, and drop its fact."""
     undo_change(log)
     log.pop()
+
+
+def captured(initial: BlockPlan, visible: Mapping[str, Slot], *, is_unset: bool = False) -> tuple[Slot, ...]:
+    """Return the variables to which functions in an initialiser refer; all that it reads if it failed."""
+    if isinstance(initial.code, Broken):
+        return ()
+    names = initial.reads if is_unset else captures_of(initial.code)
+    return tuple([visible[name] for name in names if name in visible])
 
 
 def _same(old: object, new: object) -> bool:

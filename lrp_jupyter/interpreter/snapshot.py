@@ -12,6 +12,7 @@ from types import CellType, MappingProxyType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content, put
+from lrp_jupyter.interpreter.computed import ComputedName
 from lrp_jupyter.interpreter.copies import Packed, pack, unpack
 from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.interpreter.run import Run
@@ -30,19 +31,26 @@ class _Machine(NamedTuple):
     place: Path  # of the active state, by definition
     entered: float
     spawn: tuple[str, str] | None
+    holding: Mapping[str, float]
     own: _Own
+    lost: _Own
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """The state of a run between two ticks."""
+    """The state of a run between two ticks.
+
+    `own`, `lost`: the global variables, and those that edits have removed.
+    """
 
     source: tuple[str, str] | Program  # text and file name; the program itself if it has no text
     tick: int
     now: float  # s
     started: bool
     pending: frozenset[tuple[str, str]]
+    entered: float  # s: when the program started
     own: _Own
+    lost: _Own
     machines: tuple[_Machine, ...]
     counts: Mapping[Element, tuple[int, int]]
     issues: IssueLog
@@ -62,12 +70,25 @@ class Snapshot:
         return self.values.uncopied
 
     def contents(self) -> dict[Path | str, object]:
-        """Return new copies of the variables, by path of definition, and of values beside them, by name."""
-        cells = [CellType() for _ in range(_count(self))]
-        owned = [((), self.own), *((machine.place[:-1], machine.own) for machine in self.machines)]
-        names: list[Path | str] = [(*path, name) for path, own in owned for name, _, _ in own]
+        """Return new copies of the variables, by path as spawned, and of values beside them, by name."""
+        cells = [CellType() for _ in range(self.count)]
         values = unpack(self.values, cells, lambda token: token)
-        return dict(zip([*names, *self.beside], values, strict=True))
+        owned: dict[Path, _Own] = {(): self.own}
+        paths: list[Path] = []
+        for machine in self.machines:
+            around = () if machine.parent is None else paths[machine.parent]
+            paths.append((*around, *machine.place[-2:]))
+            owned[paths[-1][:-1]] = machine.own
+        found: dict[Path | str, object] = {
+            (*path, name): values[number] for path, own in owned.items() for name, number, _ in own
+        }
+        return found | dict(zip(self.beside, values[self.count :], strict=True))
+
+    @property
+    def count(self) -> int:
+        """The number of variables, removed ones included."""
+        owned = (self.own, self.lost, *(each for machine in self.machines for each in machine[-2:]))
+        return sum(map(len, owned))
 
 
 def take(
@@ -79,17 +100,24 @@ def take(
     """
     cells: list[CellType] = []
 
-    def numbered(environment: Environment) -> _Own:
+    def numbered(slots: Mapping[str, Slot]) -> _Own:
         first = len(cells)
-        cells.extend(slot.cell for slot in environment.own.values())
-        items = environment.own.items()
-        return tuple((name, first + number, slot.leaked) for number, (name, slot) in enumerate(items))
+        cells.extend(slot.cell for slot in slots.values())
+        return tuple((name, first + number, slot.leaked) for number, (name, slot) in enumerate(slots.items()))
 
-    own = numbered(run.globals)
+    own, lost = numbered(run.globals.own), numbered(run.globals.lost)
     acts = [*run.walk()]
     numbers = {id(act): number for number, act in enumerate(acts)}
     machines = tuple(
-        _Machine(numbers.get(id(act.parent)), act.place, act.entered, act.spawn, numbered(act))
+        _Machine(
+            numbers.get(id(act.parent)),
+            act.place,
+            act.entered,
+            act.spawn,
+            act.holding,
+            numbered(act.own),
+            numbered(act.lost),
+        )
         for act in acts
     )
     run.add_firings()
@@ -100,39 +128,56 @@ def take(
         run.now,
         run.started,
         run.pending,
+        run.globals.entered,
         own,
+        lost,
         machines,
         {element: (count.times, count.tick) for element, count in run.counts.items()},
         run.issues.copy(),
         run.unmeant,
-        pack([*values, *beside.values()], {id(cell): number for number, cell in enumerate(cells)}, known),
+        pack(
+            [*values, *beside.values()],
+            {id(cell): number for number, cell in enumerate(cells)},
+            lambda value: known(value) if (token := _token(value)) is None else token,
+        ),
         tuple(beside),
     )
 
 
 def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dict[str, Any]:
     """Continue a new run from a snapshot of its program; return the copies of the values `beside`."""
-    cells = [CellType() for _ in range(_count(snapshot))]
-    values = unpack(snapshot.values, cells, find)
+    cells = [CellType() for _ in range(snapshot.count)]
+    names: list[tuple[ComputedName, _Name]] = []
+
+    def found(token: Any) -> object:
+        if type(token) is not _Name:
+            return find(token)
+        names.append((name := ComputedName(run, token.cell, None, None, token.leaving), token))
+        return name
+
+    values = unpack(snapshot.values, cells, found)
     for cell, value in zip(cells, values, strict=False):  # the remaining values are those beside
         put(cell, value)
     run.ticks, run.now = snapshot.tick, snapshot.now
     run.started, run.pending = snapshot.started, snapshot.pending
-    _fill(run.globals, snapshot.own, cells, run.base)
+    _fill(run.globals, snapshot.own, snapshot.lost, cells, run.base)
+    run.globals.entered = snapshot.entered
     acts: list[Activation] = []
     for machine in snapshot.machines:
         plan = run.plan.machines[machine.place[:-1]]
         parent = None if machine.parent is None else acts[machine.parent]
-        outer = run.live[plan.outer]
+        outer = (parent or run.globals).around(plan.outer)
         act = Activation(plan, parent, outer, machine.spawn, plan.states[machine.place[-1]])
-        act.entered = machine.entered
-        _fill(act, machine.own, cells, outer.visible)
-        run.live[plan.path] = act
+        act.entered, act.holding = machine.entered, dict(machine.holding)
+        _fill(act, machine.own, machine.lost, cells, outer.visible)
+        run.live[act.path] = act
         acts.append(act)
         if parent is None:
             run.roots += (act,)
         else:
             parent.children += (act,)
+    for name, token in names:
+        name.home, name.at = run.live.get(token.home), run.live.get(token.at)
     run.counts.update((element, Count(*count)) for element, count in snapshot.counts.items())
     run.issues, run.unmeant = snapshot.issues.copy(), snapshot.unmeant
     owned = (snapshot.own, *(machine.own for machine in snapshot.machines))
@@ -148,11 +193,25 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dic
     return dict(zip(snapshot.beside, values[len(cells) :], strict=True))
 
 
-def _count(snapshot: Snapshot) -> int:
-    return len(snapshot.own) + sum(len(machine.own) for machine in snapshot.machines)
+class _Name(NamedTuple):
+    """A computed name to which a function in a variable refers, by the paths of its machines as spawned."""
+
+    cell: str
+    home: Path
+    at: Path
+    leaving: bool
 
 
-def _fill(environment: Environment, own: _Own, cells: list[CellType], outer: Mapping[str, Slot]) -> None:
-    environment.own, environment.visible = {}, dict(outer)
-    for name, number, leaked in own:
-        environment.visible[name] = environment.own[name] = Slot(cells[number], leaked=leaked)
+def _token(value: object) -> _Name | None:
+    if type(value) is not ComputedName or value.home is None or value.at is None:
+        return None
+    return _Name(value.cell, value.home.path, value.at.path, value.leaving)
+
+
+def _fill(
+    environment: Environment, own: _Own, lost: _Own, cells: list[CellType], outer: Mapping[str, Slot]
+) -> None:
+    environment.own, environment.lost = (
+        {name: Slot(cells[number], leaked=leaked) for name, number, leaked in owned} for owned in (own, lost)
+    )
+    environment.visible = {**outer, **environment.own}

@@ -10,7 +10,7 @@ ends); they are cheap to recreate.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from numbers import Real
@@ -19,6 +19,7 @@ from typing import Any, Protocol, TypeVar
 
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content, writes_of
+from lrp_jupyter.interpreter.computed import ComputedName, owner_of_event
 from lrp_jupyter.interpreter.facts import Enabled, Fired
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.issues import IssueLog
@@ -29,6 +30,7 @@ from lrp_jupyter.interpreter.linker import (
     EdgePlan,
     EventPlan,
     MachinePlan,
+    Plan,
     Site,
     SpawnPlan,
     StatePlan,
@@ -36,9 +38,11 @@ from lrp_jupyter.interpreter.linker import (
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.language.blocks.block import bind
-from lrp_jupyter.language.blocks.builtin_names import degrees
-from lrp_jupyter.language.program import Element, Name, Path, State
-from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
+from lrp_jupyter.language.blocks.builtin_names import TIMES, degrees
+from lrp_jupyter.language.blocks.computed_names import machine_cell, name_of_cell, value_cell
+from lrp_jupyter.language.program import Element, Name, Path, Program, State
+from lrp_jupyter.language.resolution import HOLD, resolve
+from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, InState, Occurrence, Trigger
 
 Call = Callable[[], object]
 Link = TypeVar("Link", "Edge", "Action")
@@ -55,12 +59,46 @@ class Count:
 class Environment:
     """Variables by name: `own` are those of its machine, `visible` are all that its blocks can access."""
 
-    __slots__ = ("own", "path", "visible")
+    __slots__ = ("children", "entered", "lost", "outer", "own", "parent", "path", "place", "visible")
 
-    def __init__(self, path: Path, visible: dict[str, Slot]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        visible: dict[str, Slot],
+        outer: Environment | None = None,
+        parent: Activation | None = None,
+        place: Path = (),
+    ) -> None:
         self.path = path
         self.visible = visible
+        self.outer = outer  # the environment around it in the text
+        self.parent = parent  # the machine whose active state has spawned it
+        self.place = (
+            place  # of the active state, by definition: the journal keeps it, because it suits any plan
+        )
+        self.entered = 0.0  # when that was entered; at the top level, when the program started
+        self.children: tuple[Activation, ...] = ()
         self.own: dict[str, Slot] = {}
+        self.lost: dict[str, Slot] = {}  # of removed variables: functions may still refer to their cells
+
+    @property
+    def defined(self) -> Path:
+        """The path of definition of the machine; empty at the top level."""
+        return self.place[:-1]
+
+    def around(self, defined: Path) -> Environment:
+        """Return itself or what is around it in the text: the one with this path of definition."""
+        environment = self
+        while environment.outer is not None and environment.defined != defined:
+            environment = environment.outer
+        return environment
+
+    def around_element(self, element: Element) -> Environment:
+        """Return itself or what is around it in the text: the innermost one that contains an element."""
+        environment, path = self, element.path
+        while environment.outer is not None and path[: len(environment.defined)] != environment.defined:
+            environment = environment.outer
+        return environment
 
     def sync(self) -> None:
         """Store the present values for the next comparison."""
@@ -72,7 +110,7 @@ class Environment:
 class Activation(Environment):
     """One running machine."""
 
-    __slots__ = ("children", "entered", "machine", "next", "outer", "parent", "place", "row", "rows", "spawn")
+    __slots__ = ("before", "holding", "machine", "next", "row", "rows", "spawn")
 
     def __init__(
         self,
@@ -82,17 +120,17 @@ class Activation(Environment):
         spawn: tuple[str, str] | None,
         state: StatePlan,
     ) -> None:
-        super().__init__((*parent.full_path, machine.name) if parent else (machine.name,), outer.visible)
+        path = (*parent.full_path, machine.name) if parent else (machine.name,)
+        super().__init__(path, outer.visible, outer, parent, state.path)
         self.machine = machine
-        self.parent = parent
-        self.outer = outer
         self.spawn = spawn
-        self.place = state.path  # of definition: the journal keeps it, because it suits any plan
         self.row: Row
         self.rows: dict[str, Row] = {}
-        self.entered = 0.0
+        self.before = 0.0  # when the state that was left last had been entered
+        self.holding: dict[
+            str, float
+        ] = {}  # since when the triggers of transitions hold, by id; never mutated
         self.next: Activation | None = None  # the next activation in the order of a tick
-        self.children: tuple[Activation, ...] = ()
 
     @property
     def state(self) -> StatePlan:
@@ -133,18 +171,19 @@ class Edge:
     """A transition, bound to one state of one activation."""
 
     # fmt: off
-    __slots__ = ("actions", "count", "enabled", "fact", "home", "next", "path", "plan", "row", "source",
-                 "target", "test")
+    __slots__ = ("act", "actions", "count", "enabled", "fact", "home", "leaving", "next", "plan", "row",
+                 "source", "target", "test")
     # fmt: on
 
     def __init__(
         self, run: _Host, act: Activation, state: StatePlan, plan: EdgePlan, following: Edge | None
     ) -> None:
         self.plan = plan
-        self.path = act.path
+        self.act = act
         self.source = state
-        self.test = _test(run, act, plan)
+        self.test = _test(run, act, state, plan)
         self.next = following
+        self.leaving: Action | None = None  # its effect, and what leaving the source needs besides
         self.row: Row | None = None  # the row of the destination, once it has fired
         self.actions: Action | None = None  # of its firing: onexit of the source, then onentry of `row`
         self.fact: Fired | None = None  # the fact that the journal keeps when it fires
@@ -154,6 +193,11 @@ class Edge:
         self.target = home.machine.states.get(str(plan.noun.destination)) if home else None
         element = plan.site.element
         self.count = run.firing(element, Element("state", self.target.path)) if self.target else Count()
+
+    @property
+    def path(self) -> Path:
+        """The path of its machine, as spawned."""
+        return self.act.path
 
     @property
     def site(self) -> Site:
@@ -185,6 +229,7 @@ class Action:
 
     call: Call
     site: Site
+    home: Environment
     cell: CellType | None
     """A cell that `call` writes without logging it."""
     next: Action | None
@@ -201,6 +246,8 @@ class Row:
     onentry: Action | None = None
     running: Action | None = None
     onexit: Action | None = None
+    departing: Action | None = None
+    """What is done besides before it is left, if anything."""
     place: Path = field(init=False)
 
     def __post_init__(self) -> None:
@@ -239,15 +286,25 @@ class _Host(Protocol):
 
     namespace: dict[str, Any]
     now: float
+    program: Program
+    plan: Plan
     issues: IssueLog
     log: Log | None
     event_values: dict[Path, bool | None] | None
-    live: dict[Path, Environment]
 
+    @property
+    def roots(self) -> Sequence[Activation]: ...
     def count(self, element: Element) -> Count: ...
     def firing(self, transition: Element, state: Element) -> Count: ...
     def spawn(self, parent: Activation | None, plan: SpawnPlan) -> Activation | None: ...
-    def recovered(self, site: Site, value: object) -> None: ...
+    def recovered(self, site: Site, home: Environment, value: object) -> None: ...
+    def period(self) -> float: ...
+    def bind_event(self, event: EventPlan, owner: Environment, at: Environment, leaving: bool) -> Call: ...
+    def hold(self, act: Activation, name: str, since: float | None) -> None: ...
+    def fault(
+        self, site: Site, error: BaseException, home: Environment, transition: Element | None = None
+    ) -> None: ...
+    def depart(self, act: Activation) -> None: ...
     def leak(self, slot: Slot) -> None: ...
     def log_cell(self, cell: CellType) -> None: ...
 
@@ -261,19 +318,39 @@ def broken(reason: Broken) -> Call:
     return fail
 
 
-def bind_code(run: _Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
+@dataclass(slots=True, eq=False)
+class Scope:
+    """Where a block runs: the machine in whose scope, and the variables that it can access.
+
+    `at`: the machine from whose state `elapsed` counts. `leaving`: whether that state is being left.
+    """
+
+    home: Environment
+    visible: Mapping[str, Slot]
+    at: Environment
+    leaving: bool = False
+
+    @classmethod
+    def of(cls, home: Environment) -> Scope:
+        """Return the scope of a machine's own blocks."""
+        return cls(home, home.visible, home)
+
+
+def bind_code(run: _Host, code: CodeType, scope: Scope) -> Call:
     """Bind a compiled block to variables; the cells that it writes are logged before it runs."""
-    return _logged(run, *_bind(run, code, visible))
+    return _logged(run, *_bind(run, code, scope))
 
 
-def _bind(run: _Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
+def _bind(run: _Host, code: CodeType, scope: Scope) -> tuple[Call, CellType | None]:
     """Bind a compiled block to variables; return it, and a cell that it writes without logging it."""
+    visible = scope.visible
     cells = {name: visible[name].cell for name in code.co_freevars if name in visible}
-    is_provided = len(cells) < len(code.co_freevars)
-    if is_provided:
-        cells["degrees"] = CellType()
+    is_hidden = False
+    if len(cells) < len(code.co_freevars):
+        cells |= {name: _provided(run, name, scope) for name in code.co_freevars if name not in cells}
+        is_hidden = "degrees" not in visible and "degrees" in cells
     call = bind(code, run.namespace, cells)
-    if is_provided:
+    if is_hidden:
         call = _with_degrees(run.namespace, cells["degrees"], call)
     if run.log is None:
         return call, None
@@ -286,6 +363,22 @@ def _bind(run: _Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call
             call = _logged(run, call, cell)
             cell = visible[name].cell
     return call, cell
+
+
+def _provided(run: _Host, name: str, scope: Scope) -> CellType:
+    """Return the cell of a free variable that is no variable of the program."""
+    if not name_of_cell(name):
+        return CellType()
+    return CellType(ComputedName(run, name, scope.home, scope.at, scope.leaving))
+
+
+def provided(run: _Host, name: str, scope: Scope) -> Call | None:
+    """Return the function that computes what a name means in a scope; None if it is no such name."""
+    if name in TIMES or owner_of_event(run.plan, scope.home, name) is not None:
+        return ComputedName(run, value_cell(name), scope.home, scope.at, scope.leaving)
+    if resolve(run.program).by_path[scope.home.defined].machines_called(name):
+        return ComputedName(run, machine_cell(name), scope.home, scope.at)
+    return None
 
 
 def _with_degrees(namespace: Mapping[str, Any], cell: CellType, call: Call) -> Call:
@@ -309,38 +402,46 @@ def _logged(run: _Host, call: Call, cell: CellType | None) -> Call:
     return block
 
 
-def bind_block(run: _Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
+def bind_block(run: _Host, plan: BlockPlan, scope: Scope) -> Call:
     """Bind a block outside a state's actions; the cells that it writes are logged before it runs."""
-    return _logged(run, *_bind_block(run, plan, visible))
+    return _logged(run, *_bind_block(run, plan, scope))
 
 
-def _bind_block(run: _Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
+def _bind_block(run: _Host, plan: BlockPlan, scope: Scope) -> tuple[Call, CellType | None]:
     """Bind a block to variables; if it has an open issue, the next run without a fault resolves it."""
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
-    call, cell = _bind(run, plan.code, visible)
-    return watched(run, plan.site, call), cell
+    call, cell = _bind(run, plan.code, scope)
+    return watched(run, plan.site, scope.at, call), cell
 
 
-def _bind_actions(run: _Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan, ...]) -> Action | None:
-    first = None
+def bind_actions(
+    run: _Host,
+    act: Activation,
+    plans: tuple[BlockPlan | SpawnPlan, ...],
+    following: Action | None = None,
+    *,
+    leaving: bool = False,
+) -> Action | None:
+    """Bind actions to an activation, in order before those that follow."""
+    first, scope = following, Scope(act, act.visible, act, leaving)
     for plan in reversed(plans):
         if isinstance(plan, SpawnPlan):
-            first = Action(partial(run.spawn, act, plan), plan.site, None, first)
+            first = Action(partial(run.spawn, act, plan), plan.site, act, None, first)
         else:
-            call, cell = _bind_block(run, plan, act.visible)
-            first = Action(call, plan.site, cell, first)
+            call, cell = _bind_block(run, plan, scope)
+            first = Action(call, plan.site, act, cell, first)
     return first
 
 
-def watched(run: _Host, site: Site, call: Call) -> Call:
-    """Wrap a call if its site has an open issue: a run without a fault resolves it."""
-    if site[:2] not in run.issues.open_blocks:
+def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
+    """Wrap a call if its site has an open issue of this instance: a run without a fault resolves it."""
+    if not run.issues.is_open(site[:2], home):
         return call
 
     def again() -> object:
         value = call()
-        run.recovered(site, value)
+        run.recovered(site, home, value)
         return value
 
     return again
@@ -351,14 +452,20 @@ def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
     edge = None
     for plan in reversed(state.edges):
         edge = Edge(run, act, state, plan, edge)
+    departing = None
+    if state.departs:
+        departing = Action(
+            partial(run.depart, act), Site(Element("state", state.path), -1, 0), act, None, None
+        )
     return Row(
         state,
         (*act.path, state.name),
         run.count(Element("state", state.path)),
         edge,
-        _bind_actions(run, act, state.onentry),
-        _bind_actions(run, act, state.running),
-        _bind_actions(run, act, state.onexit),
+        bind_actions(run, act, state.onentry),
+        bind_actions(run, act, state.running),
+        bind_actions(run, act, state.onexit, leaving=True),
+        departing,
     )
 
 
@@ -375,59 +482,115 @@ def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
     return test
 
 
-def _test(run: _Host, act: Activation, edge: EdgePlan) -> Call:
+def _test(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     if isinstance(edge.test, Broken):
         return broken(edge.test)
-    return _TESTS[type(edge.noun.trigger)](run, act, edge)
+    call = _TESTS[type(edge.noun.trigger)](run, act, state, edge)
+    return call if edge.noun.hold is None else _held(run, act, edge, edge.noun.hold, call)
 
 
-def _occurs(run: _Host, act: Activation, edge: EdgePlan) -> Call:
+def _occurs(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, EventPlan)
     event = edge.test
-    call = bind_block(run, event.block, run.live[event.owner].visible)
+    owner = act.around(event.owner)
+    call = bind_block(run, event.block, Scope(owner, owner.visible, act))
     values = run.event_values
     return call if values is None else noted(values, event.block.site.element.path, call)
 
 
-def _holds(run: _Host, act: Activation, edge: EdgePlan) -> Call:
+def _holds(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, BlockPlan)
-    return bind_block(run, edge.test, act.visible)
+    return bind_block(run, edge.test, Scope.of(act))
 
 
-def _is_due(run: _Host, act: Activation, edge: EdgePlan) -> Call:
+def _is_in_state(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
+    trigger, machine = edge.noun.trigger, edge.watched.get(state.name)
+    assert isinstance(trigger, InState)
+    name = str(trigger.state)
+
+    def is_in_state() -> bool:
+        for child in act.children:
+            if child.machine.path == machine:
+                return child.place[-1] == name
+        return False
+
+    return is_in_state
+
+
+def _is_due(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     trigger = edge.noun.trigger
     assert isinstance(trigger, Delay)
-    amount = trigger.amount
+    is_over = _over(run, act, trigger, edge.test)
+    call = lambda: is_over(act.entered)  # noqa: E731
+    return call if isinstance(trigger.amount, int) else watched(run, edge.site, act, call)
+
+
+def _over(
+    run: _Host, act: Activation, delay: Delay, plan: EventPlan | BlockPlan | Broken | None
+) -> Callable[[float], bool]:
+    """Return a function that returns whether a delay is over, for the time at which it began.
+
+    `plan`: the delay's block, or the reason for the absence of its variable.
+    """
+    amount = delay.amount
     if isinstance(amount, int):
         milliseconds = amount
-
-        def due() -> bool:
-            return (run.now - act.entered) * 1000.0 + TOLERANCE >= milliseconds
-
-        return due
+        return lambda since: (run.now - since) * 1000.0 + TOLERANCE >= milliseconds
     read: Call
-    if isinstance(edge.test, BlockPlan):
-        code = edge.test.code
-        read = broken(code) if isinstance(code, Broken) else bind_code(run, code, act.visible)
+    if isinstance(plan, Broken):
+        read = broken(plan)
+    elif isinstance(plan, BlockPlan):
+        read = (
+            broken(plan.code) if isinstance(plan.code, Broken) else bind_code(run, plan.code, Scope.of(act))
+        )
     else:
         read = _reader(str(amount), act.visible[str(amount)].cell)
 
-    def due_when_read() -> bool:
-        delay = read()
-        if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:
-            raise Fault("not a delay", f"A delay must be a number of milliseconds, not {short(delay)}.")
-        return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)
+    def over(since: float) -> bool:
+        value = read()
+        if isinstance(value, bool) or not isinstance(value, Real) or value != value:
+            raise Fault("not a delay", f"A delay must be a number of milliseconds, not {short(value)}.")
+        return bool((run.now - since) * 1000.0 + TOLERANCE >= value)
 
-    return watched(run, edge.site, due_when_read)
+    return over
 
 
-def _always(run: _Host, act: Activation, edge: EdgePlan) -> Call:
+def _held(run: _Host, act: Activation, edge: EdgePlan, hold: Delay, test: Call) -> Call:
+    """Return a test that is True once another one has been True at every test for a delay."""
+    is_over, name = _over(run, act, hold, edge.hold), edge.site.element.path[-1]
+    site = edge.site._replace(ordinal=HOLD)
+
+    def held() -> object:
+        try:
+            value = test()
+            holds = value is True or (is_boolean(value) and bool(value))
+        except BaseException:
+            run.hold(act, name, None)
+            raise
+        if not holds:
+            if name in act.holding:
+                run.hold(act, name, None)
+            return value
+        if name not in act.holding:
+            run.hold(act, name, run.now)
+        try:
+            return over()
+        except BaseException as error:
+            run.fault(site, error, act, edge.site.element)
+            return False
+
+    over = watched(run, site, act, lambda: is_over(act.holding[name]))
+    return held
+
+
+def _always(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     return lambda: True
 
 
-_TESTS: dict[type[Trigger], Callable[[_Host, Activation, EdgePlan], Call]] = {
+_TESTS: dict[type[Trigger], Callable[[_Host, Activation, StatePlan, EdgePlan], Call]] = {
     Occurrence: _occurs,
     Condition: _holds,
+    InState: _is_in_state,
     Delay: _is_due,
     Epsilon: _always,
 }

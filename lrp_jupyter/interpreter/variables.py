@@ -10,12 +10,14 @@ from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
-from lrp_jupyter.interpreter.tree import Call, Environment, bind_code, is_boolean, not_boolean
-from lrp_jupyter.language.blocks.block import compile_block, facts_of, faults_of
+from lrp_jupyter.interpreter.tree import Call, Environment, Scope, bind_code, is_boolean, not_boolean
+from lrp_jupyter.language.blocks.block import compile_block, facts_of, faults_of, words_of
+from lrp_jupyter.language.blocks.builtin_names import TIMES
 from lrp_jupyter.language.blocks.expressions import expression_of
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.python.python_parser import parse_python
+from lrp_jupyter.language.resolution import resolve
 
 EXPRESSION = "<expression>"  # the file name, in tracebacks, of an expression that is assigned
 
@@ -105,13 +107,14 @@ def outdated(run: Run) -> dict[Path, Outdated]:
     if not run.assigned:
         return found
     paths = {slot: (*each.path, name) for each in run.live.values() for name, slot in each.own.items()}
-    for machine, environment in run.live.items():
+    for environment in run.live.values():
+        machine = environment.defined
         variables = run.plan.machines[machine].variables if machine else run.plan.variables
         for variable in variables:
             slot = environment.own.get(variable.name)
             if slot is None:  # the program restarts at the next tick
                 continue
-            for name in variable.reads:
+            for name in variable.initial.reads:
                 read = environment.visible.get(name)
                 if read in paths and max(slot.computed, slot.assigned) < read.assigned:
                     text = variable.noun.initial.text.strip()
@@ -126,9 +129,27 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
     Raises UnknownElementError: if there is no such variable now.
     Raises Exception: the expression raised it.
     """
-    visible = find_variable(run, path)[0].visible
-    block = Block(check_expression(expression))
-    return bind_code(run, compile_block(block, frozenset(visible), EXPRESSION, "expression"), visible)()
+    environment = find_variable(run, path)[0]
+    return _bound(run, Block(check_expression(expression)), environment, EXPRESSION, "expression")()
+
+
+def _bound(run: Run, block: Block, environment: Environment, filename: str, name: str) -> Call:
+    """Bind a block that is not part of the program in the scope of a machine, or of the top level.
+
+    Raises SyntaxError: a variable that it declares `nonlocal` is missing.
+    """
+    names, visible = resolve(run.program), frozenset(environment.visible)
+    scope, words = names.by_path[environment.defined], words_of(block) - visible
+    events, machines = names.computed
+    code = compile_block(
+        block,
+        visible,
+        filename,
+        name,
+        frozenset([word for word in words & events if word in TIMES or scope.owner("event", word)]),
+        frozenset([word for word in words & machines if scope.machines_called(word)]),
+    )
+    return bind_code(run, code, Scope.of(environment))
 
 
 class BlockTest:
@@ -136,7 +157,7 @@ class BlockTest:
 
     It is compiled and bound again when the program or the variables of that scope change.
 
-    `machine`: the machine, by path of definition; empty for the top level.
+    `machine`: the machine, by path as spawned; empty for the top level.
     `filename`: the file name in tracebacks.
     """
 
@@ -154,11 +175,11 @@ class BlockTest:
         Raises Exception: the block raised it.
         """
         environment = run.live.get(self._machine)
-        visible = (environment or run.globals).visible
+        scope = environment or run.globals
         bound = self._bound
-        if bound is None or bound[0] is not run.program or bound[1] is not visible:
-            code = compile_block(self._block, frozenset(visible), self._filename, "condition")
-            self._bound = bound = run.program, visible, bind_code(run, code, visible)
+        if bound is None or bound[0] is not run.program or bound[1] is not scope.visible:
+            call = _bound(run, self._block, scope, self._filename, "condition")
+            self._bound = bound = run.program, scope.visible, call
         if environment is None or not run.started:
             return False
         value = bound[2]()

@@ -11,7 +11,7 @@ from lrp_jupyter.interpreter.cells import content
 from lrp_jupyter.interpreter.rendering import is_scalar, scalar_of, short
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
-from lrp_jupyter.interpreter.tree import Edge
+from lrp_jupyter.interpreter.tree import Edge, Scope, provided
 from lrp_jupyter.language.blocks.builtin_names import builtin
 from lrp_jupyter.language.blocks.expressions import Evaluation, evaluate, expression_of
 from lrp_jupyter.language.resolution import resolve
@@ -42,9 +42,10 @@ def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]
         return
     block, scope = arrow.tested
     expression = expression_of(block.text)
-    if expression is None or scope.path not in run.live:
+    if expression is None:
         return
-    visible, test = run.live[scope.path].visible, edge.test
+    home = edge.act.around(scope.path)
+    at, visible, test = Scope(home, home.visible, edge.act), home.visible, edge.test
     is_delay = arrow.noun.trigger.keyword == "ontime"
 
     def lookup(name: str) -> Any:
@@ -53,7 +54,10 @@ def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]
             if value is UNSET:
                 raise NameError(f"`{name}` had no value.")
             return value
-        return run.namespace[name] if name in run.namespace else builtin(name)
+        if name in run.namespace:
+            return run.namespace[name]
+        found = provided(run, name, at)
+        return builtin(name) if found is None else found()
 
     def watched() -> object:
         edge.test = test  # its state may be entered again in the same tick

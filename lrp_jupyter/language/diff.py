@@ -17,14 +17,18 @@ from typing import Literal, TypeVar
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
 from lrp_jupyter.language.program import (
+    Action,
+    Block,
     Element,
     Event,
     Machine,
     Path,
     Program,
+    Spawn,
     State,
     Transition,
     Variable,
+    effect_of,
     path_text,
 )
 from lrp_jupyter.language.reading.tokens import ACTIONS
@@ -46,10 +50,10 @@ class ChangeSet:
 
     `added`, `removed`: only the outermost elements: an added one by its path in the new program, a removed
         one by its path in the old program.
-    `changed`: variables (the initialiser), events (the condition), transitions (condition or delay), and the
-        actions ``onentry``, ``running``, ``onexit``, ``onpause``, ``onresume``, of which every state (every
-        program) has one of each, possibly empty: they are never added or removed. By their paths in the new
-        program.
+    `changed`: variables and settings (the initialiser), events (the condition), transitions (when they fire),
+        and the actions ``onentry``, ``running``, ``onexit``, ``effect``, ``onpause``, ``onresume``, of which
+        every state (every transition, every program) has one of each, possibly empty: they are never added or
+        removed. By their paths in the new program.
     `moved`: transitions and variables whose order has changed: the fewest that explain the new order.
     `successors`: the new element for each element of the old program.
     """
@@ -111,7 +115,7 @@ def diff(old: Program, new: Program) -> ChangeSet:
 def _words(element: Element) -> str:
     if element.kind not in ACTIONS:
         return str(element)
-    return f"`{element.kind}`" + (f" of `{path_text(element.path)}`" if element.path else "")
+    return f"`{element.kind}`" + (f" of `{path_text(element.shown)}`" if element.path else "")
 
 
 def _program(old: Program, new: Program) -> Iterator[_Change]:
@@ -119,9 +123,10 @@ def _program(old: Program, new: Program) -> Iterator[_Change]:
     yield from _named("event", (), old.events, new.events, _content("event"))
     yield from _named("machine", (), old.machines, new.machines, _machine)
     # What is spawned is a set: a machine is not spawned twice, and the order does not matter.
-    before, after = ({(str(s.machine), str(s.state)): None for s in p.spawns} for p in (old, new))
+    before, after = ({spawn.identity: None for spawn in p.spawns} for p in (old, new))
     yield from (("removed", Element("spawn", path)) for path in before if path not in after)
     yield from (("added", Element("spawn", path)) for path in after if path not in before)
+    yield from _settings((), old.spawns, new.spawns)
     if old.onpause != new.onpause:
         yield "changed", Element("onpause", ())
     if old.onresume != new.onresume:
@@ -139,8 +144,29 @@ def _machine(path: Path, old: Machine, new: Machine) -> Iterator[_Change]:
 def _state(path: Path, old: State, new: State) -> Iterator[_Change]:
     for kind, items in old.actions.items():
         if items != new.actions[kind]:
-            yield "changed", Element(kind, path)
+            if unset(items) != unset(new.actions[kind]):
+                yield "changed", Element(kind, path)
+            yield from _settings(path, items, new.actions[kind])
     yield from _named("machine", path, old.machines, new.machines, _machine)
+
+
+def unset(items: Iterable[Action]) -> list[Block | tuple[str, str]]:
+    """Return actions without the settings of the spawns among them, which are not part of the action."""
+    return [item.identity if isinstance(item, Spawn) else item for item in items]
+
+
+def _settings(path: Path, old: Iterable[Action], new: Iterable[Action]) -> Iterator[_Change]:
+    """Yield the changes of the settings of machines that are spawned before and after."""
+    before, after = (_by_machine(items) for items in (old, new))
+    for name, spawn in after.items():
+        if name in before:
+            where = (*path, name)
+            yield from _named("setting", where, before[name].settings, spawn.settings, _content("setting"))
+
+
+def _by_machine(items: Iterable[Action]) -> dict[str, Spawn]:
+    """Return spawns by the name of the machine; the first of two of the same machine."""
+    return {str(item.machine): item for item in reversed([*items]) if isinstance(item, Spawn)}
 
 
 def _variables(path: Path, old: Sequence[Variable], new: Sequence[Variable]) -> Iterator[_Change]:
@@ -161,8 +187,11 @@ def _transitions(path: Path, old: Machine, new: Machine) -> Iterator[_Change]:
         old_element, old_noun = before[key]
         if (old_element, old_element.label) != (element, element.label):
             yield "became", (old_element, element)
-        if old_noun.trigger != noun.trigger:
+            yield "became", (effect_of(old_element), effect_of(element))
+        if old_noun.content != noun.content:
             yield "changed", element
+        if old_noun.effect != noun.effect:
+            yield "changed", effect_of(element)
     for key in _moved(before, after):
         yield "moved", after[key][0]
 

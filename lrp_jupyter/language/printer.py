@@ -11,8 +11,19 @@ from collections.abc import Iterable
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
 from lrp_jupyter.language.blocks.block_margins import STEP, aligned
-from lrp_jupyter.language.program import Action, Block, Event, Machine, Program, State, Transition, Variable
+from lrp_jupyter.language.program import (
+    Action,
+    Block,
+    Event,
+    Machine,
+    Program,
+    Spawn,
+    State,
+    Transition,
+    Variable,
+)
 from lrp_jupyter.language.python.scanner import block_end
+from lrp_jupyter.language.triggers import Trigger
 
 _WIDTH = 90
 _STEP = " " * STEP
@@ -39,7 +50,7 @@ def to_source(program: Program) -> str:
         [_event(event, "") for event in program.events],
         *[[_machine(machine, "")] for machine in program.machines],
         [*_actions("onpause", program.onpause, ""), *_actions("onresume", program.onresume, "")],
-        [f"(spawn {spawn.machine} {spawn.state})" for spawn in program.spawns],
+        [_spawn("", spawn) for spawn in program.spawns],
     ]
     return "\n\n".join("\n".join(section) for section in sections if section) + "\n"
 
@@ -75,11 +86,23 @@ def _state(state: State, indent: str) -> str:
 def _transition(transition: Transition, indent: str) -> str:
     head = f"{indent}({transition.kind} "
     name = f" {transition.name}" if transition.name else ""
-    tail = f"{transition.source_text} -> {transition.destination}{name})"
-    trigger = transition.trigger
+    text = _with_trigger(head, transition.trigger, " ")
+    if transition.hold is not None:
+        text = _with_trigger(f"{text}for ", transition.hold, " ")
+    text = f"{text}{transition.source_text} -> {transition.destination}{name}"
+    for effect in _actions("effect", transition.effect, indent + _STEP):
+        text = (
+            f"{text}\n{effect}"
+            if "\n" in effect or len(text) + len(effect) > _WIDTH
+            else f"{text} {effect.lstrip()}"
+        )
+    return f"{text})"
+
+
+def _with_trigger(head: str, trigger: Trigger, tail: str) -> str:
     if trigger.block is not None:
-        return _with_block(head, trigger.block[1], f" {tail}")
-    return f"{head}{trigger.text} {tail}" if trigger.text else f"{head}{tail}"
+        return _with_block(head, trigger.block[1], tail)
+    return f"{head}{trigger.text}{tail}" if trigger.text else head
 
 
 def _actions(keyword: str, actions: Iterable[Action], indent: str) -> list[str]:
@@ -98,7 +121,14 @@ def _actions(keyword: str, actions: Iterable[Action], indent: str) -> list[str]:
 def _action(head: str, action: Action) -> str:
     if isinstance(action, Block):
         return _with_block(head, action, "")
-    return f"{head}(spawn {action.machine} {action.state})"
+    return _spawn(head, action)
+
+
+def _spawn(head: str, spawn: Spawn) -> str:
+    text = f"{head}(spawn {spawn.machine} {spawn.state}"
+    for setting in spawn.settings:
+        text = _with_block(f"{text} (var {setting.name} := ", setting.initial, ")")
+    return f"{text})"
 
 
 def _closed(head: str, parts: list[str]) -> str:

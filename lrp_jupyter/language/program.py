@@ -19,7 +19,7 @@ from lrp_jupyter.errors import Edit, Finding, Fix
 from lrp_jupyter.language.display import Displayed
 from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.source import NOWHERE, Block, Name, Span
-from lrp_jupyter.language.triggers import TransitionKind, Trigger
+from lrp_jupyter.language.triggers import Delay, TransitionKind, Trigger
 
 __all__ = [
     "Action",
@@ -54,7 +54,8 @@ class Element(_Identity):
 
     ``kind`` is ``variable``, ``event``, ``machine``, ``state``, ``transition`` or ``spawn``; the
     actions of a state (``onentry``, ``running``, ``onexit``) are elements too, under the path of
-    their state, and so are the program's ``onpause`` and ``onresume`` (empty path).
+    their state, and so are the ``effect`` of a transition, under its path, and the program's ``onpause``
+    and ``onresume`` (empty path). A ``setting`` is a variable in a spawn, under the path of the latter.
     The last name of a transition's path is its :attr:`Transition.id`.
     """
 
@@ -68,6 +69,14 @@ class Element(_Identity):
 
     def __str__(self) -> str:
         return f"{self.kind} `{path_text(self.shown)}`" if self.path else self.kind
+
+
+def effect_of(transition: Element) -> Element:
+    """Return the element of the effect of a transition."""
+    found = Element("effect", transition.path)
+    if transition.label:
+        found.label = transition.label
+    return found
 
 
 def path_text(path: Path) -> str:
@@ -95,11 +104,20 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Spawn:
-    """``(spawn MACHINE STATE)``."""
+    """``(spawn MACHINE STATE (var NAME := [expression]) …)``.
+
+    `settings`: the expressions that initialise variables of the machine instead of their own, for this use.
+    """
 
     machine: Name
     state: Name
+    settings: tuple[Variable, ...] = ()
     span: Span = field(default=NOWHERE, compare=False)
+
+    @property
+    def identity(self) -> tuple[str, str]:
+        """The names of the machine and of its start state."""
+        return str(self.machine), str(self.state)
 
 
 Action = Block | Spawn
@@ -115,6 +133,8 @@ class Transition:
     `wildcard`: whether its source is ``*`` or ``*-{…}``.
     `name`: the transition's own name.
     `outward`: whether it is an ``exit``, which leads to a state of the outer machine.
+    `hold`: how long its trigger must have been true; None if it fires at once.
+    `effect`: what is done when it fires, before anything is left.
     """
 
     trigger: Trigger
@@ -123,6 +143,8 @@ class Transition:
     destination: Name
     name: Name | None = None
     outward: bool = False
+    hold: Delay | None = None
+    effect: tuple[Block, ...] = ()
     span: Span = field(default=NOWHERE, compare=False)
 
     @property
@@ -150,16 +172,22 @@ class Transition:
 
     @property
     def trigger_text(self) -> str:
-        """The trigger in one word: as the language writes it, ``eps`` for nothing."""
-        return str(self.trigger.text) or self.trigger.keyword
+        """When it fires, as the language writes it, ``eps`` for nothing."""
+        hold = f" for {self.hold.text}" if self.hold else ""
+        return (str(self.trigger.text) or self.trigger.keyword) + hold
 
     @property
     def arrow_text(self) -> str:
         """When it fires, as the text of its arrow in a picture."""
-        text = self.trigger.arrow
+        text = self.trigger.arrow + (f" for {self.hold.duration}" if self.hold else "")
         if self.wildcard and self.sources:
             text += " (not " + ", ".join(self.sources) + ")"
-        return text
+        return text + (" /" if self.effect else "")
+
+    @property
+    def content(self) -> tuple[Trigger, Delay | None]:
+        """When it fires: what an edit can change without making it another transition."""
+        return self.trigger, self.hold
 
     @property
     def id(self) -> str:

@@ -13,6 +13,7 @@ from functools import cached_property
 from itertools import chain, islice
 from typing import Literal, NamedTuple, TypeVar
 
+from lrp_jupyter.language.blocks.builtin_names import TIMES
 from lrp_jupyter.language.program import (
     Block,
     Element,
@@ -25,10 +26,16 @@ from lrp_jupyter.language.program import (
     State,
     Transition,
     Variable,
+    effect_of,
 )
-from lrp_jupyter.language.triggers import Purpose
+from lrp_jupyter.language.triggers import InState, Purpose
 
 Definition = Variable | Event | State | Machine
+MOST = 100
+"""Places of a machine that are listed: each use of a machine that uses others multiplies them."""
+HOLD = 2
+"""The ordinal of the block after ``for``; that of the condition is 0, and 1 is the transition itself."""
+_NOTHING: Mapping[str, Scope] = {}
 _Defined = TypeVar("_Defined", Variable, Event, State, Machine)
 
 _Unknown = Literal["unknown event", "unknown state", "unknown machine", "unknown variable"]
@@ -136,6 +143,11 @@ class Scope:
         around = self._around(state)
         return {name for here in around for name, machine in here.items() if self._can_spawn(machine)}
 
+    def machines_called(self, name: str) -> tuple[Scope, ...]:
+        """Return the machines that a name refers to in a block, each as for a spawn by some state."""
+        found = (self.machine(state, name) for state in ("", *self.states))
+        return tuple(dict.fromkeys(machine for machine in found if machine is not None))
+
     def _around(self, state: str) -> Iterator[dict[str, Scope]]:
         for scope in self.outwards():
             yield scope.machines.get(state, {})
@@ -155,6 +167,15 @@ class PlacedBlock(NamedTuple):
     scope: Scope
     visible: Mapping[str, Scope]
 
+    def event(self, name: str) -> Scope | None:
+        """Return the scope that defines the event whose value a name means here; a variable hides it."""
+        itself = self.element.kind == "event" and self.element.path[-1] == name
+        return None if name in self.visible or itself else self.scope.owner("event", name)
+
+    def machines(self, name: str) -> tuple[Scope, ...]:
+        """Return the machines that a name can mean here; a variable hides them."""
+        return () if name in self.visible else self.scope.machines_called(name)
+
 
 class Spawning(NamedTuple):
     """A spawn by a state of `scope`, or at the top level, at an index of its items, and what it refers to."""
@@ -170,6 +191,12 @@ class Spawning(NamedTuple):
     def spawner(self) -> Path:
         """Path of the spawning state; empty for the top level."""
         return (*self.scope.path, self.state) if self.state else ()
+
+    @property
+    def settings(self) -> dict[Element, Variable]:
+        """The settings by element; the first of two of the same variable."""
+        named = {str(setting.name): setting for setting in reversed(self.noun.settings)}
+        return {Element("setting", (*self.element.path, name)): named[name] for name in reversed(named)}
 
     @property
     def unresolved(self) -> Unresolved | None:
@@ -188,6 +215,7 @@ class Arrow(NamedTuple):
     """A transition and what its names refer to.
 
     `owner`: the scope that defines the event or variable that it names.
+    `watched`: the machine whose state it names, for each of its sources that can spawn it.
     `homes`: the machines among whose states its destination is looked up: its own; for `exit` those whose
         states spawn its own machine.
     """
@@ -196,6 +224,7 @@ class Arrow(NamedTuple):
     noun: Transition
     scope: Scope
     owner: Scope | None
+    watched: Mapping[str, Scope]
     homes: tuple[Scope, ...]
 
     @property
@@ -216,12 +245,27 @@ class Arrow(NamedTuple):
 
     @property
     def unresolved_trigger(self) -> Unresolved | None:
-        """Why its event or the variable of its delay cannot be resolved, or None."""
-        reference = self.noun.trigger.reference
+        """Why its event, the variable of its delay or the state of a machine cannot be resolved, or None."""
+        trigger = self.noun.trigger
+        reference = trigger.reference
         if reference is None or self.owner is not None:
             return None
         kind, name = reference
-        return Unresolved(_UNKNOWN[kind], f"There is no {kind} `{name}`.")
+        if not isinstance(trigger, InState):
+            return Unresolved(_UNKNOWN[kind], f"There is no {kind} `{name}`.")
+        if not self.watched:
+            return Unresolved("unknown machine", f"There is no machine `{name}` that can be spawned there.")
+        if not any(trigger.state in machine.states for machine in self.watched.values()):
+            return Unresolved("unknown state", f"The machine `{name}` has no state `{trigger.state}`.")
+        return None
+
+    @property
+    def unresolved_hold(self) -> Unresolved | None:
+        """Why the variable after its ``for`` cannot be resolved, or None."""
+        reference = self.noun.hold and self.noun.hold.reference
+        if not reference or self.scope.owner("variable", reference[1]) is not None:
+            return None
+        return Unresolved("unknown variable", f"There is no variable `{reference[1]}`.")
 
 
 class Resolution:
@@ -250,6 +294,13 @@ class Resolution:
     def __del__(self) -> None:
         for scope in self.scopes:
             scope.dissolve()
+
+    @cached_property
+    def computed(self) -> tuple[frozenset[str], frozenset[str]]:
+        """The names that mean a computed value in some block, and the names of the machines."""
+        events = (name for scope in self.scopes for name in scope.events)
+        machines = (scope.path[-1] for scope in self.scopes if scope.noun)
+        return TIMES.union(events), frozenset(machines)
 
     @cached_property
     def by_path(self) -> dict[Path, Scope]:
@@ -308,9 +359,15 @@ class Resolution:
         elements = scope.noun.elements(scope.path)
         for element, noun in zip(elements, scope.noun.transitions, strict=True):
             reference = noun.trigger.reference
-            owner = None if reference is None else scope.owner(*reference)
+            owner, watched = None, _NOTHING
+            if reference is not None and reference[0] != "machine":
+                owner = scope.owner(reference[0], reference[1])
+            elif reference is not None:
+                sources = filter(noun.leaves, scope.states)
+                found = ((source, scope.machine(source, reference[1])) for source in sources)
+                watched = {source: machine for source, machine in found if machine is not None}
             homes = self.outside(scope) if noun.outward else here
-            yield Arrow(element, noun, scope, owner, homes)
+            yield Arrow(element, noun, scope, owner, watched, homes)
 
     def outside(self, scope: Scope) -> tuple[Scope, ...]:
         """Return the machines that an ``exit`` of a machine can lead into: those that spawn it."""
@@ -336,9 +393,16 @@ class Resolution:
                 element = Element("event", (*path, name))
                 found[element] = (PlacedBlock(element, 0, event.condition, "condition", scope, visible),)
             for element, noun, *_ in self.arrows[scope]:
-                if noun.trigger.block is not None:
-                    purpose, block = noun.trigger.block
-                    found[element] = (PlacedBlock(element, 0, block, purpose, scope, visible),)
+                tested = ((0, noun.trigger), (HOLD, noun.hold)) if noun.hold else ((0, noun.trigger),)
+                placed = [
+                    PlacedBlock(element, ordinal, each.block[1], each.block[0], scope, visible)
+                    for ordinal, each in tested
+                    if each.block is not None
+                ]
+                if placed:
+                    found[element] = tuple(placed)
+                if noun.effect:
+                    _actions(found, effect_of(element), noun.effect, scope)
             for name, state in scope.states.items():
                 inside = (*path, name)
                 for kind, items in state.actions.items():
@@ -346,6 +410,12 @@ class Resolution:
                         _actions(found, Element(kind, inside), items, scope)
         for hook, blocks in self._hooks.items():
             _actions(found, Element(hook, ()), blocks, self.top)
+        for spawning in self.spawns:
+            for element, setting in spawning.settings.items():
+                scope, block = spawning.scope, setting.initial
+                found.setdefault(
+                    element, (PlacedBlock(element, 0, block, "initialiser", scope, scope.visible),)
+                )
         return found
 
     def elements(self) -> Iterator[Element]:
@@ -358,9 +428,32 @@ class Resolution:
             for name in scope.states:
                 for kind in ("state", "onentry", "running", "onexit"):
                     yield Element(kind, (*scope.path, name))
-            yield from (arrow.element for arrow in self.arrows[scope])
-        yield from (spawning.element for spawning in self.spawns)
+            for arrow in self.arrows[scope]:
+                yield arrow.element
+                if arrow.noun.effect:
+                    yield effect_of(arrow.element)
+        for spawning in self.spawns:
+            yield spawning.element
+            yield from spawning.settings
         yield from (Element("onpause", ()), Element("onresume", ()))
+
+    def places(self, machine: Path) -> tuple[Path, ...]:
+        """Return the paths as spawned that a machine, by path of definition, can have; at most :data:`MOST`.
+
+        Where nothing spawns a machine that is nested in a state, its place is there.
+        """
+        return tuple(islice(self._places(machine, ()), MOST))
+
+    def _places(self, machine: Path, inside: tuple[Path, ...]) -> Iterator[Path]:
+        scope = self.by_path[machine]
+        uses = [each for each in self.spawns if each.machine is scope]
+        spawners = dict.fromkeys(each.spawner for each in uses) if uses else {machine[:-1]: None}
+        for spawner in spawners:
+            if not spawner:
+                yield machine[-1:]
+            elif spawner[:-1] not in inside:
+                outer = self._places(spawner[:-1], (*inside, machine))
+                yield from ((*place, spawner[-1], machine[-1]) for place in outer)
 
     def defined(self, spawned: Path) -> Path:
         """Return where the machine with a path *as spawned* is defined; its own path if it is not defined."""
@@ -412,8 +505,13 @@ def _actions(
     items: Sequence[Block | Spawn],
     scope: Scope,
 ) -> None:
-    blocks = [(ordinal, item) for ordinal, item in enumerate(items) if isinstance(item, Block)]
-    found[element] = tuple([PlacedBlock(element, *each, "action", scope, scope.visible) for each in blocks])
+    found[element] = tuple(
+        [
+            PlacedBlock(element, ordinal, item, "action", scope, scope.visible)
+            for ordinal, item in enumerate(items)
+            if isinstance(item, Block)
+        ]
+    )
 
 
 def _define(scope: Scope, noun: Program | Machine, repeats: list[Repeat]) -> None:

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple, cast
 
 from lrp_jupyter.language.source import Block, Name
 
 TransitionKind = Literal["on", "ontime", "eps", "exit"]
+Reference = tuple[Literal["event", "variable", "machine"], Name]
+"""The kind and the name of an element that a trigger refers to."""
 Purpose = Literal["action", "initialiser", "condition", "delay"]
 """The use of a block's value; that of an action is not used."""
 
@@ -36,8 +38,8 @@ class Trigger:
         return self.text
 
     @property
-    def reference(self) -> tuple[Literal["event", "variable"], Name] | None:
-        """The event or variable that it refers to by name, or None."""
+    def reference(self) -> Reference | None:
+        """What it refers to by name, or None."""
         return None
 
     @property
@@ -65,7 +67,7 @@ class Occurrence(Trigger):
         return str(self.event)
 
     @property
-    def reference(self) -> tuple[Literal["event", "variable"], Name]:
+    def reference(self) -> Reference:
         """The event."""
         return "event", self.event
 
@@ -95,6 +97,26 @@ class Condition(Trigger):
 
 
 @dataclass(frozen=True, slots=True)
+class InState(Trigger):
+    """``(on MACHINE.STATE …)``: the machine that the source state spawned is in that state."""
+
+    machine: Name
+    state: Name
+    keyword: ClassVar[TransitionKind] = "on"
+    can_exit: ClassVar[bool] = True
+
+    @property
+    def text(self) -> str:
+        """The names of the machine and of its state."""
+        return f"{self.machine}.{self.state}"
+
+    @property
+    def reference(self) -> Reference:
+        """The machine."""
+        return "machine", self.machine
+
+
+@dataclass(frozen=True, slots=True)
 class Delay(Trigger):
     """``(ontime DELAY …)``: milliseconds, a variable that holds them, or a block that computes them."""
 
@@ -109,10 +131,15 @@ class Delay(Trigger):
     @property
     def arrow(self) -> str:
         """The delay, with its unit where it is known."""
-        return f"{self.amount} ms" if isinstance(self.amount, int) else f"after {self.text}"
+        return self.duration if isinstance(self.amount, int) else f"after {self.text}"
 
     @property
-    def reference(self) -> tuple[Literal["event", "variable"], Name] | None:
+    def duration(self) -> str:
+        """The delay as it is written, with its unit where it is known."""
+        return f"{self.amount} ms" if isinstance(self.amount, int) else self.text
+
+    @property
+    def reference(self) -> Reference | None:
         """The variable, if it names one."""
         return ("variable", self.amount) if isinstance(self.amount, Name) else None
 
@@ -153,20 +180,22 @@ class TriggerForm(NamedTuple):
     """The syntax of the form with one keyword.
 
     `usage`: an example of it.
-    `make`: returns the trigger for the name, block or number after the keyword, or for None.
+    `make`: returns the trigger for the names, block or number after the keyword.
     `name`: what a name as trigger refers to; empty where there is no trigger.
     `block`: what a block as trigger must contain.
     `outward`: whether it leads out of its machine.
     """
 
     usage: str
-    make: Callable[[Any], Trigger]
+    make: Callable[..., Trigger]
     name: str = ""
     block: str = ""
     outward: bool = False
 
 
-def _event(part: Name | Block) -> Trigger:
+def _event(part: Name | Block, state: Name | None = None) -> Trigger:
+    if state is not None:
+        return InState(cast(Name, part), state)
     return Condition(part) if isinstance(part, Block) else Occurrence(part)
 
 
@@ -175,7 +204,7 @@ FORMS: dict[str, TriggerForm] = {
     "ontime": TriggerForm(
         "(ontime milliseconds source -> destination)", Delay, "a variable's name", "the delay in milliseconds"
     ),
-    "eps": TriggerForm("(eps source -> destination)", lambda _: Epsilon()),
+    "eps": TriggerForm("(eps source -> destination)", Epsilon),
     "exit": TriggerForm(
         "(exit event source -> destination)", _event, "an event's name", "the condition", outward=True
     ),

@@ -69,15 +69,15 @@ def test_forcing_the_active_state_leaves_and_enters_it():
 def test_a_target_in_an_inactive_nested_machine_makes_the_states_around_it_active():
     i = started()
     i.transition_to("m/b/n/y")
-    assert active(i) == ["m/b/n/y/o/z", "other/o"], "the spawns of b are not done, those of the target are"
-    assert log(i) == "AaBYZ"
+    assert active(i) == ["m/b/n/y/o/z", "m/b/k/s", "other/o"], "b spawns all that it spawns"
+    assert log(i) == "AaBYZS"
     assert i.variables["m/b/n/depth"] == 1
 
 
 def test_teleport_deep_down_initialises_variables_and_runs_nothing():
     i = started()
     i.teleport_to("m/b/n/y/o/w")
-    assert active(i) == ["m/b/n/y/o/w", "other/o"]
+    assert active(i) == ["m/b/n/y/o/w", "m/b/k/s", "other/o"]
     assert log(i) == "A"
     assert i.variables["m/b/n/depth"] == 1
 
@@ -170,6 +170,7 @@ def test_discarded_variables_are_reported_without_a_journal_too():
     i.transition_to("m/a")
     assert seen == [
         ("changed", "depth"), ("forced", "a"),
+        ("left", "s"), ("discarded", "k"),
         ("left", "z"), ("discarded", "o"), ("left", "y"), ("discarded", "n"), ("left", "b"),
         ("entered", "a"), ("changed", "log"),
     ]  # fmt: skip
@@ -630,15 +631,15 @@ def test_a_rename_that_cannot_be_changes_nothing():
 
 def test_a_spawn_that_works_again_resolves_its_issue():
     text = """
-    (machine first (state a (onentry (spawn helper h))) (state b) (ontime 200 a -> b) (ontime 300 b -> a))
-    (machine second (state a (onentry (spawn helper h))) (ontime 300 a -> a))
-    (machine helper (state h))
+    (machine first (state a (onentry (spawn second a))) (state b) (ontime 200 a -> b))
+    (machine second (state a (onentry (spawn first b))) (ontime 300 a -> a))
     (spawn first a)(spawn second a)"""
     i = started(text)
+    assert active(i) == ["first/a/second/a", "second/a/first/b"], "a machine does not run inside itself"
     assert [(issue.code, issue.resolved) for issue in i.issues] == [("LRP608", False)]
     for tick in range(1, 4):
         i.step(tick / 10)
-    assert active(i) == ["first/b", "second/a/helper/h"]
+    assert active(i) == ["first/b", "second/a/first/b"]
     assert [(issue.code, issue.resolved) for issue in i.issues] == [("LRP608", True)]
 
 

@@ -16,7 +16,7 @@ TEXT = "(var speed := [0])\n" + "\n".join(
     f"(machine m{n} (var v := [0]) (event e [v > 3])\n"
     f" (state a (running [v = v + 1]) (onentry (spawn inner x))\n"
     f"  (machine inner (state x) (exit eps x -> b)))\n"
-    f" (state b (onentry (spawn m{(n + 1) % MACHINES} b)))\n"
+    f" (state b (onentry (spawn missing b)))\n"
     f" (on e a -> b) (ontime 100 b -> a))\n(spawn m{n} a)"
     for n in range(MACHINES)
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from keyword import iskeyword
 from typing import Any
 
 from hypothesis import strategies as st
@@ -17,9 +18,9 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
-from lrp_jupyter.language.triggers import FORMS
+from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, InState, Occurrence, Trigger
 
-NAMES = ["a", "b", "moving", "état", "end", "on", "state", "x1", "_"]
+NAMES = ["a", "b", "moving", "état", "end", "on", "for", "state", "x1", "_"]
 VALUES = [
     "1",
     "a + b",
@@ -54,25 +55,30 @@ def some(strategy: st.SearchStrategy[Any], most: int = 3) -> st.SearchStrategy[t
     return st.lists(strategy, max_size=most).map(tuple)
 
 
-variables = st.builds(Variable, names, values)
+variables = st.builds(Variable, names.filter(lambda name: not iskeyword(name)), values)
 events = st.builds(Event, names, values)
-spawns = st.builds(Spawn, names, names)
+spawns = st.builds(Spawn, names, names, some(variables, 2))
+triggers = st.builds(Occurrence, names) | st.builds(Condition, values) | st.builds(InState, names, names)
+delays = st.builds(Delay, st.integers(0, 10**9) | names | values)
 
 
 @st.composite
 def transitions(draw: st.DrawFn) -> Transition:
     kind = draw(st.sampled_from(["on", "ontime", "eps", "exit"]))
-    part: Any = None
+    hold = None
     if kind == "ontime":
-        part = draw(st.integers(0, 10**9) | names | values)
-    elif kind != "eps":
-        part = draw(names | values)
+        trigger: Trigger = draw(delays)
+    elif kind == "eps":
+        trigger = Epsilon()
+    else:
+        trigger = draw(triggers)
+        hold = draw(st.none() | delays)
     sources = draw(st.lists(names, min_size=1, max_size=1 if kind == "exit" else 3).map(tuple))
     wildcard = kind != "exit" and draw(st.booleans())
     if wildcard and kind != "eps" and draw(st.booleans()):
         sources = ()
-    trigger, name = FORMS[kind].make(part), draw(st.none() | names)
-    return Transition(trigger, sources, wildcard, draw(names), name, kind == "exit")
+    name, effect = draw(st.none() | names), draw(some(blocks, 2))
+    return Transition(trigger, sources, wildcard, draw(names), name, kind == "exit", hold, effect)
 
 
 def states(machines: st.SearchStrategy[Machine]) -> st.SearchStrategy[State]:

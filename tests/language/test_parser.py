@@ -342,7 +342,12 @@ def test_no_change_of_a_program_raises_anything_but_a_syntax_error(data: st.Data
 def test_the_places_of_forms_are_those_of_the_grammar() -> None:
     for around, usage in (("program", ()), *((keyword, ()) for keyword in USAGE)):
         assert not usage
-        head = {"machine": ("NAME",), "state": ("NAME",)}.get(around, ())
+        head = {
+            **dict.fromkeys(("machine", "state"), ("NAME",)),
+            "spawn": ("NAME", "NAME"),
+            **dict.fromkeys(("on", "ontime", "exit"), ("NAME", "NAME", "ARROW", "NAME")),
+            "eps": ("NAME", "ARROW", "NAME"),
+        }.get(around, ())
         legal = {
             keyword
             for keyword in USAGE
@@ -356,6 +361,7 @@ def test_every_form_can_be_written_as_in_its_usage() -> None:
         form = usage.replace("…", "").replace("milliseconds", "5")
         around = {"onentry": "(machine m (state s {}))", "running": "(machine m (state s {}))"}
         around["onexit"] = around["running"]
+        around["effect"] = "(machine m (eps a -> b {}))"
         for inner in ("state", "on", "ontime", "eps", "exit"):
             around[inner] = "(machine m {})"
         parse(around.get(keyword, "{}").format(form))

@@ -21,6 +21,7 @@ from types import CellType, CodeType, FunctionType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
+from lrp_jupyter.language.blocks.computed_names import computed, machine_cell, value_cell
 from lrp_jupyter.language.blocks.names_in_blocks import WORD, Offsets, Uses, normal, uses
 from lrp_jupyter.language.blocks.slips import brief, explain, fault_of
 from lrp_jupyter.language.blocks.smalltalk import smalltalk
@@ -204,18 +205,32 @@ def _outside(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Itera
         yield from filter(None, [node.returns])
 
 
-def compile_block(block: Block, names: Collection[str], filename: str, name: str = "block") -> CodeType:
+def words_of(block: Block) -> frozenset[str]:
+    """Return the words of a block, those in strings and comments included."""
+    return _words(block.text)
+
+
+def compile_block(
+    block: Block,
+    names: Collection[str],
+    filename: str,
+    name: str = "block",
+    values: frozenset[str] = frozenset(),
+    machines: frozenset[str] = frozenset(),
+) -> CodeType:
     """Compile a block for :func:`bind`.
 
     Its free variables are among `names`, the variables in its scope, and `PROVIDED`; its lines and columns
-    are the program's. `filename` and `name` are those in tracebacks.
+    are the program's. `filename` and `name` are those in tracebacks. A name among `values` means a value that
+    is computed where it is used, one among `machines` a machine: their free variables, named by
+    :func:`value_cell` and :func:`machine_cell`, hold functions that return them.
 
     Raises SyntaxError: a `nonlocal` whose variable was removed, which the parser cannot know. `lineno` is the
         program's.
     """
     seen = frozenset([word for word in _words(block.text) if word in names])
     try:
-        return _placed(block.text, block.before, seen, block.line, filename, name)
+        return _placed(block.text, block.before, seen, block.line, filename, name, values, machines)
     except SyntaxError as error:
         error.lineno = (error.lineno or 1) + block.line - 1
         error.end_lineno = (error.end_lineno or 1) + block.line - 1
@@ -235,8 +250,17 @@ def _words(text: str) -> frozenset[str]:
 
 
 @lru_cache(maxsize=20_000)
-def _placed(text: str, before: int, names: frozenset[str], line: int, filename: str, name: str) -> CodeType:
-    code = _moved(_function(text, before, names), line - 1, filename)
+def _placed(
+    text: str,
+    before: int,
+    names: frozenset[str],
+    line: int,
+    filename: str,
+    name: str,
+    values: frozenset[str],
+    machines: frozenset[str],
+) -> CodeType:
+    code = _moved(_function(text, before, names, values, machines), line - 1, filename)
     return code.replace(co_name=name, co_qualname=name)
 
 
@@ -257,11 +281,21 @@ def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
 
 
 @lru_cache(maxsize=20_000)
-def _function(text: str, before: int, names: frozenset[str]) -> CodeType:
+def _function(
+    text: str,
+    before: int,
+    names: frozenset[str],
+    values: frozenset[str] = frozenset(),
+    machines: frozenset[str] = frozenset(),
+) -> CodeType:
     """Compile a block whose first line has so many bytes before it; its lines count from 1."""
     tree, suite = parse_suite(text)  # not the cached one, because it is modified
-    assigned = sorted(read(text).uses.scope.bound & names)
+    bound = read(text).uses.scope.bound
+    assigned = sorted(bound & names)
     body: list[ast.stmt] = [_Plain(names).visit(each) for each in tree.body] if assigned else tree.body
+    if values or machines:
+        body = computed(body, values - bound, machines - bound)
+        names = names.union(map(value_cell, values), map(machine_cell, machines))
     if body and isinstance(body[-1], ast.Expr):
         last = body[-1]
         body[-1] = ast.copy_location(ast.Return(last.value), last)

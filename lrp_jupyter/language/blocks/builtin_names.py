@@ -4,6 +4,11 @@ import builtins
 import math
 
 PROVIDED = frozenset({"robot", "print", "degrees"})
+TIMES = frozenset({"elapsed", "dt"})
+"""Names of times in seconds, computed where they are used: since the state was entered, since the last tick.
+
+A variable of the program or a name of the notebook that is called like one hides it.
+"""
 
 
 def degrees(angle: float) -> float:

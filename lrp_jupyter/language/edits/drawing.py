@@ -118,8 +118,7 @@ class WrittenTransition(NamedTuple):
     @property
     def source(self) -> tuple[int, int]:
         """The range of its whole source, as written."""
-        first = (self.shape.trigger or 0) + 1
-        return self.form.span(first)[0], self.form.span(self.shape.destination - 2)[1]
+        return self.form.span(self.shape.first_of_source)[0], self.form.span(self.shape.destination - 2)[1]
 
     def sources(self, name: str) -> list[int]:
         """Return the indices of its parts that name a state as a source, or as an exception from `*`."""

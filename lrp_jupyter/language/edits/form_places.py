@@ -20,7 +20,9 @@ from lrp_jupyter.language.reading.tokens import ACTIONS, LEGAL, NAMED, Token, ke
 from lrp_jupyter.language.triggers import FORMS
 
 _ORDER = ("var", "event", "onentry", "running", "onexit", "onpause", "onresume", "state", "machine", "spawn")
-_RANKS = {keyword: rank for rank, keyword in enumerate(_ORDER)} | dict.fromkeys(FORMS, len(_ORDER))
+_RANKS = {keyword: rank for rank, keyword in enumerate(_ORDER)} | dict.fromkeys(
+    (*FORMS, "effect"), len(_ORDER)
+)
 """The order of the forms in a form: a new one goes after the last one like it, or of a lower rank."""
 _APART = frozenset({"machine", "spawn", "onpause"})  # at the top level: a blank line after another kind
 _BLANKS = re.compile(r"[ \t]*")

@@ -12,7 +12,7 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks.block import facts_of
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
 from lrp_jupyter.language.reading.forms import Mistake, shape_of
-from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL, NAMED, Token, keyword_of, tokenize
+from lrp_jupyter.language.reading.tokens import HELD, KEYWORDS, LEGAL, NAMED, Token, keyword_of, tokenize
 from lrp_jupyter.language.spellings import ARROWS, SIGN
 
 _HYPHENED = re.compile(r"\(\s*event\s+(\w+(?:-\w+)+)")
@@ -159,6 +159,8 @@ class TextDraft:
             elif kind == "CLOSE" and len(forms) > 1:
                 forms.pop().end = end
             else:
+                if kind == "DOT" and (form.keyword not in HELD or form.kinds != ("NAME",)):
+                    token = ("STRAY", start, end)
                 form.items += self._parts(token, form.items)
         while forms:
             form = forms.pop()

@@ -19,7 +19,7 @@ from lrp_jupyter.language.program import (
     Variable,
 )
 from lrp_jupyter.language.reading.forms import Shape
-from lrp_jupyter.language.triggers import FORMS
+from lrp_jupyter.language.triggers import FORMS, Delay
 
 
 class Actions(NamedTuple):
@@ -38,14 +38,16 @@ _TRANSITIONS = frozenset(f"{keyword.upper()}_FORM" for keyword in FORMS)
 def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape | None, span: Span) -> Node:
     """Return the element that a form describes, by the types and values of its tokens, the keyword first."""
     if shape is not None:
-        trigger, source, sources, destination, name = shape
+        trigger, hold, source, sources, destination, name, effect = shape
         return Transition(
-            FORMS[keyword].make(None if trigger is None else parts[trigger]),
+            FORMS[keyword].make(*[parts[index] for index in trigger]),
             tuple([parts[index] for index in sources]),
             source in ("every", "but"),
             parts[destination],
             None if name is None else parts[name],
             FORMS[keyword].outward,
+            None if hold is None else Delay(parts[hold]),
+            () if effect is None or parts[effect] is None else parts[effect].items,
             span,
         )
     if keyword == "var":
@@ -53,7 +55,7 @@ def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape 
     if keyword == "event":
         return Event(parts[1], parts[2], span)
     if keyword == "spawn":
-        return Spawn(parts[1], parts[2], span)
+        return Spawn(parts[1], parts[2], tuple(parts[3:]), span)
     if keyword == "state":
         return _state(types, parts, span)
     if keyword == "machine":

@@ -23,19 +23,30 @@ USAGE = {
     "event": "(event name [condition])",
     "spawn": "(spawn machine state)",
     **{keyword: form.usage for keyword, form in FORMS.items()},
+    "effect": "(effect [action])",
     "onpause": "(onpause [action])",
     "onresume": "(onresume [action])",
 }
 
 
 class Shape(NamedTuple):
-    """The roles of the tokens of a transition; indices count from the keyword, which is 0."""
+    """The roles of the tokens of a transition; indices count from the keyword, which is 0.
 
-    trigger: int | None
+    `trigger`: none for an ``eps``, two for the state of a machine. `hold`: the delay after ``for``.
+    """
+
+    trigger: tuple[int, ...]
+    hold: int | None
     source: str
     sources: tuple[int, ...]
     destination: int
     name: int | None
+    effect: int | None
+
+    @property
+    def first_of_source(self) -> int:
+        """The first token of the source, which may be a bracket or a `*`."""
+        return max((0, *self.trigger, self.hold or 0)) + 1
 
 
 class Mistake(NamedTuple):
@@ -95,14 +106,16 @@ def _shape(types: tuple[str, ...]) -> Shape | Mistake | None:
         return Mistake(position, frozenset(error.accepts or error.expected))
     if tree.data not in FORMS:
         return None
-    *head, destination, name = tree.children[1:]
-    source = head[-1]
+    *head, source, destination, name, effect = tree.children[1:]
+    trigger, hold = (*head, None, None)[:2]
     return Shape(
-        trigger=head[0].children[0].value if len(head) > 1 else None,
+        trigger=() if trigger is None else tuple(t.value for t in trigger.children if t.type != "DOT"),
+        hold=None if hold is None else hold.children[1].children[0].value,
         source=source.data,
         sources=tuple(token.value for token in source.scan_values(lambda token: token.type == "NAME")),
         destination=destination.value,
         name=None if name is None else name.value,
+        effect=None if effect is None else effect.value,
     )
 
 
@@ -119,10 +132,15 @@ _WORDS = {
 }
 
 
+_JOINTS = {"DOT": "`.`", "FOR": "`for`"}
+"""What may also follow an event: it is expected only where nothing else is."""
+
+
 def expected_text(keyword: str, before: tuple[str, ...], expected: frozenset[str]) -> str:
     """Return in words what could follow the tokens `before` of a form."""
     words = [] if "NAME" not in expected else [_name_word(keyword, before)]
     words += [word for kind, word in _WORDS.items() if kind in expected]
+    words = words or [word for kind, word in _JOINTS.items() if kind in expected]
     forms = [form for form in sorted(LEGAL.get(keyword, ())) if f"{form.upper()}_FORM" in expected]
     words += [f"{article(form)} `{form}`" for form in forms]
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
@@ -133,6 +151,10 @@ def _name_word(keyword: str, before: tuple[str, ...]) -> str:
         return "the machine's name" if len(before) == 1 else "the name of its start state"
     if keyword not in FORMS:
         return "its name"
+    if before[-1] == "DOT":
+        return "a state of the machine"
+    if before[-1] == "FOR":
+        return FORMS["ontime"].name
     if before[-1] == "ARROW":
         return "the destination state"
     if "ARROW" in before:

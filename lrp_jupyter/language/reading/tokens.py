@@ -14,27 +14,34 @@ LEGAL: dict[str, frozenset[str]] = {
     "machine": frozenset({"var", "event", "state", *FORMS}),
     "state": frozenset({"onentry", "running", "onexit", "machine"}),
     "onentry": frozenset({"spawn"}),
+    "spawn": frozenset({"var"}),
+    **dict.fromkeys(FORMS, frozenset({"effect"})),
 }
 """The forms allowed directly in each form; a test keeps it equal to ``grammar.lark``."""
 
 KEYWORDS = frozenset().union(*LEGAL.values())
+HELD = frozenset({"on", "exit"})
+"""The forms in which `for` is a keyword, after the trigger; anywhere else it is a name."""
 NAMED = frozenset({"event", "machine", "state", "var"})
 """The forms that begin with the name that they define."""
-ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
+ACTIONS = frozenset({"onentry", "running", "onexit", "effect", "onpause", "onresume"})
 
 _SKIP = r"[\s\ufeff]*+(?:[;#][^\r\n]*+[\s\ufeff]*+)*+"
+_MORE = r"[^\x00-\x2f\x3a-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff]"
 _NAME = (  # ASCII letters, digits and `_`, and all that is beyond ASCII; one set of characters is fast
-    r"[^\x00-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff][^\x00-\x2f\x3a-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff]*+"
+    rf"[^\x00-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff]{_MORE}*+"
 )
 _TOKEN = re.compile(
-    rf"{_SKIP}(?:(?P<OPEN>\({_SKIP}(?P<KEYWORD>{_NAME})?+)|(?P<CLOSE>\))|(?P<NAME>{_NAME})"
+    rf"{_SKIP}(?:(?P<OPEN>\({_SKIP}(?P<KEYWORD>{_NAME})?+)|(?P<CLOSE>\))|(?P<FOR>for(?!{_MORE}))|(?P<NAME>{_NAME})"
     r"|(?P<BLOCK>\[[^\[\];'\"#]*+\])|(?P<OTHER>\[)|(?P<ARROW>->)|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)"
-    r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})"
+    r"|(?P<STAR>\*)|(?P<DOT>\.(?![.]))|(?P<LBRACE>\{)|(?P<RBRACE>\})"
     r"|(?P<COMMENT>//[^\r\n]*|/\*(?:[\s\S]*?\*/|[^\r\n]*)|--+(?![>\w])[^\r\n]*)"
     r"|(?P<MINUS>-)|(?P<END>\Z)|(?P<QUOTED>\"[^\"\r\n]*\"|'[^'\r\n]*')|(?P<STRAY>[!$%&+?@\\^`|~]{2,}+|[\s\S]))"
 )
 FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
-_SPECIAL = frozenset({"OTHER", "STRAY"})
+_SPECIAL = frozenset({"OTHER", "STRAY", "FOR"})
+_ARROW = re.compile(rf"{_SKIP}->")
+_TRIGGERS = (("NAME",), ("BLOCK",), ("NAME", "DOT", "NAME"))
 _HEADS = {"var": 3, "event": 2}  # number of tokens before the block; 1 in other forms
 _BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
 _MANY = 100  # blocks without `]`: in a text with more, each of the others ends with its line
@@ -70,7 +77,9 @@ def tokenize(text: str) -> Sequence[Token]:
                 del tokens[-1]
             return tokens
         start, end = match.span(kind)
-        if kind == "STRAY":
+        if kind == "FOR":
+            kind = "FOR" if _follows_trigger(text, tokens) and not _ARROW.match(text, end) else "NAME"
+        elif kind == "STRAY":
             first = _guess_start(text, tokens, start) if text[start] == "]" else None
             if first is not None:
                 kind, start = "UNOPENED", tokens[first][1]
@@ -92,6 +101,15 @@ def _goes_on(text: str, start: int, end: int) -> bool:
         opened += (char in "([{") - (char in ")]}")
         if char == ")" and opened < 1 and _NEXT.match(text, offset):
             return True
+    return False
+
+
+def _follows_trigger(text: str, tokens: Sequence[Token]) -> bool:
+    """Return whether what follows the tokens stands after an event or condition, where `for` is a keyword."""
+    for kinds in _TRIGGERS:
+        before = tokens[-len(kinds) - 1 :]
+        if before[0][0] == "OPEN" and tuple(token[0] for token in before[1:]) == kinds:
+            return keyword_of(text, before[0]) in HELD
     return False
 
 
