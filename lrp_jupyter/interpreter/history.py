@@ -14,6 +14,7 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from operator import itemgetter
 from types import CellType
 from typing import Any, NamedTuple
@@ -45,6 +46,7 @@ class PastMachine:
     path: Path  # as spawned
     state: Path  # that was active, by path of definition
     entered: float  # s: when the active state was entered
+    holding: Mapping[str, float]  # s: since when the triggers of transitions hold, by id
     cells: dict[str, CellType]  # the variables that its blocks can access
     own: tuple[str, ...]  # its own variables among them
     inside: tuple[PastMachine, ...]  # what the active state had spawned, in order
@@ -73,6 +75,17 @@ class PastState:
     def value(self, cell: CellType) -> object:
         """Return the value that a cell had, or UNSET."""
         return self.values.get(id(cell), UNSET)
+
+    def machine(self, defined: Path, instance: Path | None = None) -> PastMachine | None:
+        """Return a machine that ran, by path of definition, and by path as spawned if there were several."""
+        return next(
+            (
+                each
+                for each in self.walk()
+                if each.state[:-1] == defined and (instance is None or each.path == instance)
+            ),
+            None,
+        )
 
     def walk(self) -> Iterator[PastMachine]:
         """Yield all machines in the order of a tick."""
@@ -234,14 +247,15 @@ class History:
             yield tick, {path: value for path, value in found.items() if value is not UNSET}
 
     def scopes_before(
-        self, tick: int, machine_at: Callable[[int], Path]
+        self, tick: int, is_home: Callable[[int, Path], bool]
     ) -> Iterator[tuple[int, Mapping[str, CellType], Callable[[CellType], object]]]:
         """Yield the earlier ticks at whose beginning a machine was running, newest first.
 
         With each tick come the variables that the blocks of the machine could access, and a function that
         returns the value that a cell held.
 
-        `machine_at`: returns the path of definition of the machine in a tick; empty for the top level.
+        `is_home`: returns whether a path as spawned was that of the machine in a tick; it is empty for the
+            top level.
         """
         view = _View()
         cells: Mapping[str, CellType] | None = None
@@ -251,7 +265,7 @@ class History:
                 continue
             if view.is_other:
                 view.is_other = False
-                cells = self._visible(view, machine_at(number))
+                cells = self._visible(view, partial(is_home, number))
             if cells is not None:
                 yield number, cells, view.value
 
@@ -264,10 +278,10 @@ class History:
             yield act
             waiting += view.get(act, "children")
 
-    def _visible(self, view: _View, machine: Path) -> dict[str, CellType] | None:
+    def _visible(self, view: _View, is_home: Callable[[Path], bool]) -> dict[str, CellType] | None:
         """Return the variables in the scope of a machine, or of the top level; None if it did not run."""
         for each in self._environments(view):
-            if (view.get(each, "place")[:-1] if isinstance(each, Activation) else ()) == machine:
+            if is_home(view.get(each, "path")):
                 return {name: slot.cell for name, slot in view.get(each, "visible").items()}
         return None
 
@@ -287,6 +301,7 @@ class History:
             view.get(act, "path"),
             view.get(act, "place"),
             view.get(act, "entered"),
+            view.get(act, "holding"),
             {name: slot.cell for name, slot in visible.items()},
             tuple(view.get(act, "own")),
             tuple(self._machine(view, child) for child in view.get(act, "children")),

@@ -272,14 +272,18 @@ class Interpreter:
         """Return whether a block is True now; raises the same exceptions as :meth:`BlockTest.holds`."""
         return test.holds(self._run)
 
-    def watch_test(self, element: Element, seen: Callable[[Evaluation | Exception], object]) -> None:
+    def watch_test(
+        self, element: Element, machine: Path, seen: Callable[[Evaluation | Exception], object]
+    ) -> None:
         """Evaluate the test of a transition part by part in the next tick, and call `seen` with each result.
 
         A test is watched only if it is a single expression.
+
+        `machine`: the machine of the transition, by path as spawned.
         """
         for act in self._run.walk():
             for edge in chained(act.row.edge):
-                if edge.plan.site.element == element:
+                if edge.plan.site.element == element and act.path == machine:
                     watch(self._run, edge, seen)
 
     def observe(self, callback: Observer) -> Callable[[], None]:
