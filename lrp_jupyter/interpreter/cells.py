@@ -57,10 +57,11 @@ def put(cell: CellType, value: object) -> None:
 
 
 @lru_cache(maxsize=20_000)
-def captures_of(code: CodeType) -> frozenset[str]:
+def captures_of(code: CodeType) -> tuple[str, ...]:
     """Return the free variables to which functions, classes and comprehensions inside a code object refer."""
     inside = [each.co_freevars for each in code.co_consts if isinstance(each, CodeType)]
-    return frozenset(code.co_freevars).intersection(*[frozenset().union(*inside)])
+    names = frozenset[str]().union(*inside)
+    return tuple([name for name in code.co_freevars if name in names])
 
 
 class Writes(NamedTuple):

@@ -322,9 +322,10 @@ class Interpreter:
         """
         # Not split into functions: in Python a call costs as much as a block of a program.
         run = self._run
-        if not now >= run.now:
+        before = run.now
+        if not now >= before:
             self._advance(now)
-        run.before = run.now
+        run.before = before
         run.now = now
         run.ticks += 1
         log = run.log

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from types import CodeType
 from typing import NamedTuple
 
+from lrp_jupyter.interpreter.cells import captures_of
 from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.language.blocks.block import compile_block, words_of
 from lrp_jupyter.language.blocks.builtin_names import TIMES
@@ -70,6 +71,13 @@ class VariablePlan:
     name: str
     noun: Variable
     initial: BlockPlan
+    captures: tuple[str, ...] = field(init=False)
+    """The names to which functions in its initialiser refer."""
+
+    def __post_init__(self) -> None:
+        code = self.initial.code
+        captures = () if isinstance(code, Broken) else captures_of(code)
+        object.__setattr__(self, "captures", captures)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,7 +19,7 @@ from typing import Literal
 from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan, link
-from lrp_jupyter.interpreter.run import Run, captured
+from lrp_jupyter.interpreter.run import Run, meant
 from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.diff import ChangeSet, unset
@@ -230,14 +230,15 @@ class _Carrier:
         slot: Slot,
     ) -> bool:
         """Return whether a variable is to be initialised, again or for the first time."""
-        initial = (setting or variable).initial
         home = environment if setting is None else environment.parent or self.run.globals
-        missing = content(slot.cell) is UNSET
-        if any(each not in slot.captured for each in captured(initial, home.visible, is_unset=missing)):
+        plan = setting or variable
+        reads = plan.initial.reads
+        needed = reads if content(slot.cell) is UNSET else plan.captures
+        if any(each not in slot.captured for each in meant(needed, home.visible)):
             return True  # what its functions refer to has been declared, or hidden, since
         return not self.renamed and (
             source != _source(variable, setting)
-            or any(home.visible.get(name) in self.reinitialised for name in initial.reads)
+            or any(home.visible.get(name) in self.reinitialised for name in reads)
         )
 
 

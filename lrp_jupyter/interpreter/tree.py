@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from numbers import Real
 from types import CellType, CodeType
@@ -419,12 +419,11 @@ def bind_actions(
     run: _Host,
     act: Activation,
     plans: tuple[BlockPlan | SpawnPlan, ...],
+    scope: Scope,
     following: Action | None = None,
-    *,
-    leaving: bool = False,
 ) -> Action | None:
     """Bind actions to an activation, in order before those that follow."""
-    first, scope = following, Scope(act, act.visible, act, leaving)
+    first = following
     for plan in reversed(plans):
         if isinstance(plan, SpawnPlan):
             first = Action(partial(run.spawn, act, plan), plan.site, act, None, first)
@@ -436,7 +435,7 @@ def bind_actions(
 
 def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
     """Wrap a call if its site has an open issue of this instance: a run without a fault resolves it."""
-    if not run.issues.is_open(site[:2], home):
+    if not run.issues.open_blocks or not run.issues.is_open(site[:2], home):
         return call
 
     def again() -> object:
@@ -449,7 +448,7 @@ def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
 
 def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
     """Bind the blocks and transitions of `state` to `act`."""
-    edge = None
+    edge, scope = None, Scope(act, act.visible, act)
     for plan in reversed(state.edges):
         edge = Edge(run, act, state, plan, edge)
     departing = None
@@ -462,9 +461,9 @@ def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
         (*act.path, state.name),
         run.count(Element("state", state.path)),
         edge,
-        bind_actions(run, act, state.onentry),
-        bind_actions(run, act, state.running),
-        bind_actions(run, act, state.onexit, leaving=True),
+        bind_actions(run, act, state.onentry, scope),
+        bind_actions(run, act, state.running, scope),
+        bind_actions(run, act, state.onexit, replace(scope, leaving=True) if state.departs else scope),
         departing,
     )
 
