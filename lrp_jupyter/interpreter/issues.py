@@ -204,7 +204,9 @@ class IssueLog(Sequence[Issue]):
                 moved[element, ordinal, kind] = issue
                 self._raised[element, ordinal, kind] = raised[old, ordinal, kind]
         self._all = moved
-        self.open_blocks = {(successors.of(old) or old, ordinal): at for (old, ordinal), at in self.open_blocks.items()}
+        self.open_blocks = {
+            (successors.of(old) or old, ordinal): at for (old, ordinal), at in self.open_blocks.items()
+        }
         self._keep_open()
 
     def copy(self) -> IssueLog:
