@@ -20,6 +20,7 @@ from types import CellType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.countdowns import Countdown, countdowns
 from lrp_jupyter.interpreter.facts import Commanded, Fact
 from lrp_jupyter.interpreter.journal import Log, SavedState, note, undo_attribute, undo_write, values_of
 from lrp_jupyter.interpreter.run import Run, undo_change, undo_fired
@@ -96,6 +97,18 @@ class PastState:
     def active(self) -> tuple[Path, ...]:
         """The paths of the innermost active states, as spawned."""
         return tuple(machine.full_path for machine in self.walk() if not machine.inside)
+
+    @property
+    def countdowns(self) -> dict[Path, Countdown]:
+        """The transitions that waited for a time, by path as spawned: that of the machine, then the id."""
+        found: dict[Path, Countdown] = {}
+        for each in self.walk():
+            value = partial(self._value, each)
+            found.update(countdowns(self.program, each.path, each.state, each.entered, each.holding, value))
+        return found
+
+    def _value(self, machine: PastMachine, name: str) -> object:
+        return self.value(machine.cells[name]) if name in machine.cells else None
 
     @property
     def variables(self) -> dict[Path, object]:

@@ -38,7 +38,8 @@ from typing import Any, Literal
 
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.interpreter.cells import Slot
+from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.countdowns import Countdown, countdowns
 from lrp_jupyter.interpreter.debugging import scoped_traceback
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.forcing import How, find_destination, find_state, force
@@ -50,7 +51,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Count, Scope, bind_block, chained
+from lrp_jupyter.interpreter.tree import Activation, Context, Count, bind_block, chained
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
 from lrp_jupyter.language.blocks.expressions import Evaluation
@@ -261,6 +262,21 @@ class Interpreter:
     def event_values(self) -> Mapping[Path, bool | None]:
         """The result of each event's last test, by path of definition; see :meth:`watch_events`."""
         return self._run.event_values or {}
+
+    @property
+    def countdowns(self) -> dict[Path, Countdown]:
+        """The transitions that wait for a time, by path as spawned: that of the machine, then the id."""
+        found: dict[Path, Countdown] = {}
+        for act in self._run.walk():
+            if act.state.waits:
+                value = partial(self._content, act)
+                found.update(countdowns(self.program, act.path, act.place, act.entered, act.holding, value))
+        return found
+
+    @staticmethod
+    def _content(act: Activation, name: str) -> object:
+        slot = act.visible.get(name)
+        return None if slot is None else content(slot.cell)
 
     def watch_events(self) -> None:
         """Start recording the result of each event's test, for views; this has a small cost."""
@@ -756,7 +772,7 @@ class Interpreter:
     def _between(self, blocks: tuple[BlockPlan, ...]) -> None:
         run = self._run
         for block in blocks if run.roots else ():
-            run.attempt(bind_block(run, block, Scope.of(run.globals)), block.site, run.globals)
+            run.attempt(bind_block(run, block, Context.of(run.globals)), block.site, run.globals)
 
     def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
         """Log that a command was applied, unless the previous one was the same."""

@@ -33,6 +33,7 @@ from lrp_jupyter.language.program import (
 )
 from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
+from lrp_jupyter.language.triggers import Delay
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +147,8 @@ class StatePlan:
     running: tuple[BlockPlan, ...] = ()
     onexit: tuple[BlockPlan, ...] = ()
     edges: tuple[EdgePlan, ...] = ()
+    waits: bool = False
+    """Whether a transition that leaves it waits for a time."""
     departs: bool = False
     """Whether leaving it needs more than its onexit: it has times to end, or to remember."""
 
@@ -261,7 +264,9 @@ class _Linker:
             if noun.onexit:
                 state.onexit = self._blocks(Element("onexit", path))
             state.edges = tuple(leaving[name])
-            state.departs = any(edge.noun.hold for edge in state.edges) or any(
+            holds = any(edge.noun.hold for edge in state.edges)
+            state.waits = holds or any(isinstance(edge.noun.trigger, Delay) for edge in state.edges)
+            state.departs = holds or any(
                 name.endswith(value_cell("")) for block in state.onexit for name in block.reads
             )
 

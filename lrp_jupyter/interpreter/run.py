@@ -37,11 +37,11 @@ from lrp_jupyter.interpreter.tree import (
     Action,
     Activation,
     Call,
+    Context,
     Count,
     Edge,
     Environment,
     Row,
-    Scope,
     bind_actions,
     bind_block,
     bind_row,
@@ -179,7 +179,7 @@ class Run:
         if self.issues.is_open(edge.site[:2], act):
             self.recovered(edge.site, act, True)
         old, new, element = edge.home.row, self.row(edge.home, edge.target), plan.site.element
-        edge.leaving = bind_actions(self, act, plan.effect, Scope.of(act), old.departing)
+        edge.leaving = bind_actions(self, act, plan.effect, Context.of(act), old.departing)
         label, source = edge.plan.label, edge.source
         edge.fact = Fired(element, label, edge.path, source.name, new.place, new.path)
         edge.enabled = Enabled(element, label, edge.path, source.path)
@@ -200,7 +200,7 @@ class Run:
 
     def bind_event(self, event: EventPlan, owner: Environment, at: Environment, leaving: bool) -> Call:
         """Bind the block of an event, for its value in a block of another machine or state."""
-        return bind_block(self, event.block, Scope(owner, owner.visible, at, leaving))
+        return bind_block(self, event.block, Context(owner, owner.visible, at, leaving))
 
     def hold(self, act: Activation, name: str, since: float | None) -> None:
         """Note since when the trigger of a transition holds, or that it does not."""
@@ -366,7 +366,7 @@ class Run:
         source = setting or variable
         initial = source.initial
         try:
-            slot.cell.cell_contents = bind_block(self, initial, Scope(home, home.visible, home))()
+            slot.cell.cell_contents = bind_block(self, initial, Context(home, home.visible, home))()
         except BaseException as error:
             self.fault(initial.site, error, home)
             slot.captured = meant(initial.reads, home.visible)

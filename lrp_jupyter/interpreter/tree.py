@@ -319,7 +319,7 @@ def broken(reason: Broken) -> Call:
 
 
 @dataclass(slots=True, eq=False)
-class Scope:
+class Context:
     """Where a block runs: the machine in whose scope, and the variables that it can access.
 
     `at`: the machine from whose state `elapsed` counts. `leaving`: whether that state is being left.
@@ -331,17 +331,17 @@ class Scope:
     leaving: bool = False
 
     @classmethod
-    def of(cls, home: Environment) -> Scope:
+    def of(cls, home: Environment) -> Context:
         """Return the scope of a machine's own blocks."""
         return cls(home, home.visible, home)
 
 
-def bind_code(run: _Host, code: CodeType, scope: Scope) -> Call:
+def bind_code(run: _Host, code: CodeType, scope: Context) -> Call:
     """Bind a compiled block to variables; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind(run, code, scope))
 
 
-def _bind(run: _Host, code: CodeType, scope: Scope) -> tuple[Call, CellType | None]:
+def _bind(run: _Host, code: CodeType, scope: Context) -> tuple[Call, CellType | None]:
     """Bind a compiled block to variables; return it, and a cell that it writes without logging it."""
     visible = scope.visible
     cells = {name: visible[name].cell for name in code.co_freevars if name in visible}
@@ -365,14 +365,14 @@ def _bind(run: _Host, code: CodeType, scope: Scope) -> tuple[Call, CellType | No
     return call, cell
 
 
-def _provided(run: _Host, name: str, scope: Scope) -> CellType:
+def _provided(run: _Host, name: str, scope: Context) -> CellType:
     """Return the cell of a free variable that is no variable of the program."""
     if not name_of_cell(name):
         return CellType()
     return CellType(ComputedName(run, name, scope.home, scope.at, scope.leaving))
 
 
-def provided(run: _Host, name: str, scope: Scope) -> Call | None:
+def provided(run: _Host, name: str, scope: Context) -> Call | None:
     """Return the function that computes what a name means in a scope; None if it is no such name."""
     if name in TIMES or owner_of_event(run.plan, scope.home, name) is not None:
         return ComputedName(run, value_cell(name), scope.home, scope.at, scope.leaving)
@@ -402,12 +402,12 @@ def _logged(run: _Host, call: Call, cell: CellType | None) -> Call:
     return block
 
 
-def bind_block(run: _Host, plan: BlockPlan, scope: Scope) -> Call:
+def bind_block(run: _Host, plan: BlockPlan, scope: Context) -> Call:
     """Bind a block outside a state's actions; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind_block(run, plan, scope))
 
 
-def _bind_block(run: _Host, plan: BlockPlan, scope: Scope) -> tuple[Call, CellType | None]:
+def _bind_block(run: _Host, plan: BlockPlan, scope: Context) -> tuple[Call, CellType | None]:
     """Bind a block to variables; if it has an open issue, the next run without a fault resolves it."""
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
@@ -419,7 +419,7 @@ def bind_actions(
     run: _Host,
     act: Activation,
     plans: tuple[BlockPlan | SpawnPlan, ...],
-    scope: Scope,
+    scope: Context,
     following: Action | None = None,
 ) -> Action | None:
     """Bind actions to an activation, in order before those that follow."""
@@ -448,7 +448,7 @@ def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
 
 def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
     """Bind the blocks and transitions of `state` to `act`."""
-    edge, scope = None, Scope(act, act.visible, act)
+    edge, scope = None, Context(act, act.visible, act)
     for plan in reversed(state.edges):
         edge = Edge(run, act, state, plan, edge)
     departing = None
@@ -492,14 +492,14 @@ def _occurs(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Ca
     assert isinstance(edge.test, EventPlan)
     event = edge.test
     owner = act.around(event.owner)
-    call = bind_block(run, event.block, Scope(owner, owner.visible, act))
+    call = bind_block(run, event.block, Context(owner, owner.visible, act))
     values = run.event_values
     return call if values is None else noted(values, event.block.site.element.path, call)
 
 
 def _holds(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, BlockPlan)
-    return bind_block(run, edge.test, Scope.of(act))
+    return bind_block(run, edge.test, Context.of(act))
 
 
 def _is_in_state(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
@@ -540,7 +540,7 @@ def _over(
         read = broken(plan)
     elif isinstance(plan, BlockPlan):
         read = (
-            broken(plan.code) if isinstance(plan.code, Broken) else bind_code(run, plan.code, Scope.of(act))
+            broken(plan.code) if isinstance(plan.code, Broken) else bind_code(run, plan.code, Context.of(act))
         )
     else:
         read = _reader(str(amount), act.visible[str(amount)].cell)

@@ -10,7 +10,7 @@ from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
-from lrp_jupyter.interpreter.tree import Call, Environment, Scope, bind_code, is_boolean, not_boolean
+from lrp_jupyter.interpreter.tree import Call, Context, Environment, bind_code, is_boolean, not_boolean
 from lrp_jupyter.language.blocks.block import compile_block, facts_of, faults_of, words_of
 from lrp_jupyter.language.blocks.builtin_names import TIMES
 from lrp_jupyter.language.blocks.expressions import expression_of
@@ -149,7 +149,7 @@ def _bound(run: Run, block: Block, environment: Environment, filename: str, name
         frozenset([word for word in words & events if word in TIMES or scope.owner("event", word)]),
         frozenset([word for word in words & machines if scope.machines_called(word)]),
     )
-    return bind_code(run, code, Scope.of(environment))
+    return bind_code(run, code, Context.of(environment))
 
 
 class BlockTest:

@@ -462,6 +462,7 @@ class ViewState(TypedDict):
     fired: dict[str, CountAndTick]  # by transition; the one with the newest tick in its machine is marked
     variables: dict[str, TextAndNumber]  # by path, of those that exist now
     outdated: dict[str, OutdatedView]  # by path
+    countdowns: dict[str, tuple[float, float]]  # by transition as spawned: since (s), how long (ms)
     events: dict[str, bool]  # path -> value at its last test, of those whose test returned one
     members: dict[str, str]  # member of `robot` -> its value now, as text
     issues: dict[str, IssueView]  # by number
