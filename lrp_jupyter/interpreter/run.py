@@ -16,7 +16,7 @@ from types import CellType, MappingProxyType
 from typing import Any
 
 from lrp_jupyter.errors import NoDataYet
-from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.cells import Slot, content, parts_of, same, same_parts
 from lrp_jupyter.interpreter.debugging import Raised
 from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Faulted, Fired, Spawned
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
@@ -639,12 +639,15 @@ class Run:
                     value = slot.cell.cell_contents
                 except ValueError:
                     value = UNSET
-                old = slot.last
-                if value is not old:
-                    slot.last = value
-                    if slot.leaked and self.log is not None:
-                        self.log += (old, slot.cell, undo_write)
-                    if self.observers and not _same(old, value):
+                old, parts = slot.last, slot.parts
+                if value is old and (parts is None or not self.observers):
+                    continue
+                slot.last = value
+                if value is not old and slot.leaked and self.log is not None:
+                    self.log += (old, slot.cell, undo_write)
+                if self.observers and not same(old, value):
+                    slot.parts = parts_of(value)
+                    if value is not old or not same_parts(parts, slot.parts):
                         self.emit("changed", (*environment.path, name), value)
 
 
@@ -668,7 +671,3 @@ def undo_fired(log: Log) -> None:
 def meant(names: Iterable[str], visible: Mapping[str, Slot]) -> tuple[Slot, ...]:
     """Return the variables that are meant by names in a scope."""
     return tuple([visible[name] for name in names if name in visible])
-
-
-def _same(old: object, new: object) -> bool:
-    return type(old) is type(new) and type(new) in (int, float, str, bytes, complex) and old == new

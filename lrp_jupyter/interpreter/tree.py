@@ -103,7 +103,7 @@ class Environment:
     def sync(self) -> None:
         """Store the present values for the next comparison."""
         for slot in self.own.values():
-            slot.last = content(slot.cell)
+            slot.keep(content(slot.cell))
 
 
 @weightless
