@@ -681,6 +681,23 @@ describe("the page", () => {
     expect(said.hidden).toBe(true);
   });
 
+  it("assigns a value that was typed, and nothing where none was: the text of a function would call it", async () => {
+    const confirm = async (typed?: string) => {
+      page.find('[data-lrp-variable="lightlim"] .lrp-value').click();
+      const input = page.find('[data-lrp-variable="lightlim"] .lrp-input') as HTMLInputElement;
+      if (typed !== undefined) input.value = typed;
+      input.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", cancelable: true }));
+      await page.drawn();
+      return page.host.querySelector('[data-lrp-variable="lightlim"] .lrp-input');
+    };
+    page.deliver({ type: "frame", frame: 9, variables: { lightlim: ["limit()", null] } });
+    await page.drawn();
+    expect(await confirm()).toBe(null);
+    expect(page.commands("set_variable")).toEqual([]);
+    await confirm("limit");
+    expect(page.commands("set_variable")).toMatchObject([{ path: "lightlim", expression: "limit" }]);
+  });
+
   it("keeps what is selected and shown when a state is renamed", async () => {
     const inner = "follower/looking/lookalgo";
     const rename = (text: string) => text.replaceAll("looking", "searching");
