@@ -33,7 +33,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
 }
 """The keywords that correspond to those of other languages, by their words in lower case and without `_`."""
 _EPSILON = "A transition without a condition is an `eps`, and the order of the text decides. Write `eps`."
-_SENT = "Events are not sent: they are conditions, tested at every tick. Set a variable, and test it."
+NOT_SENT = "Events are not sent: they are conditions, tested at every tick. Set a variable, and test it."
 _PARALLEL = "Machines that one `onentry` spawns run side by side. Write a `spawn` for each."
 _CHOICE = "A state chooses between its own transitions, in the order of the text. Write them there."
 _MOVE = "A state is left by a transition of its machine. Write `(on event source -> destination)`."
@@ -42,7 +42,7 @@ REMARKS = {
     word: remark
     for remark, words in {
         _EPSILON: "always otherwise else default auto automatic immediately true",
-        _SENT: "emit raise send dispatch broadcast fire notify post publish",
+        NOT_SENT: "emit raise send dispatch broadcast fire notify post publish",
         _PARALLEL: "parallel region regions orthogonal fork concurrent concurrence",
         _CHOICE: "choice junction decision",
         _MOVE: "goto jump go",
