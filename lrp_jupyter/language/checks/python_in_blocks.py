@@ -13,6 +13,7 @@ from itertools import chain
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
 from lrp_jupyter.language.checks.block_facts import Facts, facts_of
 from lrp_jupyter.language.checks.called_forms import form_calls
+from lrp_jupyter.language.checks.clocks import unimported
 from lrp_jupyter.language.checks.creations import new_variable
 from lrp_jupyter.language.checks.defined_names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
@@ -175,7 +176,8 @@ class _Python:
             meant = f"robot.{name}"
             remedy = f"{problem}. Write `{meant}`."
         elif name in sys.stdlib_module_names and meant not in place.visible:
-            remedy, meant = f"`{name}` is not imported. Write `import {name}` before it.", None
+            remedy = f"`{name}` is not imported. Write `import {name}` before it."
+            remedy, meant = unimported(place.block.text, span.start) or remedy, None
             creatable = False
         elif meant:
             remedy = f"{problem}. Did you mean `{meant}`?"
