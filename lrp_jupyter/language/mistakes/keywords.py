@@ -70,7 +70,8 @@ def _is_named(draft: TextDraft, form: DraftForm, keyword: str) -> bool:
     word = form.keyword
     if keyword == "on":
         return not word or word in draft.events
-    return _plain(word) not in REMARKS or any(isinstance(item, DraftForm) for item in form.items)
+    is_name = _plain(word) not in REMARKS or word in draft.names
+    return is_name or any(isinstance(item, DraftForm) for item in form.items)
 
 
 def _is_followed(draft: TextDraft, form: DraftForm) -> bool:

@@ -27,7 +27,7 @@ from lrp_jupyter.language.reading.tokens import ACTIONS
 from lrp_jupyter.language.spellings import ASKING, EFFECT_WORDS, GUARD_WORDS, JOINING, OTHERS
 
 _ASSIGNS = re.compile(r"\w+ *=[^=]*")
-_LINES = re.compile(r"[;#\r\n]")
+_COMMENT, _LINE_END = re.compile(r"[;#]"), re.compile(r"[\r\n]")
 _TRIED = 10  # places where Python may end
 _LOOSE = ast.IfExp | ast.Lambda | ast.NamedExpr
 """Expressions that need parentheses beside `and` and `or`."""
@@ -57,7 +57,7 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
     rest = arrow + 2
     if not starts or form.kinds[arrow + 1 : rest] != ("NAME",) or text[form.end - 1] != ")":
         return
-    source = starts[-1]
+    source = starts[-1] - 2 * (form.kinds[max(0, starts[-1] - 2) : starts[-1]] == ("STAR", "MINUS"))
     if form.kinds[rest : rest + 1] == ("NAME",) and draft.word(items[rest]).lower() not in _WORDS:
         rest += 1
     if rest < len(items) and items[rest - 1].end == items[rest].start and form.kinds[rest] not in _BRACKETS:
@@ -108,7 +108,8 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
         edits.append(Edit(items[0].end, end, ""))
     if after or effects:
         edits.append(Edit(items[rest - 1].end, items[stop - 1].end, f" {written}" if effects else ""))
-    is_certain &= not any(_LINES.search(text, *edit[:2]) for edit in edits)
+    is_certain &= not any(_COMMENT.search(text, *edit[:2]) for edit in edits)
+    is_certain &= not any(_LINE_END.search(part.python) for part in parts)
     is_certain &= not conditions or draft.makes_sense(made)
     start = items[0 if _is_several(before) else rest].start
     trigger = [Piece("BLOCK", form.head, form.head)] if changes else items[: min(source, 1)]
@@ -219,11 +220,15 @@ def _before(draft: TextDraft, form: DraftForm, items: Sequence[Item]) -> list[_P
     if form.keyword != "ontime":
         found = _parts(draft, items)
         return found and [part._replace(kind="either") if _may_compare(part) else part for part in found]
-    if not items or items[0].kind != "INTEGER":
-        return None
     others = _parts(draft, items[1:])
-    delay = _Part(f"elapsed >= {int(draft.word(items[0])) / 1000:g}", is_event=True)
-    return None if others is None else [delay, *others]
+    if not items or others is None or items[0].kind not in ("INTEGER", "NAME", "BLOCK"):
+        return None
+    word = draft.word(items[0])
+    if items[0].kind == "INTEGER":
+        seconds = f"{int(word) / 1000:g}"
+    else:
+        seconds = f"{word if items[0].kind == 'NAME' else f'({word[1:-1].strip()})'} / 1000"
+    return [_Part(f"elapsed >= {seconds}", is_event=True), *others]
 
 
 def _may_compare(part: _Part) -> bool:
@@ -240,7 +245,7 @@ def _parts(draft: TextDraft, items: Sequence[Item]) -> list[_Part] | None:
         item, word = items[index], words[index].lower()
         stop = index + 1
         parts: list[_Part] = []
-        if words[index] in draft.events:
+        if words[index] in draft.events or (item.kind == "NAME" and joined.endswith("not")):
             parts = [_Part(words[index], is_event=True)]
         elif words[index] in draft.defined["machine"] and words[stop : stop + 1] == ["."]:
             stop += 2
