@@ -96,7 +96,8 @@ def _corrected(text: str, found: list[Diagnosis], rounds: int = _ROUNDS) -> list
         return found
     reader = _Reader(corrected.text, "")
     reader.read()
-    left = [corrected.moved(each) for each in _corrected(corrected.text, reader.findings, rounds - 1)]
+    rounds = rounds - 1 if corrected.text != text else 0
+    left = [corrected.moved(each) for each in _corrected(corrected.text, reader.findings, rounds)]
     done = corrected.found
     return done + [
         each for each in left if not any(each.start < one.end and one.start < each.end for one in done)

@@ -54,6 +54,13 @@ REMARKS = {
     for word in words.split()
 }
 """What to write in place of a concept of other languages, by its words in lower case and without `_`."""
+NO_EVENTS = {
+    **dict.fromkeys(["always", "otherwise", "else", "true"], _EPSILON),
+    **dict.fromkeys(
+        ["timeout", "after"], "A delay is an `ontime`. Write `(ontime milliseconds source -> destination)`."
+    ),
+}
+"""What to write in place of an event that has such a name and is not defined."""
 LAST = frozenset({"otherwise", "else", "default"})
 """What comes last wherever it stands."""
 MODULES = frozenset({"import", "export", "from", "include", "require", "use", "using", "module"})

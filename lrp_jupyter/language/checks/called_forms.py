@@ -14,7 +14,7 @@ from lrp_jupyter.language.spellings import NOT_SENT
 
 _SPAWN = "spawn"
 _TIMED = f"A block does not wait. Write a transition: `{USAGE['ontime']}`."
-_ASKED = 'The state of a machine has a name. Write `machine.state == "name"`.'
+_ASKED = 'The name of a machine gives its state. Write `machine.state == "name"`.'
 _REMEDIES = {
     word: remedy
     for remedy, words in {

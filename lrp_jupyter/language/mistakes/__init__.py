@@ -164,9 +164,9 @@ def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
             ignored.add(form.items[at])
             wrong += [form.items[at].start] if isinstance(form.items[at], Piece) else []
     guesses += _doubted(form, found, wrong)
-    for index, item in enumerate(form.items):
+    for item in form.items:
         if isinstance(item, DraftForm):
-            item.around, item.later = form.keyword, form.items[index + 1 :]
+            item.around, item.row = form.keyword, form.items
             _mend(draft, item, guesses)
 
 

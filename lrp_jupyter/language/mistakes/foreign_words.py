@@ -103,7 +103,7 @@ def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         return
     parts = [Piece("NAME", start, end)]
     defines = form.keyword in NAMED and not first
-    is_known = defines or name in draft.names or draft.is_defined(written)
+    is_known = defines or name in draft.names or written in draft.definitions
     halves = re.split(r"\W+", word)
     machines = draft.defined["machine"]
     is_pair = len(halves) == 2 and halves[0] in machines and halves[1] in draft.states

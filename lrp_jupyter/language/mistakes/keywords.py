@@ -77,8 +77,8 @@ def _is_named(draft: TextDraft, form: DraftForm, keyword: str) -> bool:
 def _is_followed(draft: TextDraft, form: DraftForm) -> bool:
     """Return whether a later transition leaves the state that this one leaves."""
     sources = _sources(draft, form)
-    others = [item for item in form.later if isinstance(item, DraftForm) and item.keyword in FORMS]
-    return any(sources & _sources(draft, other) for other in others)
+    others = [item for item in form.row if isinstance(item, DraftForm) and item.start > form.start]
+    return any(sources & _sources(draft, other) for other in others if other.keyword in FORMS)
 
 
 def _sources(draft: TextDraft, form: DraftForm) -> set[str]:

@@ -129,7 +129,7 @@ def asked_states(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         while stop < len(form.items) and form.items[stop - 1].end == form.items[stop].start:
             stop += 1
         message = (
-            "A state of another machine is a condition with the names of both. "
+            "A condition on another machine names it and its state. "
             'Write `(on machine.state a -> b)`, or `machine.state == "state"` in a block.'
         )
         items = form.replaced(0, stop - 1, Piece("BLOCK", first.start, form.items[stop - 1].end))

@@ -19,6 +19,7 @@ from lrp_jupyter.language.spellings import ARROWS, SIGN
 
 _HYPHENED = re.compile(r"\(\s*event\s+(\w+(?:-\w+)+)")
 _WORD = re.compile(r"[^\W\d]\w*")
+_DEFINED = re.compile(rf"\(\s*(?:{'|'.join(sorted(NAMED))})\s+([^\s()\[\]]+)")
 _WHOLE = re.compile(r"[\s()\[\]{}:;=#]|\Z")
 """What may stand after a name; another character is part of the word."""
 _ARROW = re.compile(f"[{ARROWS}]+")
@@ -43,7 +44,7 @@ class Piece(NamedTuple):
 class DraftForm:
     """A form of a wrong text.
 
-    `head` is the end of its keyword, `around` the keyword of the form around, and `later` what follows there.
+    `head` is the end of its keyword, `around` the keyword of the form around, and `row` the parts of that.
     """
 
     def __init__(self, keyword: str, start: int, head: int, around: str) -> None:
@@ -52,7 +53,7 @@ class DraftForm:
         self.head = self.end = head
         self.around = around
         self.items: list[Item] = []
-        self.later: list[Item] = []
+        self.row: list[Item] = []
 
     @property
     def kind(self) -> str:
@@ -138,9 +139,10 @@ class TextDraft:
         """The names of the states."""
         return self.defined["state"]
 
-    def is_defined(self, written: str) -> bool:
-        """Return whether a form defines a name that is written like this, valid or not."""
-        return bool(re.search(rf"\(\s*(?:{'|'.join(NAMED)})\s+{re.escape(written)}(?![\w-])", self.text))
+    @cached_property
+    def definitions(self) -> set[str]:
+        """What forms define, as it is written, valid or not."""
+        return set(_DEFINED.findall(self.text))
 
     def word(self, item: Item | Token) -> str:
         """Return the text of a part."""
