@@ -88,7 +88,7 @@ RULES = (
     _rule(python.quoted, "", _PYTHON),
     _rule(python.bracketed, "", _PYTHON),
     _rule(python.bare, "", _PYTHON),
-    _rule(words.delays, "", "ontime"),
+    _rule(words.delays, "", "ontime on exit"),
     _rule(words.names, "NAME WORD INTEGER AMOUNT MINUS SIGN STRAY QUOTED"),
     _rule(order.wrong_arrow, "", _TRANSITIONS),
     _rule(order.no_arrow, "", _TRANSITIONS),

@@ -56,9 +56,10 @@ def import_lines(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
 
 def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Delays with a unit or a point, or in quotation marks."""
-    if not form.items:
+    at = form.kinds.index("FOR") + 1 if "FOR" in form.kinds else 0
+    if len(form.items) <= at or (form.keyword != "ontime" and not at):
         return
-    item, *rest = form.items
+    item, *rest = form.items[at:]
     word, end = draft.word(item), item.end
     amount = AMOUNT.fullmatch(word)
     if item.kind == "QUOTED" and word[1:-1].strip().isdecimal():
@@ -79,7 +80,7 @@ def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
             return
         meant = str(round(number * factor))
         message = f"`{draft.text[item.start : end]}` is not a whole number of milliseconds. Write `{meant}`."
-    items = [Piece("INTEGER", item.start, end), *rest]
+    items = [*form.items[:at], Piece("INTEGER", item.start, end), *rest]
     yield Correction("LRP108", message, item.start, end, (Edit(item.start, end, meant),), items)
 
 

@@ -45,7 +45,8 @@ def misspelt(draft: TextDraft, form: DraftForm) -> Corrections:
     """Keywords that are misspelt, of other languages, or missing."""
     word = form.keyword
     if word in KEYWORDS:
-        if word == "exit" and form.around == "state" and "ARROW" not in form.kinds:
+        acts = "ARROW" not in form.kinds and set(form.kinds) - {"NAME"}
+        if word == "exit" and form.around == "state" and acts:
             yield _guess(draft, form, "onexit", *_labelled(draft, form))
         return
     meant, is_certain = _meant(form) if word else ("", True)

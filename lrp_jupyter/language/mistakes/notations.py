@@ -24,7 +24,7 @@ from lrp_jupyter.language.mistakes.text_draft import (
 )
 from lrp_jupyter.language.python.scanner import line_end
 from lrp_jupyter.language.reading.tokens import ACTIONS
-from lrp_jupyter.language.spellings import ASKING, EFFECT_WORDS, GUARD_WORDS, JOINING, OTHERS
+from lrp_jupyter.language.spellings import ASKING, EFFECT_WORDS, GUARD_WORDS, JOINING, OTHERS, UNITS
 
 _ASSIGNS = re.compile(r"\w+ *=[^=]*")
 _COMMENT, _LINE_END = re.compile(r"[;#]"), re.compile(r"[\r\n]")
@@ -60,7 +60,8 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
     source = starts[-1] - 2 * (form.kinds[max(0, starts[-1] - 2) : starts[-1]] == ("STAR", "MINUS"))
     if form.kinds[rest : rest + 1] == ("NAME",) and draft.word(items[rest]).lower() not in _WORDS:
         rest += 1
-    if rest < len(items) and items[rest - 1].end == items[rest].start and form.kinds[rest] not in _BRACKETS:
+    is_tight = rest < len(items) and items[rest - 1].end == items[rest].start
+    if is_tight and form.kinds[rest] not in _BRACKETS and draft.word(items[rest]) != ",":
         return  # `a -> have-rest`
     stop = len(items)
     stop -= form.kinds[-1] == "EFFECT_FORM"
@@ -138,14 +139,17 @@ def asked_states(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
 
 def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Delays beside an event or behind the destination."""
-    before = draft.word(form.items[at - 1]).lower() if at else ""
-    if "ARROW" in form.kinds[:at] and before in ("after", "for", "timeout", "delay"):
-        start, stop = form.items[at - 1].start, form.items[-1].end
+    word = draft.word(form.items[at - 1]).lower() if at and form.kinds[at - 1] != "FOR" else ""
+    if word in ("after", "for", "within", "timeout", "delay"):
+        last = at + (
+            form.kinds[at + 1 : at + 2] == ("NAME",) and draft.word(form.items[at + 1]).lower() in UNITS
+        )
+        place = form.items[at - 1].start, form.items[last].end
         message = (
             "A transition with a delay is an `ontime`. To wait for a condition as well, "
             "write `(on condition for milliseconds a -> b)`, or test `elapsed`."
         )
-        yield Correction("LRP108", message, start, stop, (), form.items[: at - 1], False)
+        yield Correction("LRP108", message, *place, (), form.replaced(at - 1, last), False)
 
 
 def arrows(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
@@ -183,9 +187,9 @@ def labels(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Actions of a state as UML writes them: ``entry / x = 1``."""
     items = form.items
     word = draft.word(items[at]).lower()
-    found = [each for each in OTHERS.get(word, ()) if each in ACTIONS]
+    found = [each for each in (word, *OTHERS.get(word, ())) if each in ACTIONS]
     meant = "onexit" if word == "exit" else next(iter(found), "")
-    if not meant or at + 2 >= len(items) or draft.word(items[at + 1]) != "/":
+    if not meant or at + 2 >= len(items) or draft.word(items[at + 1]) not in ("/", ":"):
         return
     stop = _line(draft, form, at + 2)
     start, first, end = items[at].start, items[at + 2].start, items[stop - 1].end
@@ -280,8 +284,12 @@ def _bracketed(draft: TextDraft, item: Item, acts: bool) -> list[_Part]:
     inside = draft.word(item)[1:-1].strip()
     if inside in draft.events:
         return [_Part(inside, is_event=True)]
-    word = item.keyword.lower() if isinstance(item, DraftForm) else ""
-    inner = _parts(draft, item.items) if isinstance(item, DraftForm) and word else None
+    word, inner = "", None
+    if isinstance(item, DraftForm):
+        word, is_event = item.keyword.lower(), item.keyword in draft.events
+        inner = _parts(draft, [*item.name(), *item.items] if is_event else item.items) if word else None
+        if is_event and inner:
+            return [_Part(_joined(inner)[0], is_foreign=True)]
     if word in ("and", "or", "not") and inner:
         return [_Part(_joined([part._replace(joined=word) for part in inner])[0], is_foreign=True)]
     if word in EFFECT_WORDS and inner:
