@@ -111,7 +111,7 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
         edits.append(Edit(items[rest - 1].end, items[stop - 1].end, f" {written}" if effects else ""))
     is_certain &= not any(_COMMENT.search(text, *edit[:2]) for edit in edits)
     is_certain &= not any(_LINE_END.search(part.python) for part in parts)
-    is_certain &= not conditions or draft.makes_sense(made)
+    is_certain &= not changes or draft.makes_sense(made)
     start = items[0 if _is_several(before) else rest].start
     trigger = [Piece("BLOCK", form.head, form.head)] if changes else items[: min(source, 1)]
     left = [*trigger, *items[source:rest], *items[stop:]]
@@ -228,10 +228,11 @@ def _before(draft: TextDraft, form: DraftForm, items: Sequence[Item]) -> list[_P
     if not items or others is None or items[0].kind not in ("INTEGER", "NAME", "BLOCK"):
         return None
     word = draft.word(items[0])
-    if items[0].kind == "INTEGER":
-        seconds = f"{int(word) / 1000:g}"
-    else:
-        seconds = f"{word if items[0].kind == 'NAME' else f'({word[1:-1].strip()})'} / 1000"
+    seconds = f"{int(word) / 1000:g}" if word.isdecimal() else f"{word} / 1000"
+    if items[0].kind == "BLOCK":
+        seconds = f"({word[1:-1].strip()}) / 1000"
+    if _value(seconds) is None and any(part.kind != "effect" for part in others):
+        return None
     return [_Part(f"elapsed >= {seconds}", is_event=True), *others]
 
 

@@ -161,6 +161,8 @@ class TextDraft:
 
     def makes_sense(self, python: str) -> bool:
         """Return whether Python reads only what there is, and of an event only its value."""
+        if not is_python(python):
+            return False
         tree, _, _, uses = read(python)
         block = uses.scope
         reads = {use.name for use in uses.found if use.owner is block and use.name not in block.bound}
