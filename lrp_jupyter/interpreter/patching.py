@@ -207,7 +207,7 @@ class _Carrier:
             path = self.successors.path("variable", variable.initial.site.element.path)
             slot = environment.own[variable.name]
             if path is None:
-                environment.lost[variable.name] = slot
+                environment.lost = {**environment.lost, variable.name: slot}
             else:
                 kept[path[-1]] = _source(variable, settings_before.get(variable.name)), slot
         environment.own, environment.visible = {}, dict(outer)
@@ -252,7 +252,8 @@ def _source(variable: VariablePlan, setting: VariablePlan | None) -> _Source:
 
 def _returned(environment: Environment, name: str) -> Slot:
     """Return an empty variable: the one that was removed, if any, because functions may refer to it."""
-    slot = environment.lost.pop(name, None) or Slot(CellType())
+    slot = environment.lost.get(name) or Slot(CellType())
+    environment.lost = {other: lost for other, lost in environment.lost.items() if other != name}
     put(slot.cell, UNSET)
     slot.last = UNSET
     return slot

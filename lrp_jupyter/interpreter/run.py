@@ -205,9 +205,8 @@ class Run:
     def hold(self, act: Activation, name: str, since: float | None) -> None:
         """Note since when the trigger of a transition holds, or that it does not."""
         self.log_attributes(act, "holding")
-        act.holding = {key: value for key, value in act.holding.items() if key != name}
-        if since is not None:
-            act.holding[name] = since
+        others = {key: value for key, value in act.holding.items() if key != name}
+        act.holding = others if since is None else {**others, name: since}
 
     def depart(self, act: Activation) -> None:
         """Prepare to leave the active state: end the times for which triggers hold, and remember its own."""

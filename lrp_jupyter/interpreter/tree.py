@@ -56,6 +56,10 @@ class Count:
     tick: int = 0
 
 
+_NONE: Mapping[str, Any] = {}
+"""Shared, because each object that a spawn makes is one for the garbage collector."""
+
+
 class Environment:
     """Variables by name: `own` are those of its machine, `visible` are all that its blocks can access."""
 
@@ -79,7 +83,7 @@ class Environment:
         self.entered = 0.0  # when that was entered; at the top level, when the program started
         self.children: tuple[Activation, ...] = ()
         self.own: dict[str, Slot] = {}
-        self.lost: dict[str, Slot] = {}  # of removed variables: functions may still refer to their cells
+        self.lost: Mapping[str, Slot] = _NONE  # removed variables: functions may still refer to their cells
 
     @property
     def defined(self) -> Path:
@@ -127,9 +131,7 @@ class Activation(Environment):
         self.row: Row
         self.rows: dict[str, Row] = {}
         self.before = 0.0  # when the state that was left last had been entered
-        self.holding: dict[
-            str, float
-        ] = {}  # since when the triggers of transitions hold, by id; never mutated
+        self.holding: Mapping[str, float] = _NONE  # since when the triggers of transitions hold, by id
         self.next: Activation | None = None  # the next activation in the order of a tick
 
     @property
@@ -519,9 +521,11 @@ def _is_in_state(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) 
 def _is_due(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     trigger = edge.noun.trigger
     assert isinstance(trigger, Delay)
+    if isinstance(trigger.amount, int):
+        milliseconds = trigger.amount
+        return lambda: (run.now - act.entered) * 1000.0 + TOLERANCE >= milliseconds
     is_over = _over(run, act, trigger, edge.test)
-    call = lambda: is_over(act.entered)  # noqa: E731
-    return call if isinstance(trigger.amount, int) else watched(run, edge.site, act, call)
+    return watched(run, edge.site, act, lambda: is_over(act.entered))
 
 
 def _over(
