@@ -121,6 +121,7 @@ class ViewStates:
             "moved": self._moved,
             "active": [path_text(path) for path in frame.active],
             "lit": paths.active_states(frame.active),
+            "users": paths.users(frame.active),
             "entered": {
                 path_text(path): (count, frame.visited_at[path]) for path, count in frame.visits.items()
             },

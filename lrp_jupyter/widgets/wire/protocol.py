@@ -458,6 +458,7 @@ class ViewState(TypedDict):
     moved: dict[str, list[MovedElement]]  # revision of the run -> what has another path since; the last ones
     active: list[str]  # innermost active states, as spawned: `Interpreter.active` as text
     lit: list[str]  # every active state by its path in the text, outer ones too: what the page marks
+    users: dict[str, str]  # by such a path, if its machine runs in several states: the names of these
     entered: dict[str, CountAndTick]  # by state path, so that a visit too short to see leaves an afterglow
     fired: dict[str, CountAndTick]  # by transition; the one with the newest tick in its machine is marked
     variables: dict[str, TextAndNumber]  # by path, of those that exist now
