@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from lrp_jupyter.graph.spawned import landings, uses
+from lrp_jupyter.graph.spawned import landings, spawned_machines
 from lrp_jupyter.graph.state_graph import PROGRAM, distinct_states, state_graph
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
 if TYPE_CHECKING:
-    from lrp_jupyter.graph.state_graph import StateGraph
+    import networkx as nx
 
 _STYLE = {
     "on": 'color="#1F78B4"',
@@ -23,7 +23,7 @@ _STYLE = {
 }
 
 
-def _picture(program: Program, only: Path) -> StateGraph:
+def _picture(program: Program, only: Path) -> nx.MultiDiGraph[Path]:
     """Return the graph of a picture, of one machine with those inside or, with an empty path, of all.
 
     An ``exit`` leads to a node of the kind ``port`` in its machine, and has another edge wherever it lands.
@@ -54,10 +54,10 @@ def _named(program: Program) -> dict[Path, str]:
     names = resolve(program)
     found: dict[Path, str] = {}
     for scope in names.scopes:
-        for use in uses(names, scope.path):
-            if use.elsewhere or use.settings:
-                state = (*scope.path, use.state)
-                found[state] = f"{found.get(state, use.state)} {'⧉ ' * use.elsewhere}{use.text}"
+        for each in spawned_machines(names, scope.path):
+            if each.elsewhere or each.settings:
+                state = (*scope.path, each.state)
+                found[state] = f"{found.get(state, each.state)} {'⧉ ' * each.elsewhere}{each.text}"
     return found
 
 

@@ -56,7 +56,7 @@ from lrp_jupyter.graph.routes import (
     obstacles,
     straight,
 )
-from lrp_jupyter.graph.spawned import Use, landings, uses
+from lrp_jupyter.graph.spawned import SpawnedMachine, landings, spawned_machines
 from lrp_jupyter.graph.state_graph import (
     ANY,
     NO_EXIT,
@@ -149,10 +149,10 @@ class _Drawing:
         self.path = path
         self.states = distinct_states(machine)
         names = resolve(program) if program else None
-        self.uses: dict[str, list[Use]] = {}
-        for use in uses(names, path) if names else ():
-            self.uses.setdefault(use.state, []).append(use)
-        self.lines = {name: _lines(self.uses.get(name, ())) for name in self.states}
+        self.spawned: dict[str, list[SpawnedMachine]] = {name: [] for name in self.states}
+        for each in spawned_machines(names, path) if names else ():
+            self.spawned.setdefault(each.state, []).append(each)
+        self.lines = {name: _lines(spawned) for name, spawned in self.spawned.items() if name in self.states}
         self.insides = {
             name: nested
             for name, state in self.states.items()
@@ -223,9 +223,8 @@ class _Drawing:
         if state is None:
             return ""
         name = str(state.name)
-        uses = {str(use.machine.name): use for use in self.uses.get(name, ()) if not use.elsewhere}
-        names = [str(inner.name) for inner in state.machines]
-        words = [uses[inner].text if inner in uses else inner for inner in names]
+        inside = {str(each.machine.name): each.text for each in self.spawned[name] if not each.elsewhere}
+        words = [inside.get(inner.name, str(inner.name)) for inner in state.machines]
         return shorten(", ".join(words), LABEL_FONT, WIDEST_NAME)
 
     def draw(
@@ -391,22 +390,24 @@ class _Drawing:
         )
 
 
-def _lines(uses: Iterable[Use]) -> list[SpawnedLine]:
+def _lines(spawned: Iterable[SpawnedMachine]) -> list[SpawnedLine]:
     """Return the lines for machines that are defined elsewhere; `y` is from the bottom of the state."""
-    shown = [use for use in uses if use.elsewhere]
+    shown = [each for each in spawned if each.elsewhere]
     lines = []
-    for index, use in enumerate(shown):
-        name = shorten(use.machine.path[-1], LABEL_FONT, WIDEST_NAME)
+    for index, each in enumerate(shown):
+        name = shorten(each.machine.path[-1], LABEL_FONT, WIDEST_NAME)
         width = ICON + text_width(name, LABEL_FONT)
-        settings = shorten(use.settings, LABEL_FONT, max(WIDEST_LINE - width, WIDEST_LINE / 3))
+        settings = shorten(each.settings, LABEL_FONT, max(WIDEST_LINE - width, WIDEST_LINE / 3))
         if settings:
             width += SETTINGS + text_width(settings, LABEL_FONT)
         lines.append(
             SpawnedLine(
-                machine=path_text(use.machine.path),
+                machine=path_text(each.machine.path),
                 name=name,
                 settings=settings,
-                title=f"{use.machine.path[-1]} ({use.settings})" if use.settings else use.machine.path[-1],
+                title=f"{each.machine.path[-1]} ({each.settings})"
+                if each.settings
+                else each.machine.path[-1],
                 x=round(-width / 2, 1),
                 y=LINE * (index - len(shown)),
                 width=round(width, 1),

@@ -16,7 +16,7 @@ from lrp_jupyter.language.program import Path, Spawn
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope
 
 
-class Use(NamedTuple):
+class SpawnedMachine(NamedTuple):
     """A machine that a state spawns, and where it is defined."""
 
     state: str
@@ -44,7 +44,7 @@ class Landing(NamedTuple):
         return f"{arrow_text(self.arrow.noun)} {self.inside}"
 
 
-def uses(names: Resolution, path: Path) -> Iterator[Use]:
+def spawned_machines(names: Resolution, path: Path) -> Iterator[SpawnedMachine]:
     """Yield the machines that the states of a machine spawn, each once for each state."""
     scope = names.by_path.get(path, names.top)
     for name, state in scope.states.items():
@@ -55,20 +55,20 @@ def uses(names: Resolution, path: Path) -> Iterator[Use]:
             machine = scope.machine(name, item.machine)
             if machine is not None and machine.path not in seen:
                 seen.add(machine.path)
-                yield Use(name, machine, machine.path[:-1] != (*path, name), settings_text(item))
+                yield SpawnedMachine(name, machine, machine.path[:-1] != (*path, name), settings_text(item))
 
 
 def landings(names: Resolution, path: Path) -> Iterator[Landing]:
     """Yield the transitions that leave what the states of a machine spawn, and enter a state of it."""
     home = names.by_path.get(path, names.top)
-    for use in uses(names, path):
-        for arrow in names.arrows[use.machine]:
+    for each in spawned_machines(names, path):
+        for arrow in names.arrows[each.machine]:
             noun = arrow.noun
             if noun.outward:
                 broken = why_dangling(
                     noun,
-                    source_exists=all(name in use.machine.states for name in noun.sources),
+                    source_exists=all(name in each.machine.states for name in noun.sources),
                     target_exists=noun.destination in home.states,
-                    events=use.machine.visible_events,
+                    events=each.machine.visible_events,
                 )
-                yield Landing(use.state, arrow, f"(from {noun.source_text})", broken)
+                yield Landing(each.state, arrow, f"(from {noun.source_text})", broken)

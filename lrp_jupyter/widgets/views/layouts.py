@@ -9,7 +9,7 @@ from time import monotonic
 from lrp_jupyter.graph.geometry import Size
 from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.graph.layout_parts import Layout
-from lrp_jupyter.graph.spawned import landings, uses
+from lrp_jupyter.graph.spawned import landings, spawned_machines
 from lrp_jupyter.graph.state_graph import events_in_scope, outer_states, start_states
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
@@ -166,7 +166,7 @@ def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[st
         starts,
         frozenset(t.trigger_text for t in machine.transitions if t.trigger_text in names),
         outer_states(program, path) if any(t.outward for t in machine.transitions) else frozenset(),
-        tuple((use.state, use.machine.path, use.settings) for use in uses(resolution, path)),
+        tuple((each.state, each.machine.path, each.settings) for each in spawned_machines(resolution, path)),
         tuple(
             (each.state, each.arrow.element, each.arrow.noun.trigger_text, each.text, each.broken)
             for each in landings(resolution, path)
