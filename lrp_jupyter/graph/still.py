@@ -266,7 +266,7 @@ def _state(shape: StateShape, user: str | None, inside: str) -> str:
             f'<path d="{start["head"]}"/></g>'
         )
     if user:
-        body += _text("lrp-user", left + width, top - 4.0, user)
+        body += _text("lrp-user", left + 10.0, top - 4.0, user, "start")
     mine = f'data-lrp-state="{escape(shape["id"])}"' + (' data-active=""' if user is not None else "")
     title = f"<title>{escape(shape['title'])}</title>"
     kind = f"lrp-{shape['kind']}" + (" lrp-open" if inside else "")
@@ -365,7 +365,7 @@ def _css(theme: Theme) -> str:
         f".lrp-nested,.lrp-key{{font-size:{LABEL_FONT}px}}"
         f".lrp-label,.lrp-halo,.lrp-outside,.lrp-faint{{font-size:{LABEL_FONT}px}}"
         ".lrp-still text[text-anchor=start]{text-anchor:start}"
-        f".lrp-still .lrp-user{{text-anchor:end;font-size:{LABEL_FONT}px;font-weight:600}}"
+        f".lrp-user{{font-size:{LABEL_FONT}px;font-weight:600}}"
         f".lrp-machine{{font-size:{STATE_FONT}px;font-weight:600}}"
         f".lrp-within{{font-size:{LABEL_FONT}px;font-weight:400}}"
         ".lrp-halo{stroke-width:4;stroke-linejoin:round}"

@@ -11,7 +11,7 @@ import { glow } from "../ui/timers";
 import type { Layers } from "./draw";
 import { statesOn } from "./inside";
 
-const ABOVE = 4; // px from a state to what is written above it
+const [INSET, ABOVE] = [10, 4]; // px from the left side of a state, and from its top, to what is written above it
 
 type Counts = Record<string, CountAndTick>;
 
@@ -51,7 +51,7 @@ export function marking({ root }: Pick<Layers, "root">, state: LabState): () => 
   };
 }
 
-/** Name the state in which the machine of an active state runs, above its right corner. */
+/** Name the state in which the machine of an active state runs, above it, right of the mark of a start state. */
 function tag(node: Element, user: string): void {
   const before = node.querySelector(":scope > .lrp-user");
   const box = node.querySelector(":scope > .lrp-box");
@@ -62,7 +62,7 @@ function tag(node: Element, user: string): void {
   const element = before ?? s("text", { class: "lrp-user" });
   if (!before) node.append(element);
   const at = (name: string) => Number(box.getAttribute(name));
-  setAttribute(element, "x", at("x") + at("width"));
+  setAttribute(element, "x", at("x") + INSET);
   setAttribute(element, "y", at("y") - ABOVE);
   setText(element, user);
 }
