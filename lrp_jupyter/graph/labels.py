@@ -16,7 +16,7 @@ from itertools import accumulate, pairwise, takewhile
 
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
-from lrp_jupyter.language.program import Spawn, Transition, Variable
+from lrp_jupyter.language.program import Spawn, Transition
 
 STATE_FONT, LABEL_FONT = 13.0, 11.5  # px: font sizes of states' names, and of everything else
 LABEL_LINE = 13.5  # px: from one line of a label to the next
@@ -77,8 +77,7 @@ _EFFECT = " /"  # the end of an arrow's text that tells of an effect
 
 def settings_text(spawn: Spawn) -> str:
     """Return the values that a spawn gives to variables of its machine: ``side 1, keep 0.25``."""
-    settings: tuple[Variable, ...] = getattr(spawn, "settings", ())
-    values = ((each.name, " ".join(each.initial.text.split())) for each in settings)
+    values = ((each.name, " ".join(each.initial.text.split())) for each in spawn.settings)
     return ", ".join(f"{name} {re.sub(_SIGN, MINUS, value)}" for name, value in values)
 
 
