@@ -33,7 +33,7 @@ def check_clocks(report: Reporter, names: Resolution) -> None:
         for written, span, root in _uses(place.block.text):
             if not root or (root in report.names and root not in place.visible):  # else it is unknown
                 what = "is a clock of the computer: it runs on in a pause, and does not follow virtual time"
-                report.add("LRP532", place.block.at(span), f"`{written}` {what}. {_INSTEAD}")
+                report.add("LRP536", place.block.at(span), f"`{written}` {what}. {_INSTEAD}")
 
 
 def unimported(text: str, start: int) -> str:
