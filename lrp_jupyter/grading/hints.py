@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.run_record import RunRecord
-from lrp_jupyter.language.checks.uses import robot_uses
+from lrp_jupyter.language.checks.uses import uses_of
 from lrp_jupyter.language.program import Block, Program
 
 _NAME = re.compile(r"`[^`]+`")
@@ -74,4 +74,4 @@ def _states_that_move_once(program: Program) -> Iterator[str]:
 
 def _moves(actions: tuple[object, ...]) -> bool:
     blocks = (action for action in actions if isinstance(action, Block))
-    return any("move" in use.names for block in blocks for use in robot_uses(block.text))
+    return any("move" in use.names for block in blocks for use in uses_of("robot", block.text))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from importlib.util import find_spec
 
-from checking import fixed, found
+from checking import fixed, found, start_of
 from hypothesis import given
 from hypothesis import strategies as st
 from programs import programs
@@ -17,6 +17,7 @@ from lrp_jupyter.language.checks import CODES, Code, check, report
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Machine, Name, Program, Spawn, State, Transition
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Epsilon
 from lrp_jupyter.programs import heading
 
@@ -141,6 +142,18 @@ def test_no_program_makes_a_check_raise(program: Program) -> None:
     assert sorted(finding.code for finding in check(program)) == sorted(
         finding.code for finding in check(text)
     )
+
+
+@given(programs)
+def test_every_reference_that_does_not_resolve_is_an_error_in_its_form(program: Program) -> None:
+    text = to_source(program)
+    errors = [start_of(text, finding) for finding in check(text) if finding.severity == "error"]
+    names = resolve(parse(text))
+    dangling = [spawning.noun.span for spawning in names.spawns if spawning.unresolved]
+    for arrows in names.arrows.values():
+        dangling += [each.noun.span for each in arrows if each.unresolved_trigger or each.unresolved_hold]
+    for span in dangling:
+        assert any(span.start <= start < span.end for start in errors)
 
 
 def test_a_program_put_together_by_hand_can_be_checked() -> None:

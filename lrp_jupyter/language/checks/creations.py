@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from keyword import iskeyword
 
 from lrp_jupyter.errors import MOST_FINDINGS, Edit, Fix
 from lrp_jupyter.language.checks.report import Reporter
@@ -20,9 +21,11 @@ def new_event(report: Reporter, machine: Machine | None, name: str) -> Fix | Non
     return _created(report, machine, f"(event {name} [False])", f"event `{name}`")
 
 
-def new_variable(report: Reporter, name: str, value: int = 0) -> Fix | None:
-    """Return the fix that creates a variable at the top level, with a value to be replaced."""
-    return _created(report, None, f"(var {name} := [{value}])", f"variable `{name}`")
+def new_variable(report: Reporter, name: str, value: int = 0, around: Machine | None = None) -> Fix | None:
+    """Return the fix that creates a variable in a machine or at the top level, with a value to replace."""
+    if iskeyword(name):
+        return None
+    return _created(report, around, f"(var {name} := [{value}])", f"variable `{name}`")
 
 
 def new_machine(report: Reporter, state: State | None, name: str, start: str) -> Fix | None:

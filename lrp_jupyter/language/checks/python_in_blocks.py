@@ -10,16 +10,17 @@ from collections.abc import Iterable
 from functools import cached_property
 from itertools import chain
 
-from lrp_jupyter.language.blocks.builtin_names import PROVIDED
+from lrp_jupyter.language.blocks.builtin_names import PROVIDED, TIMES
 from lrp_jupyter.language.checks.block_facts import Facts, facts_of
 from lrp_jupyter.language.checks.called_forms import form_calls
 from lrp_jupyter.language.checks.clocks import unimported
+from lrp_jupyter.language.checks.computed_uses import meanings, means
 from lrp_jupyter.language.checks.creations import new_variable
 from lrp_jupyter.language.checks.defined_names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.checks.robot_uses import Remedied, check_robot, compared, suspicious_uses
 from lrp_jupyter.language.program import Edit, Fix, Span, path_text
-from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
+from lrp_jupyter.language.resolution import HOLD, PlacedBlock, Resolution, Scope
 from lrp_jupyter.language.robot_members import RobotMembers
 
 _STATEMENTS = frozenset({"return", "pass", "break", "continue"})
@@ -39,7 +40,9 @@ class _Python:
         self.robot = robot
         self.scopes = names.scopes
         self.blocks = tuple(names.all_blocks)
-        self.known = BUILTINS | PROVIDED | set(report.names)
+        self.names = names
+        self.outside = frozenset(report.names)
+        self.known = BUILTINS | PROVIDED | self.outside
 
     def check(self) -> None:
         for place in self.blocks:
@@ -51,13 +54,14 @@ class _Python:
 
     def _robot(self, place: PlacedBlock) -> set[Span]:
         """Report wrong uses of the robot; return their places."""
-        if self.robot is None or "robot" in place.visible:
+        if self.robot is None or "robot" in place.visible or means(place, "robot", self.outside):
             return set()
 
         def is_number(name: str) -> bool:
             scope = place.visible.get(name)
             literal = facts_of(scope.variables[name].initial.text).literal if scope else None
-            return literal is not None and literal[0] == "a number"
+            is_literal = literal is not None and literal[0] == "a number"
+            return is_literal and (scope, name) not in self._set_otherwise
 
         wrong = set()
         for use, known in suspicious_uses(place.block.text, self.robot, place.purpose):
@@ -87,7 +91,17 @@ class _Python:
         for place in self.blocks:
             facts = facts_of(place.block.text)
             found -= {(place.visible.get(name), name) for name in facts.binds if name not in facts.numbers}
-        return found
+        return found - self._set_otherwise
+
+    @cached_property
+    def _set_otherwise(self) -> set[tuple[Scope | None, str]]:
+        """The variables that a spawn may initialise with something else than a number."""
+        return {
+            (spawning.machine, str(setting.name))
+            for spawning in self.names.spawns
+            for setting in spawning.noun.settings
+            if (literal := facts_of(setting.initial.text).literal) is None or literal[0] != "a number"
+        }
 
     # Names
 
@@ -99,9 +113,9 @@ class _Python:
         for name, span, _ in facts.reads:
             if name in meant or any(start <= span.start < end for start, end in explained):
                 continue
-            if name not in visible and name not in self.known and not name.startswith("__"):
+            if self._is_undefined(place, name):
                 problem = f"`{name}` is not defined where this block can see it"
-                known = chain(visible, facts.binds), self.known, _STATEMENTS
+                known = chain(visible, facts.binds), meanings(place, self.names), self.known, _STATEMENTS
                 self._unknown("LRP502", place, name, span, problem, *known)
         for name, span, _ in facts.nonlocals:
             if name not in visible:
@@ -121,6 +135,11 @@ class _Python:
                 self._remedied(place, Remedied(code, inner.span, message, fix))
         if place.purpose == "action":
             for name, span, _ in facts.unread:
+                if name not in TIMES and means(place, name, self.outside):
+                    what = "an event" if place.event(name) else "a machine"
+                    problem = f"`{name}` is {what}, and this is a name of this block only that nothing reads"
+                    self._add("LRP530", place, span, f"{problem}. Declare a variable with another name.")
+                    continue
                 similar = None if name in visible else self.report.nearest(name, visible)
                 if similar and name not in self._undefined:
                     problem = f"`{name}` is a name of this block only, and nothing reads it"
@@ -149,18 +168,18 @@ class _Python:
             word.name
             for place in self.blocks
             for word in facts_of(place.block.text).reads
-            if word.name not in place.visible and word.name not in self.known
+            if self._is_undefined(place, word.name)
         }
+
+    def _is_undefined(self, place: PlacedBlock, name: str) -> bool:
+        if name in place.visible or name in self.known or name.startswith("__"):
+            return False
+        return not means(place, name, self.outside)
 
     def _unknown(
         self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
     ) -> None:
         """Report an unknown name, with a remedy."""
-        is_whole = place.element.kind == "transition" and place.block.text.strip() == name
-        if is_whole and place.scope.event(name):
-            message = f"`{name}` is an event, not Python. Write it without brackets."
-            self.report.add(code, place.block.at(span), message, replace(place.block.span, name))
-            return
         elsewhere = self._elsewhere(place, name)
         groups = [tuple(names) for names in known]
         prefix = any(each.startswith(name) for names in groups for each in names)
@@ -187,7 +206,8 @@ class _Python:
     def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
         """Return what a name is that is out of scope in this block, and a remedy; None for any other name."""
         if place.scope.event(name):
-            return "It is an event, and only transitions can use events"
+            itself = place.event(name) is None
+            return "It is this event itself" if itself else "It is an event, and blocks can only read it"
         if name in self._variables:
             scope = self._variables[name]
             if scope.path == place.scope.path[: len(scope.path)]:
@@ -220,7 +240,7 @@ class _Python:
             self._remedied(place, Remedied(diagnosis.code, where, diagnosis.message, diagnosis.fix))
         for remark in facts.comparisons:
             if not (used and remark.last):
-                is_name = remark.name in place.visible or remark.name not in self.known
+                is_name = remark.name in place.visible or self._is_undefined(place, remark.name)
                 fix = "=" if remark.edit and is_name else None
                 remedy = "Write `=` to assign" if remark.edit else "Use its result, or remove it"
                 message = f"This only compares, and the result is not used. {remedy}."
@@ -268,6 +288,10 @@ class _Python:
 
     def _tested_delay(self, place: PlacedBlock, test: Span) -> None:
         """Report a comparison as a delay, with the keyword for conditions as its fix."""
+        if place.ordinal == HOLD:
+            message = "After `for` comes a number of milliseconds, and this is `True` or `False`."
+            self.report.add("LRP508", place.block.at(test), f"{message} Write it into the condition.")
+            return
         opening = self.report.program.text.rfind("ontime", 0, place.block.span.start)
         fix = replace(Span(opening, opening + len("ontime")), "on") if opening >= 0 else None
         problem = "A delay is a number of milliseconds, and this is `True` or `False`"

@@ -15,16 +15,18 @@ from lrp_jupyter.language.checks.block_facts import facts_of
 from lrp_jupyter.language.checks.creations import new_spawn
 from lrp_jupyter.language.checks.defined_names import starts
 from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
-from lrp_jupyter.language.checks.report import Reporter
-from lrp_jupyter.language.program import Transition
+from lrp_jupyter.language.checks.report import Reporter, replace
+from lrp_jupyter.language.program import Span, Transition
 from lrp_jupyter.language.resolution import Resolution, Scope
-from lrp_jupyter.language.triggers import Occurrence
+from lrp_jupyter.language.triggers import Delay, InState, Occurrence
 
 
 def check_reachability(report: Reporter, names: Resolution, links: Links) -> None:
     """Report states, machines, events and transitions that the program never reaches."""
     unspawned = _unspawned(report, names, links)
-    _spawned_again(report, names, links)
+    _spawned_again(report, links)
+    _spawned_inside(report, names, links)
+    _unwatched(report, names, links)
     _unreached(report, names, links, unspawned)
     _unused_events(report, names, links)
     for scope, arrows in links.arrows.items():
@@ -55,21 +57,74 @@ def _unspawned(report: Reporter, names: Resolution, links: Links) -> list[Scope]
     return found
 
 
-def _spawned_again(report: Reporter, names: Resolution, links: Links) -> None:
-    """Report spawns of machines that certainly run already."""
+def _spawned_again(report: Reporter, links: Links) -> None:
+    """Report second spawns of a machine by one state, or at the top level."""
     first: dict[tuple[Scope, Scope, str], MeantSpawn] = {}
-    for spawned in links.spawned:  # those at top level come first, and their machines run for ever
-        machine, scope, state = spawned.machine, spawned.scope, spawned.state
-        before = first.get((machine, names.top, "")) or first.get((machine, scope, state))
-        if before:
-            line = report.line(before.noun.span)
-            message = (
-                f"`{machine.name}` is already spawned in line {line}, and it can run only once. "
-                "Remove one of the spawns."
-            )
-            report.add("LRP407", spawned.noun.span, message)
+    for spawned in links.spawned:
+        machine, key = spawned.machine, (spawned.machine, spawned.scope, spawned.state)
+        if key in first:
+            line = report.line(first[key].noun.span)
+            where = f"in `{spawned.state}`" if spawned.state else "at the top level"
+            message = f"`{machine.name}` is already spawned in line {line}, and runs only once {where}."
+            report.add("LRP407", spawned.noun.span, f"{message} Remove one of the spawns.")
         elif spawned.start:
-            first[machine, scope, state] = spawned
+            first[key] = spawned
+
+
+def _spawned_inside(report: Reporter, names: Resolution, links: Links) -> None:
+    """Report spawns of machines inside which they are executed."""
+    spawned: dict[Scope, list[MeantSpawn]] = defaultdict(list)
+    for spawn in links.spawned:
+        spawned[spawn.scope].append(spawn)
+    done: set[Scope] = set()
+    for scope in names.scopes:
+        inside = {scope}
+        waiting = [(scope, iter(spawned[scope]))] if scope not in done else []
+        while waiting:
+            around, spawns = waiting[-1]
+            inner = next(spawns, None)
+            if inner is None:
+                waiting.pop()
+                inside.discard(around)
+                done.add(around)
+            elif inner.machine in inside:
+                name = inner.machine.name
+                message = f"`{name}` runs already, because this is inside it. Remove this spawn."
+                report.add("LRP408", inner.noun.span, message)
+            elif inner.machine not in done:
+                inside.add(inner.machine)
+                waiting.append((inner.machine, iter(spawned[inner.machine])))
+
+
+def _unwatched(report: Reporter, names: Resolution, links: Links) -> None:
+    """Report conditions on states of machines that no source spawns."""
+    if links.guess:
+        return  # a spawn of an unknown machine may mean any
+    spawned = {(spawn.scope, spawn.state, spawn.machine) for spawn in links.spawned}
+    for arrow in (arrow for arrows in names.arrows.values() for arrow in arrows):
+        trigger, scope, watched = arrow.noun.trigger, arrow.scope, arrow.watched
+        if not isinstance(trigger, InState) or not watched or arrow.unresolved_trigger is not None:
+            continue
+        if any((scope, source, machine) in spawned for source, machine in watched.items()):
+            continue
+        source, machine = next(iter(watched.items()))
+        begun = starts(machine.noun) if machine.noun else []
+        start = begun[0] if begun else next(iter(machine.states))
+        span = Span(trigger.machine.span.start, trigger.state.span.end)
+        if len(watched) > 1:
+            problem = f"None of the states that this leaves spawns `{machine.name}`"
+        else:
+            problem = f"`{source}` does not spawn `{machine.name}`"
+        problem += ", so this never occurs"
+        around = [*scope.outwards()][1:]
+        if any(spawn.machine is machine and spawn.scope in around for spawn in links.spawned):
+            text = f'[{trigger.machine}.state == "{trigger.state}"]'
+            message = f"{problem}. For the one that runs elsewhere, write `{text}`."
+            report.add("LRP409", span, message, replace(span, text))
+        else:
+            remedy = f"Put `(spawn {machine.name} {start})` into its `onentry`"
+            creates = new_spawn(report, scope.states[source], str(machine.name), str(start))
+            report.add("LRP409", span, f"{problem}. {remedy}.", creates=creates)
 
 
 def _unreached(report: Reporter, names: Resolution, links: Links, unspawned: list[Scope]) -> None:
@@ -151,9 +206,11 @@ def _unused_events(report: Reporter, names: Resolution, links: Links) -> None:
     if any(arrow.event is None and isinstance(arrow.noun.trigger, Occurrence) for arrow in arrows):
         return  # an unknown event that cannot even be guessed may mean any
     used = {id(arrow.event) for arrow in arrows}
-    for place in names.all_blocks:  # an error by itself
-        read = [word[0] for word in facts_of(place.block.text).reads if word[0] not in place.visible]
-        used |= {id(place.scope.event(name)) for name in read}
+    events, _ = names.computed
+    for place in names.all_blocks:
+        for name, *_ in facts_of(place.block.text).reads:
+            if name in events and (owner := place.event(name)) is not None:
+                used.add(id(owner.events[name]))
     for scope in names.scopes:
         for name, event in scope.events.items():
             if id(event) not in used:
@@ -165,13 +222,15 @@ def _unused_events(report: Reporter, names: Resolution, links: Links) -> None:
 def _untested(report: Reporter, scope: Scope, arrows: list[MeantArrow]) -> None:
     """Report transitions that come after one which always fires before them. Paper: §5.1.1."""
     earlier: dict[str, _Earlier] = defaultdict(_Earlier)
+    at_once: dict[tuple[str, Hashable], Transition] = {}
+    held: list[tuple[MeantArrow, list[str]]] = []
     for arrow in arrows:
         transition = arrow.noun
         sources = arrow.sources
         if transition.wildcard:
             sources = [state for state in scope.states if transition.leaves(state)]
-        key = _key(arrow)
-        found = [earlier[state].found(key) for state in sources]
+        key, hold = _key(arrow), transition.hold
+        found = [earlier[state].found(key, hold) for state in sources]
         if transition.wildcard and not sources and transition.destination in scope.states:
             problem = f"`{transition.source_text}` matches no state here, so this transition is never tested"
             message = f"{problem}. Add a state that it can leave, or remove it."
@@ -186,6 +245,22 @@ def _untested(report: Reporter, scope: Scope, arrows: list[MeantArrow]) -> None:
         elif arrow.sound:
             for state in sources:
                 earlier[state].note(key, transition)
+            if hold is None:
+                at_once |= {(state, key): transition for state in sources}
+            elif hold.due == 0:
+                message = "This does not wait. Write the milliseconds after `for`, or remove it."
+                report.add("LRP410", transition.span, message)
+            else:
+                held.append((arrow, sources))
+    for arrow, sources in held:
+        key = _key(arrow)
+        if sources and all((state, key) in at_once for state in sources):
+            first = at_once[sources[0], key]
+            message = (
+                f"This transition never fires, because the one in line {report.line(first.span)} leaves "
+                f"`{sources[0]}` on the same condition, without waiting. Remove one of them."
+            )
+            report.add("LRP404", arrow.noun.span, message)
 
 
 def _key(arrow: MeantArrow) -> Hashable:
@@ -200,25 +275,36 @@ class _Earlier:
     """The transitions from one state that precede another, by what enables them."""
 
     def __init__(self) -> None:
-        self._same: dict[Hashable, Transition] = {}
+        self._same: dict[Hashable, list[Transition]] = {}
         self._soonest: tuple[int, Transition] | None = None
 
     def note(self, key: Hashable, transition: Transition) -> None:
         """Register a transition."""
         if not isinstance(key, int):
-            self._same.setdefault(key, transition)
+            self._same.setdefault(key, []).append(transition)
         elif self._soonest is None or key < self._soonest[0]:
             self._soonest = key, transition
 
-    def found(self, key: Hashable) -> tuple[str, Transition] | None:
+    def found(self, key: Hashable, hold: Delay | None) -> tuple[str, Transition] | None:
         """Return a transition that is enabled whenever one with this key is, and why."""
         if key is not None and self._soonest:
             delay, transition = self._soonest
+            due = key if isinstance(key, int) else hold.due if hold else None
             if delay == 0:
                 return "in any case", transition
-            if isinstance(key, int) and delay <= key:
+            if due is not None and delay <= due:
                 return "after the same or a shorter time", transition
-        return ("on the same condition", self._same[key]) if key in self._same else None
+        for transition in self._same.get(key, ()):
+            if _is_shorter(transition.hold, hold):
+                return "on the same condition", transition
+        return None
+
+
+def _is_shorter(first: Delay | None, second: Delay | None) -> bool:
+    """Return whether a condition has certainly held long enough for `first` if it has for `second`."""
+    if first is None or first == second:
+        return True
+    return second is not None and first.due is not None and second.due is not None and first.due <= second.due
 
 
 def _livelock(report: Reporter, transition: Transition) -> None:

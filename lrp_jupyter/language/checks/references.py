@@ -15,9 +15,20 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.checks.creations import new_event, new_machine, new_state, new_variable
 from lrp_jupyter.language.checks.report import Reporter, replace
-from lrp_jupyter.language.program import Edit, Event, Fix, Name, Span, Spawn, Transition, path_text
+from lrp_jupyter.language.program import (
+    Edit,
+    Event,
+    Fix,
+    Name,
+    Span,
+    Spawn,
+    Transition,
+    Variable,
+    path_text,
+)
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
 from lrp_jupyter.language.spellings import ANY_WORDS, NO_EVENTS
+from lrp_jupyter.language.triggers import InState
 
 _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 """Matches a form from its bracket to its keyword, across comments."""
@@ -114,6 +125,24 @@ class _References:
             start = self._state("LRP305", noun.state, machine)
             known = start if start in machine.states else None
             self.links.spawned.append(MeantSpawn(noun, scope, state, machine, known))
+            self._settings(noun, machine)
+
+    def _settings(self, noun: Spawn, machine: Scope) -> None:
+        first: dict[str, Variable] = {}
+        for setting in noun.settings:
+            name = setting.name
+            before = first.setdefault(str(name), setting)
+            if before is not setting:
+                line = self.report.line(before.name.span)
+                message = f"This spawn sets `{name}` already, in line {line}, and only the first one counts."
+                fix = Fix("Remove it", (Edit(*setting.span, ""),))
+                self.report.add("LRP201", name.span, f"{message} Remove this one.", fix)
+            elif name not in machine.variables:
+                problem = f"`{machine.name}` has no variable `{name}`"
+                remedy = f"Define `(var {name} := [value])` in it"
+                creates = new_variable(self.report, name, around=machine.noun)
+                known = machine.variables.keys() - {str(other.name) for other in noun.settings}
+                self.report.unknown("LRP311", name, problem, known, remedy, creates)
 
     def _arrow(self, arrow: Arrow, around: list[Scope]) -> MeantArrow:
         before = len(self.report.findings)
@@ -128,8 +157,13 @@ class _References:
             kind, name = noun.trigger.reference
             if kind == "event":
                 event = self._event(arrow, name)
+            elif kind == "machine":
+                self._watched(arrow)
             elif arrow.owner is None:
                 self._delay(scope, name)
+        held = noun.hold and noun.hold.reference
+        if held and arrow.unresolved_hold is not None:
+            self._delay(scope, held[1])
         targets = lead(scope, around, noun)
         return MeantArrow(noun, sources, event, targets, len(self.report.findings) == before)
 
@@ -160,6 +194,8 @@ class _References:
         reference = noun.trigger.reference
         if reference is None or arrow.owner is not None or len(noun.sources) != 1 or noun.wildcard:
             return None
+        if isinstance(noun.trigger, InState):
+            return None
         (kind, first), second = reference, noun.sources[0]
         known = scope.visible_events if kind == "event" else scope.visible
         if first not in scope.states or second in scope.states or second not in known:
@@ -189,12 +225,51 @@ class _References:
             message = f"`{name}` is a variable, not an event. Write `[{name}]` to test it."
             self.report.add("LRP301", name.span, message, replace(name.span, f"[{name}]"))
             return None
+        machines = scope.machines_called(name)
+        if machines:
+            example = f"{name}.{next(iter(machines[0].states), 'STATE')}"
+            message = f"`{name}` is a machine, not an event. Write the state to wait for: `{example}`."
+            self.report.add("LRP301", name.span, message)
+            return None
         remedy = NO_EVENTS.get(name.lower(), "").rstrip(".") or f"Define `(event {name} […])`"
         remedy = self._elsewhere(lambda other: name in other.events) or remedy
         problem = f"There is no event `{name}` here"
         creates = new_event(self.report, scope.noun, name)
         meant = self.report.unknown("LRP301", name, problem, scope.visible_events, remedy, creates)
         return scope.event(meant) if meant else None
+
+    def _watched(self, arrow: Arrow) -> None:
+        """Report an unknown machine or state of a machine as a condition."""
+        noun, scope, trigger = arrow.noun, arrow.scope, arrow.noun.trigger
+        assert isinstance(trigger, InState)
+        name, state = trigger.machine, trigger.state
+        sources = list(filter(noun.leaves, scope.states))
+        machines = list(dict.fromkeys(arrow.watched.values()))
+        if not sources:  # a finding by itself
+            machines += scope.machines_called(name)
+        if machines:
+            states = [known for machine in machines for known in machine.states]
+            if state not in states:
+                problem, remedy = f"`{name}` has no state `{state}`", f"Define `(state {state})` in it"
+                creates = new_state(self.report, machines[0].noun, state)
+                self.report.unknown("LRP310", state, problem, states, remedy, creates)
+            return
+        whole = Span(name.span.start, state.span.end)
+        if name in scope.visible or name in self.report.names or name == "robot":
+            text = f"[{name}.{state}]"
+            message = f"`{name}` is not a machine. Write `{text}` to test its `{state}`."
+            self.report.add("LRP309", whole, message, replace(whole, text))
+            return
+        problem = f"There is no machine `{name}` that can be spawned there"
+        known = {machine for source in sources for machine in scope.spawnable(source)}
+        if name in scope.path[::2]:
+            remedy, creates = "A machine can wait only for one that its own states spawn", None
+        else:
+            elsewhere = self._elsewhere(lambda other: other.name == name)
+            remedy = elsewhere or f"Define `(machine {name} …)`"
+            around = scope.states[sources[0]] if len(sources) == 1 else None
+            creates = new_machine(self.report, around, name, state)
+        self.report.unknown("LRP309", name, problem, known, remedy, creates)
 
     def _delay(self, scope: Scope, name: Name) -> None:
         if name in self.report.names:
@@ -236,8 +311,16 @@ class _References:
             message = f"{problem}. Write `(on …)`."
             self.report.add("LRP306", name.span, message, fix)
             return inside
-        if targets:
+        lacking = [outer for outer in around if name not in outer.states]
+        if not lacking:
             return targets
+        if targets:
+            others = " and ".join(f"`{outer.name}`" for outer in lacking)
+            message = f"`{scope.name}` is also spawned in {others}, where there is no `{name}`"
+            creates = new_state(self.report, lacking[0].noun, name)
+            remedy = f"Define `(state {name})` there"
+            self.report.add("LRP306", name.span, f"{message}. {remedy}.", creates=creates)
+            return targets + [(outer, str(name)) for outer in lacking]
         problem = f"`exit` leads to a state of {machines}, where there is no `{name}`"
         known = [state for outer in around for state in outer.states]
         remedy, creates = f"Define `(state {name})` there", new_state(self.report, around[0].noun, name)

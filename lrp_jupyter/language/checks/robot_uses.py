@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from lrp_jupyter.language.checks.report import nearest, replace
-from lrp_jupyter.language.checks.uses import Argument, Other, RobotCall, RobotUse, robot_uses
+from lrp_jupyter.language.checks.uses import Argument, NameUse, Other, RobotCall, uses_of
 from lrp_jupyter.language.program import Edit, Fix, Span
 from lrp_jupyter.language.robot_members import Parameters, RobotMember, RobotMembers
 from lrp_jupyter.language.triggers import Purpose
@@ -34,10 +34,10 @@ _USED = frozenset({"compared", "computed", "tested", "value"})
 @lru_cache(maxsize=20_000)
 def suspicious_uses(
     text: str, members: RobotMembers, purpose: Purpose
-) -> tuple[tuple[RobotUse, Remedied | None], ...]:
+) -> tuple[tuple[NameUse, Remedied | None], ...]:
     """Return the uses of the robot in a block that are wrong, and those that depend on a variable."""
     found = []
-    for use in robot_uses(text):
+    for use in uses_of("robot", text):
         remedied = check_robot(use, members, purpose, lambda _: False)
         if remedied or (use.call and any(argument.root for argument in use.call.arguments)):
             found.append((use, remedied))
@@ -45,7 +45,7 @@ def suspicious_uses(
 
 
 def check_robot(
-    use: RobotUse, members: RobotMembers, purpose: Purpose, is_number: Callable[[str], bool]
+    use: NameUse, members: RobotMembers, purpose: Purpose, is_number: Callable[[str], bool]
 ) -> Remedied | None:
     """Return what is wrong with a use of the robot; `is_number`: whether a variable is a number at first."""
     if purpose == "action" and use.role == "value":  # nothing uses the value of an action
@@ -71,13 +71,13 @@ def check_robot(
     return _part(use, members, path, is_condition) if path else None
 
 
-def _command(use: RobotUse, member: RobotMember) -> Remedied:
+def _command(use: NameUse, member: RobotMember) -> Remedied:
     path = f"robot.{member.path}"
     message = f"`{path}` does something and has no value. Call it in an action, and write a test here."
     return Remedied("LRP505", use.span, message)
 
 
-def _unknown(use: RobotUse, members: RobotMembers, around: str, index: int) -> Remedied:
+def _unknown(use: NameUse, members: RobotMembers, around: str, index: int) -> Remedied:
     name, span, known = use.names[index], use.spans[index], members.inside(around)
     what = f"robot.{around}".rstrip(".")
     elsewhere = list(members.named(name))
@@ -97,7 +97,7 @@ def _unknown(use: RobotUse, members: RobotMembers, around: str, index: int) -> R
     return Remedied("LRP520", span, message, replace(span, meant))
 
 
-def _by_arguments(use: RobotUse, members: RobotMembers, around: str) -> str | None:
+def _by_arguments(use: NameUse, members: RobotMembers, around: str) -> str | None:
     """Return the only method that has the arguments of a call, as `move` for `drive(linear=1)`."""
     used = {argument.name for argument in use.call.arguments} if use.call else set()
     found = [
@@ -110,7 +110,7 @@ def _by_arguments(use: RobotUse, members: RobotMembers, around: str) -> str | No
     return found[0] if used and len(found) == 1 else None
 
 
-def _part(use: RobotUse, members: RobotMembers, path: str, is_condition: bool) -> Remedied | None:
+def _part(use: NameUse, members: RobotMembers, path: str, is_condition: bool) -> Remedied | None:
     known = members.inside(path)
     end = use.span.end
     readings = [name for name in known if members.members.get(f"{path}.{name}", _METHOD).parameters is None]
@@ -138,7 +138,7 @@ def _part(use: RobotUse, members: RobotMembers, path: str, is_condition: bool) -
 _METHOD = RobotMember("", parameters=Parameters("()"))
 
 
-def _inside_method(use: RobotUse, member: RobotMember, index: int) -> Remedied:
+def _inside_method(use: NameUse, member: RobotMember, index: int) -> Remedied:
     assert member.parameters is not None
     path = f"robot.{member.path}"
     name, span = use.names[index + 1], use.spans[index + 1]
@@ -146,7 +146,7 @@ def _inside_method(use: RobotUse, member: RobotMember, index: int) -> Remedied:
     return Remedied("LRP520", span, message)
 
 
-def _inside_reading(use: RobotUse, member: RobotMember, index: int) -> Remedied | None:
+def _inside_reading(use: NameUse, member: RobotMember, index: int) -> Remedied | None:
     name, span = use.names[index + 1], use.spans[index + 1]
     kind = _TYPES.get(member.type)
     if kind is None or hasattr(kind, name):
@@ -157,7 +157,7 @@ def _inside_reading(use: RobotUse, member: RobotMember, index: int) -> Remedied 
     return Remedied("LRP520", span, message, fix)
 
 
-def _reading(use: RobotUse, member: RobotMember, is_condition: bool) -> Remedied | None:
+def _reading(use: NameUse, member: RobotMember, is_condition: bool) -> Remedied | None:
     path, kind = f"robot.{member.path}", _KINDS.get(member.type, "")
     if use.role == "called":
         assert use.call is not None
@@ -219,7 +219,7 @@ def _is_number(text: str) -> bool:
 
 
 def _method(
-    use: RobotUse, member: RobotMember, parameters: Parameters, is_number: Callable[[str], bool]
+    use: NameUse, member: RobotMember, parameters: Parameters, is_number: Callable[[str], bool]
 ) -> Remedied | None:
     path = f"robot.{member.path}"
     call = f"{path}{parameters.text}"
@@ -246,7 +246,7 @@ def _method(
 
 
 def _arguments(
-    use: RobotUse, call: RobotCall, path: str, parameters: Parameters, is_number: Callable[[str], bool]
+    use: NameUse, call: RobotCall, path: str, parameters: Parameters, is_number: Callable[[str], bool]
 ) -> Remedied | None:
     known = parameters.fields | set(parameters.names)
     plain = [argument for argument in call.arguments if not argument.name]
@@ -303,7 +303,7 @@ def _not_a_number(argument: Argument) -> Remedied:
 
 
 def _by_position(
-    use: RobotUse,
+    use: NameUse,
     call: RobotCall,
     path: str,
     parameters: Parameters,

@@ -1,4 +1,4 @@
-"""The uses of `robot` in a block, and what is done with each."""
+"""The uses of a name in a block, such as `robot`, and what is done with each."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ class Other(NamedTuple):
     value: object
 
 
-class RobotUse(NamedTuple):
-    """A use of the robot, with the names after it: ``("light", "data")``.
+class NameUse(NamedTuple):
+    """A use of a name, with the names after it: ``("light", "data")`` for ``robot.light.data``.
 
     `is_value`: whether the call is the value of the block.
     """
@@ -71,10 +71,10 @@ _LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number
 
 
 @lru_cache(maxsize=20_000)
-def robot_uses(text: str) -> tuple[RobotUse, ...]:
-    """Return the uses of the name `robot` in a block, in no particular order; none if the block binds it."""
-    block = scanned(text, ["robot"])
-    if block is None or any(use.writes and use.name == "robot" for use in block.names.found):
+def uses_of(name: str, text: str) -> tuple[NameUse, ...]:
+    """Return the uses of a name in a block, in no particular order; none if the block binds it."""
+    block = scanned(text, [name])
+    if block is None or any(use.writes and use.name == name for use in block.names.found):
         return ()
     parents: dict[ast.AST, ast.AST] = {}
     found = []
@@ -87,11 +87,11 @@ def robot_uses(text: str) -> tuple[RobotUse, ...]:
             for child in children([node]):
                 parents[child] = node
                 after.append(child)
-                if isinstance(child, ast.Name) and child.id == "robot" and isinstance(child.ctx, ast.Load):
+                if isinstance(child, ast.Name) and child.id == name and isinstance(child.ctx, ast.Load):
                     found.append(child)
         level = after
     reader = _Uses(parents, block)
-    return tuple(reader.use(name) for name in found)
+    return tuple(map(reader.use, found))
 
 
 class _Uses:
@@ -99,7 +99,7 @@ class _Uses:
         self.parents, self.block, self.span = parents, block, block.span
         self.last = block.tree.body[-1] if block.tree.body else None
 
-    def use(self, name: ast.Name) -> RobotUse:
+    def use(self, name: ast.Name) -> NameUse:
         node: ast.expr = name
         names, spans = [], []
         while isinstance(parent := self.parents[node], ast.Attribute):
@@ -107,7 +107,7 @@ class _Uses:
             end = self.span(node).end
             names.append(node.attr)
             spans.append(Span(end - len(node.attr), end))
-        use = RobotUse(self.span(node), tuple(names), tuple(spans), "read")
+        use = NameUse(self.span(node), tuple(names), tuple(spans), "read")
         if isinstance(parent, ast.Call) and parent.func is node:
             is_value = self.role(parent, self.parents[parent]) == "value"
             return use._replace(role="called", call=self.call(parent, use.span.end), is_value=is_value)

@@ -1,0 +1,209 @@
+"""Names in blocks that mean an event, a machine or a time: what hides them, and what they cannot do.
+
+Paper: §5.1.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lrp_jupyter.errors import Edit, Fix
+from lrp_jupyter.language.blocks.builtin_names import TIMES
+from lrp_jupyter.language.checks.block_facts import facts_of
+from lrp_jupyter.language.checks.defined_names import BUILTINS
+from lrp_jupyter.language.checks.report import Reporter, replace
+from lrp_jupyter.language.checks.uses import NameUse, uses_of
+from lrp_jupyter.language.program import Event, Name, Span, Variable
+from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
+
+
+def means(place: PlacedBlock, name: str, outside: frozenset[str]) -> bool:
+    """Return whether a name means an event, a machine or a time in a block; `outside` is the notebook's."""
+    if name in place.visible or name in outside:
+        return False
+    return name in TIMES or place.event(name) is not None or bool(place.machines(name))
+
+
+def meanings(place: PlacedBlock, names: Resolution) -> Iterator[str]:
+    """Yield the names that mean an event, a machine or a time in a block."""
+    everything = names.computed[0] | names.computed[1]
+    return (name for name in sorted(everything) if means(place, name, frozenset()))
+
+
+def check_computed(report: Reporter, names: Resolution) -> None:
+    """Report what is wrong with the uses of events, machines and times in blocks."""
+    _Computed(report, names).check()
+
+
+class _Computed:
+    def __init__(self, report: Reporter, names: Resolution) -> None:
+        self.report, self.names, self.outside = report, names, frozenset(report.names)
+        self.told: set[Name] = set()
+        """The definitions that hide something and are reported."""
+        self.read: dict[tuple[Scope, str], list[tuple[Scope, str]]] = {}
+        """The events that the block of each event reads."""
+
+    def check(self) -> None:
+        events, machines = self.names.computed
+        for scope in self.names.scopes:
+            defined: tuple[Variable | Event, ...] = (*scope.variables.values(), *scope.events.values())
+            for noun in defined:
+                if noun.name in TIMES:
+                    self._hides_time(noun.name, "event" if isinstance(noun, Event) else "variable")
+        for place in self.names.all_blocks:
+            for name in {word.name for word in facts_of(place.block.text).reads}:
+                if name not in events and name not in machines:
+                    continue
+                if name in place.visible:
+                    self._hidden(place, name)
+                elif means(place, name, self.outside):
+                    self._uses(place, name)
+        self._cycles()
+
+    # What is hidden
+
+    def _hides_time(self, name: Name, kind: str) -> None:
+        since = "the state was entered" if name == "elapsed" else "the last tick"
+        message = f"The {kind} `{name}` hides the seconds since {since} from all blocks here."
+        self.report.add("LRP208", name.span, f"{message} Give it another name.")
+
+    def _hidden(self, place: PlacedBlock, name: str) -> None:
+        """Report a variable that hides an event or a machine from a block that names it."""
+        variable = place.visible[name].variables[name].name
+        event, machines = place._replace(visible={}).event(name), place.scope.machines_called(name)
+        first: Name | None = None
+        if event is not None:
+            kind, first = "event", event.events[name].name
+        elif machines and any(use.names for use in uses_of(name, place.block.text)):
+            kind, first = "machine", machines[0].name
+        if first is not None:
+            where = f"the {kind} `{name}` of line {self.report.line(first.span)} from the block in line"
+            self._tell("LRP207", variable, f"The variable `{name}` hides {where} {self._line(place)}")
+
+    def _tell(self, code: str, name: Name, problem: str) -> None:
+        if not any(name is told for told in self.told):
+            self.told.add(name)
+            self.report.add(code, name.span, f"{problem}. Give one of them another name.")
+
+    def _line(self, place: PlacedBlock) -> int:
+        return self.report.line(place.block.span)
+
+    # What is used
+
+    def _uses(self, place: PlacedBlock, name: str) -> None:
+        owner, machines = place.event(name), place.machines(name)
+        if name == "robot":
+            kind, noun = ("event", owner.events[name].name) if owner else ("machine", machines[0].name)
+            self._tell("LRP203", noun or Name(name), f"The {kind} `robot` hides the robot from blocks")
+            return
+        if owner is not None:
+            if machines:
+                problem = f"`{name}` is an event and a machine, and in blocks the name alone is the event"
+                self._tell("LRP207", owner.events[name].name, problem)
+            if place.element.kind == "event":
+                key = place.scope, place.element.path[-1]
+                self.read.setdefault(key, []).append((owner, name))
+        for use in uses_of(name, place.block.text):
+            if machines and use.names:
+                self._member(place, name, use, machines)
+            elif not use.names:
+                self._alone(place, name, use, owner is None and bool(machines))
+
+    def _alone(self, place: PlacedBlock, name: str, use: NameUse, is_machine: bool) -> None:
+        """Check the use of a name without a member."""
+        stated = use.role == "stated" or (use.role == "value" and place.purpose == "action")
+        if use.role == "called" and use.call is not None:
+            if name not in BUILTINS:
+                self._called(place, name, use, is_machine)
+        elif stated:
+            message = f"This only names `{name}` and does nothing. Use its value, or remove it."
+            self._add("LRP507", place, use.span, message)
+        elif is_machine and use.role in ("compared", "tested", "computed", "value"):
+            fix = None
+            if use.other is not None and use.other.kind == "text":
+                at = place.block.at(Span(use.span.end, use.span.end))
+                fix = Fix(f"Change to `{name}.state`", (Edit(*at, ".state"),))
+            message = f"`{name}` is a machine. Compare its state: `{name}.state`."
+            self._add("LRP533", place, use.span, message, fix)
+
+    def _called(self, place: PlacedBlock, name: str, use: NameUse, is_machine: bool) -> None:
+        assert use.call is not None
+        fix = None
+        if is_machine:
+            what, remedy = "a machine", f"`(spawn {name} STATE)` in an `onentry` runs it"
+        else:
+            what = "a number of seconds" if place.event(name) is None else "an event"
+            remedy = f"Write `{name}`"
+            if not use.call.arguments and not use.call.is_open:
+                fix = Fix(f"Change to `{name}`", (Edit(*place.block.at(use.call.brackets), ""),))
+        self._add("LRP502", place, use.span, f"`{name}` is {what}, not a function. {remedy}.", fix)
+
+    def _member(self, place: PlacedBlock, name: str, use: NameUse, machines: tuple[Scope, ...]) -> None:
+        """Check the use of a member of a machine."""
+        member, span = use.names[0], use.spans[0]
+        whole = Span(span.start - len(name) - 1, span.end)
+        states = [state for machine in machines for state in machine.states]
+        variables = [variable for machine in machines for variable in machine.variables]
+        if use.role in ("assigned", "deleted") and len(use.names) == 1:
+            remedy = f"Assign `{member}` inside `{name}`"
+            if member == "state":
+                remedy = f"A transition of `{name}` enters another state"
+            message = f"`{name}.{member}` can only be read here. {remedy}."
+            self._add("LRP534", place, use.span, message)
+        elif member == "state":
+            self._compared_state(place, name, use, states)
+        elif member not in variables and not member.startswith("__"):
+            problem = f"`{name}` has no variable `{member}`"
+            if member in states:
+                text = f'{name}.state == "{member}"'
+                is_test = len(use.names) == 1 and use.role in ("tested", "value")
+                fix = replace(place.block.at(use.span), text) if is_test else None
+                message = f"`{member}` is a state of `{name}`, not a variable. Write `{text}`."
+                self._add("LRP532", place, whole, message, fix)
+                return
+            meant = self.report.nearest(member, [*variables, "state"])
+            remedy = f"Did you mean `{meant}`?" if meant else f"Define `(var {member} := [value])` in it."
+            fix = replace(place.block.at(span), meant) if meant else None
+            self._add("LRP532", place, span, f"{problem}. {remedy}", fix)
+
+    def _compared_state(self, place: PlacedBlock, name: str, use: NameUse, states: list[str]) -> None:
+        other = use.other
+        if len(use.names) > 1 or other is None or other.sign not in ("==", "!=") or other.value in states:
+            return
+        meant = self.report.nearest(other.value, states) if isinstance(other.value, str) else None
+        fix, remedy = None, "Write the name of one of its states"
+        if meant is not None:
+            quote = place.block.text[other.span.end - 1]
+            fix = replace(place.block.at(other.span), f"{quote}{meant}{quote}")
+            remedy = f"Did you mean `{meant}`?"
+        shown = place.block.text[slice(*other.span)].replace("`", "'")
+        message = f"`{name}` has no state `{shown}`. {remedy}"
+        self._add("LRP535", place, other.span, message if meant else f"{message}.", fix)
+
+    def _add(self, code: str, place: PlacedBlock, span: Span, message: str, fix: Fix | None = None) -> None:
+        self.report.add(code, place.block.at(span), message, fix)
+
+    # What cannot end
+
+    def _cycles(self) -> None:
+        """Report events whose blocks read each other in a circle."""
+        done: set[tuple[Scope, str]] = set()
+        for first in self.read:
+            path = [first]
+            waiting = [iter(self.read[first])] if first not in done else []
+            while waiting:
+                event = next(waiting[-1], None)
+                if event is None:
+                    waiting.pop()
+                    done.add(path.pop())
+                elif event in path:
+                    self._cycle(path[path.index(event) :])
+                elif event not in done:
+                    path.append(event)
+                    waiting.append(iter(self.read.get(event, ())))
+
+    def _cycle(self, events: list[tuple[Scope, str]]) -> None:
+        scope, name = events[0]
+        through = ", ".join(f"`{each}`" for _, each in [*events[1:], events[0]])
+        message = f"The event `{name}` reads {through}, and so itself. Remove one of these reads."
+        self.report.add("LRP312", scope.events[name].name.span, message)
