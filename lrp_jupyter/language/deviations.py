@@ -28,9 +28,17 @@ DEVIATIONS = (
     ),
     Deviation(
         "§3.1",
-        "Several spawns, at the top level and in states, run side by side in the same loop, but no machine "
-        "runs twice at a time.",
-        "The paper leaves concurrent machines to future work (§9).",
+        "Several spawns, at the top level and in states, run side by side in the same loop. A machine runs "
+        "once in each state that spawns it, with its own variables, and never inside itself.",
+        "The paper leaves concurrent machines to future work (§9); a behaviour that is used several times "
+        "should be written once.",
+    ),
+    Deviation(
+        "§3.1",
+        "In a block, the name of an event is the value of its block, and the name of a machine gives its "
+        "active state and its variables.",
+        "In the paper only transitions use events, so that a condition would have to be written twice. The "
+        "value is computed only where it is used, as §5.1.1 does for transitions.",
     ),
     Deviation(
         "§3.1",
@@ -68,6 +76,13 @@ DEVIATIONS = (
         "`exit`, inline conditions, `{…}` and `*-{…}` sources, `onpause`, `onresume`, delay expressions, "
         "top-level events, several blocks in one action and comments are additions.",
         "Some are plans of the paper (§9), and later programs by its authors call for others.",
+    ),
+    Deviation(
+        "§3.2",
+        "The state of a machine as a condition (`MACHINE.STATE`), conditions that must hold (`for`), the "
+        "`effect` of a transition, settings of a spawn, `elapsed` and `dt` are additions, too.",
+        "Without them, programs need states that only report an end, measure a time or do what belongs to a "
+        "transition, and copies of machines that differ in a number.",
     ),
     Deviation(
         "§3.2",
@@ -158,8 +173,8 @@ DEVIATIONS = (
     ),
     Deviation(
         "§6.1",
-        "Editing an initialiser reinitialises its variable and those that are computed from it; an "
-        "assignment changes one variable only.",
+        "Editing an initialiser, or the setting of a spawn, reinitialises its variable and those that are "
+        "computed from it; an assignment changes one variable only.",
         "In §4 an increased `maxlook` widens the sweeps at once, although they are timed by a variable "
         "that is computed from it.",
     ),
@@ -199,8 +214,8 @@ DEVIATIONS = (
     ),
     Deviation(
         "§6.4",
-        "A state can be forced even if its machine is not running: the states around it become active, "
-        "without executing their spawns.",
+        "A state can be forced even if its machine is not running: the states around it become active, with "
+        "all the machines that they spawn.",
         "An inner state can thus be tried before anything leads there.",
     ),
     Deviation(

@@ -16,7 +16,7 @@ from support.tables import every
 from lrp_jupyter.language.checks import CODES
 from lrp_jupyter.language.deviations import DEVIATIONS
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Program, State
+from lrp_jupyter.language.program import Program, Spawn, State
 from lrp_jupyter.language.reading.forms import USAGE
 from lrp_jupyter.live.recording import RunStart
 from lrp_jupyter.live.stored.input_lines import INPUTS
@@ -347,7 +347,12 @@ def test_the_examples_of_the_reference_use_the_whole_grammar(examples: list[Prog
     assert {type(each.trigger).__name__ for each in transitions if each.kind == "on"} >= {
         "Occurrence",
         "Condition",
+        "InState",
     }
+    assert any(each.hold for each in transitions)
+    assert any(each.effect for each in transitions)
+    spawned = [item for state in states for item in state.onentry if isinstance(item, Spawn)]
+    assert any(spawn.settings for spawn in spawned)
     assert any(machine.variables for machine in machines)
     assert any(machine.events for machine in machines)
     assert any(program.variables for program in examples)
