@@ -82,6 +82,7 @@ class Scope:
     machines: dict[str, dict[str, Scope]] = field(default_factory=dict)
     visible: dict[str, Scope] = field(default_factory=dict)
     visible_events: dict[str, Scope] = field(default_factory=dict)
+    _called: dict[str, tuple[Scope, ...]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"Scope({self.path!r})"
@@ -113,6 +114,7 @@ class Scope:
         self.machines = {}
         self.visible = {}
         self.visible_events = {}
+        self._called = {}
 
     def outwards(self) -> Iterator[Scope]:
         """Yield itself and what encloses it, up to the top level."""
@@ -145,8 +147,12 @@ class Scope:
 
     def machines_called(self, name: str) -> tuple[Scope, ...]:
         """Return the machines that a name refers to in a block, each as for a spawn by some state."""
-        found = (self.machine(state, name) for state in ("", *self.states))
-        return tuple(dict.fromkeys(machine for machine in found if machine is not None))
+        called = self._called.get(name)
+        if called is None:
+            found = (self.machine(state, name) for state in ("", *self.states))
+            called = tuple(dict.fromkeys(machine for machine in found if machine is not None))
+            self._called[name] = called
+        return called
 
     def _around(self, state: str) -> Iterator[dict[str, Scope]]:
         for scope in self.outwards():

@@ -17,7 +17,7 @@ from lrp_jupyter.language.checks import CODES, Code, check, report
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Machine, Name, Program, Spawn, State, Transition
-from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.language.triggers import Epsilon
 from lrp_jupyter.programs import heading
 
@@ -210,3 +210,12 @@ def test_names_are_compared_within_bounds(monkeypatch):
 def test_a_finding_says_whether_its_name_only_begins_a_known_one(text: str, prefix: bool) -> None:
     (finding,) = check(text)
     assert finding.prefix == prefix
+
+
+def test_the_states_of_a_machine_are_searched_once_for_a_name_in_their_blocks(monkeypatch):
+    looked = []
+    search = Scope.machine
+    monkeypatch.setattr(Scope, "machine", lambda *of: looked.append(of) or search(*of))
+    states = " ".join(f"(state s{i} (running [move.tries + {i}]))" for i in range(300))
+    check(f"(machine m {states}) (machine move (var tries := [0])) (spawn m s0)")
+    assert len(looked) < 1000

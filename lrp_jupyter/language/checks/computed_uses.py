@@ -5,7 +5,8 @@ Paper: §5.1.1.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import ChainMap
+from collections.abc import Mapping
 
 from lrp_jupyter.errors import Edit, Fix
 from lrp_jupyter.language.blocks.builtin_names import TIMES
@@ -24,10 +25,10 @@ def means(place: PlacedBlock, name: str, outside: frozenset[str]) -> bool:
     return name in TIMES or place.event(name) is not None or bool(place.machines(name))
 
 
-def meanings(place: PlacedBlock, names: Resolution) -> Iterator[str]:
-    """Yield the names that mean an event, a machine or a time in a block."""
-    everything = names.computed[0] | names.computed[1]
-    return (name for name in sorted(everything) if means(place, name, frozenset()))
+def meanings(scope: Scope, names: Resolution) -> tuple[str, ...]:
+    """Return the names that mean an event, a machine or a time in the blocks of a scope."""
+    machines = filter(scope.machines_called, names.computed[1])
+    return (*scope.visible_events, *TIMES, *machines)
 
 
 def check_computed(report: Reporter, names: Resolution) -> None:
@@ -38,8 +39,8 @@ def check_computed(report: Reporter, names: Resolution) -> None:
 class _Computed:
     def __init__(self, report: Reporter, names: Resolution) -> None:
         self.report, self.names, self.outside = report, names, frozenset(report.names)
-        self.told: set[Name] = set()
-        """The definitions that hide something and are reported."""
+        self.told: set[int] = set()
+        """The names, by identity, that hide something and are reported."""
         self.read: dict[tuple[Scope, str], list[tuple[Scope, str]]] = {}
         """The events that the block of each event reads."""
 
@@ -81,8 +82,8 @@ class _Computed:
             self._tell("LRP207", variable, f"The variable `{name}` hides {where} {self._line(place)}")
 
     def _tell(self, code: str, name: Name, problem: str) -> None:
-        if not any(name is told for told in self.told):
-            self.told.add(name)
+        if id(name) not in self.told:
+            self.told.add(id(name))
             self.report.add(code, name.span, f"{problem}. Give one of them another name.")
 
     def _line(self, place: PlacedBlock) -> int:
@@ -142,8 +143,8 @@ class _Computed:
         """Check the use of a member of a machine."""
         member, span = use.names[0], use.spans[0]
         whole = Span(span.start - len(name) - 1, span.end)
-        states = [state for machine in machines for state in machine.states]
-        variables = [variable for machine in machines for variable in machine.variables]
+        states = ChainMap(*(machine.states for machine in machines))
+        variables = ChainMap(*(machine.variables for machine in machines))
         if use.role in ("assigned", "deleted") and len(use.names) == 1:
             remedy = f"Assign `{member}` inside `{name}`"
             if member == "state":
@@ -166,7 +167,9 @@ class _Computed:
             fix = replace(place.block.at(span), meant) if meant else None
             self._add("LRP532", place, span, f"{problem}. {remedy}", fix)
 
-    def _compared_state(self, place: PlacedBlock, name: str, use: NameUse, states: list[str]) -> None:
+    def _compared_state(
+        self, place: PlacedBlock, name: str, use: NameUse, states: Mapping[str, object]
+    ) -> None:
         other = use.other
         if len(use.names) > 1 or other is None or other.sign not in ("==", "!=") or other.value in states:
             return

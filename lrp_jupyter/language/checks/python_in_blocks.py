@@ -42,6 +42,7 @@ class _Python:
         self.blocks = tuple(names.all_blocks)
         self.names = names
         self.outside = frozenset(report.names)
+        self._meant: dict[Scope, tuple[str, ...]] = {}
         self.known = BUILTINS | PROVIDED | self.outside
 
     def check(self) -> None:
@@ -115,7 +116,7 @@ class _Python:
                 continue
             if self._is_undefined(place, name):
                 problem = f"`{name}` is not defined where this block can see it"
-                known = chain(visible, facts.binds), meanings(place, self.names), self.known, _STATEMENTS
+                known = chain(visible, facts.binds), self._meanings(place.scope), self.known, _STATEMENTS
                 self._unknown("LRP502", place, name, span, problem, *known)
         for name, span, _ in facts.nonlocals:
             if name not in visible:
@@ -170,6 +171,11 @@ class _Python:
             for word in facts_of(place.block.text).reads
             if self._is_undefined(place, word.name)
         }
+
+    def _meanings(self, scope: Scope) -> tuple[str, ...]:
+        if scope not in self._meant:
+            self._meant[scope] = meanings(scope, self.names)
+        return self._meant[scope]
 
     def _is_undefined(self, place: PlacedBlock, name: str) -> bool:
         if name in place.visible or name in self.known or name.startswith("__"):

@@ -101,6 +101,7 @@ def _unwatched(report: Reporter, names: Resolution, links: Links) -> None:
     if links.guess:
         return  # a spawn of an unknown machine may mean any
     spawned = {(spawn.scope, spawn.state, spawn.machine) for spawn in links.spawned}
+    spawners = {(spawn.scope, spawn.machine) for spawn in links.spawned}
     for arrow in (arrow for arrows in names.arrows.values() for arrow in arrows):
         trigger, scope, watched = arrow.noun.trigger, arrow.scope, arrow.watched
         if not isinstance(trigger, InState) or not watched or arrow.unresolved_trigger is not None:
@@ -116,8 +117,7 @@ def _unwatched(report: Reporter, names: Resolution, links: Links) -> None:
         else:
             problem = f"`{source}` does not spawn `{machine.name}`"
         problem += ", so this never occurs"
-        around = [*scope.outwards()][1:]
-        if any(spawn.machine is machine and spawn.scope in around for spawn in links.spawned):
+        if any((outer, machine) in spawners for outer in scope.outwards() if outer is not scope):
             text = f'[{trigger.machine}.state == "{trigger.state}"]'
             message = f"{problem}. For the one that runs elsewhere, write `{text}`."
             report.add("LRP409", span, message, replace(span, text))
