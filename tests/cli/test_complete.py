@@ -33,7 +33,7 @@ def asked(words: str) -> dict[str, str]:
         ("lrp programs --show esc", {"escapement"}),
         ("lrp worlds --json ma", {"maze"}),
         ("lrp run follower --noise m", {"motor="}),
-        ("lrp explain LRP30", {f"LRP30{n}" for n in range(1, 9)}),
+        ("lrp explain LRP30", {f"LRP30{n}" for n in range(1, 10)}),
         ("lrp run follower --speed m", {"max"}),
         ("lrp run missing --until ", set()),
     ],

@@ -33,10 +33,10 @@ def meanings(scope: Scope, names: Resolution) -> tuple[str, ...]:
 
 def check_computed(report: Reporter, names: Resolution) -> None:
     """Report what is wrong with the uses of events, machines and times in blocks."""
-    _Computed(report, names).check()
+    _ComputedUses(report, names).check()
 
 
-class _Computed:
+class _ComputedUses:
     def __init__(self, report: Reporter, names: Resolution) -> None:
         self.report, self.names, self.outside = report, names, frozenset(report.names)
         self.told: set[int] = set()
