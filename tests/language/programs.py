@@ -32,6 +32,8 @@ VALUES = [
     "# a comment ]\n  1 # and ] another\n",
     "'''\n ]\n   '''",
     "lambda x: x[0]",
+    "a.state == 'b' and elapsed > dt",
+    "moving.x1 or on",
     "x := 5 if a else 2",
 ]
 ACTIONS = [
@@ -44,6 +46,7 @@ ACTIONS = [
     "a = 1; b = \\\n  2",
     "if a: b = 1\n\telif_ = 3".replace("elif_", "x"),
     "return [a\n,b]",
+    "a.b = end(état)",
     "with a as b:\n\n  # deep\n    pass\n",
 ]
 names = st.sampled_from(NAMES).map(Name)

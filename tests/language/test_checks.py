@@ -13,6 +13,7 @@ from support.tables import every
 
 import lrp_jupyter
 from lrp_jupyter.errors import MOST_FINDINGS
+from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.checks import CODES, Code, check, report
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
@@ -154,6 +155,20 @@ def test_every_reference_that_does_not_resolve_is_an_error_in_its_form(program: 
         dangling += [each.noun.span for each in arrows if each.unresolved_trigger or each.unresolved_hold]
     for span in dangling:
         assert any(span.start <= start < span.end for start in errors)
+
+
+@given(programs)
+def test_what_a_run_finds_no_meaning_for_is_a_finding(program: Program) -> None:
+    program = parse(to_source(program))
+    interpreter = Interpreter(program)
+    for tick in range(3):
+        interpreter.step(tick / 10)
+    codes = {finding.code for finding in check(program)}
+    for issue in interpreter.issues:
+        if issue.kind.startswith("unknown "):
+            assert any(code.startswith(("LRP3", "LRP50")) for code in codes), issue
+        if issue.kind == "already running":
+            assert codes & {"LRP407", "LRP408"}, issue
 
 
 def test_a_program_put_together_by_hand_can_be_checked() -> None:
