@@ -211,6 +211,9 @@ def test_names_are_compared_within_bounds(monkeypatch):
     assert 0 < sum(compared) < 2 * report.COMPARED
 
 
+N = "(machine n (var tries := [0]) (state x) (state reached) (eps x -> reached))"
+
+
 @every(
     ("text", "prefix"),
     [
@@ -218,6 +221,9 @@ def test_names_are_compared_within_bounds(monkeypatch):
         ("(machine m (state moving) (state b) (ontime 5 b -> movign)) (spawn m b)", False),
         ("(var speed := [1]) (machine m (state a (running [sp]))) (spawn m a)", True),
         ("(var speed := [1]) (machine m (state a (running [speeed]))) (spawn m a)", False),
+        (f"(machine m (state a (onentry (spawn n x))) (state b) (on n.reach a -> b)) {N} (spawn m a)", True),
+        (f"(machine m (state a (onentry (spawn n x)) (running [print(n.tr)]))) {N} (spawn m a)", True),
+        (f"(machine m (state a (onentry (spawn n x)) (running [print(n.tires)]))) {N} (spawn m a)", False),
         ("(machine m (stat a)) (spawn m a)", True),
         ("(machine m (stata a)) (spawn m a)", False),
     ],

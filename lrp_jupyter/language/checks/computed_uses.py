@@ -31,6 +31,10 @@ def meanings(scope: Scope, names: Resolution) -> tuple[str, ...]:
     return (*scope.visible_events, *TIMES, *machines)
 
 
+def _is_lost(place: PlacedBlock, use: NameUse) -> bool:
+    return use.role == "stated" or (use.role == "value" and place.purpose == "action")
+
+
 def check_computed(report: Reporter, names: Resolution) -> None:
     """Report what is wrong with the uses of events, machines and times in blocks."""
     _ComputedUses(report, names).check()
@@ -112,13 +116,11 @@ class _ComputedUses:
 
     def _alone(self, place: PlacedBlock, name: str, use: NameUse, is_machine: bool) -> None:
         """Check the use of a name without a member."""
-        stated = use.role == "stated" or (use.role == "value" and place.purpose == "action")
         if use.role == "called" and use.call is not None:
             if name not in BUILTINS:
                 self._called(place, name, use, is_machine)
-        elif stated:
-            message = f"This only names `{name}` and does nothing. Use its value, or remove it."
-            self._add("LRP507", place, use.span, message)
+        elif _is_lost(place, use):
+            self._lost(place, use)
         elif is_machine and use.role in ("compared", "tested", "computed", "value"):
             fix = None
             if use.other is not None and use.other.kind == "text":
@@ -126,6 +128,11 @@ class _ComputedUses:
                 fix = Fix(f"Change to `{name}.state`", (Edit(*at, ".state"),))
             message = f"`{name}` is a machine. Compare its state: `{name}.state`."
             self._add("LRP533", place, use.span, message, fix)
+
+    def _lost(self, place: PlacedBlock, use: NameUse) -> None:
+        text = place.block.text[slice(*use.span)]
+        message = f"This only names `{text}` and does nothing. Use its value, or remove it."
+        self._add("LRP507", place, use.span, message)
 
     def _called(self, place: PlacedBlock, name: str, use: NameUse, is_machine: bool) -> None:
         assert use.call is not None
@@ -151,6 +158,10 @@ class _ComputedUses:
                 remedy = f"A transition of `{name}` enters another state"
             message = f"`{name}.{member}` can only be read here. {remedy}."
             self._add("LRP534", place, use.span, message)
+        elif member == "state" and place.purpose == "condition" and use.role == "value":
+            text = f'{name}.state == "{next(iter(states), "STATE")}"'
+            message = f"A condition must be a truth value, not the name of a state. Compare it: `{text}`."
+            self._add("LRP508", place, use.span, message)
         elif member == "state":
             self._compared_state(place, name, use, states)
         elif member not in variables and not member.startswith("__"):
@@ -165,12 +176,17 @@ class _ComputedUses:
             meant = self.report.nearest(member, [*variables, "state"])
             remedy = f"Did you mean `{meant}`?" if meant else f"Define `(var {member} := [value])` in it."
             fix = replace(place.block.at(span), meant) if meant else None
-            self._add("LRP532", place, span, f"{problem}. {remedy}", fix)
+            prefix = any(known.startswith(member) for known in (*variables, "state"))
+            self._add("LRP532", place, span, f"{problem}. {remedy}", fix, prefix)
+        elif _is_lost(place, use):
+            self._lost(place, use)
 
     def _compared_state(
         self, place: PlacedBlock, name: str, use: NameUse, states: Mapping[str, object]
     ) -> None:
         other = use.other
+        if _is_lost(place, use):
+            self._lost(place, use)
         if len(use.names) > 1 or other is None or other.sign not in ("==", "!=") or other.value in states:
             return
         meant = self.report.nearest(other.value, states) if isinstance(other.value, str) else None
@@ -181,10 +197,19 @@ class _ComputedUses:
             remedy = f"Did you mean `{meant}`?"
         shown = place.block.text[slice(*other.span)].replace("`", "'")
         message = f"`{name}` has no state `{shown}`. {remedy}"
-        self._add("LRP535", place, other.span, message if meant else f"{message}.", fix)
+        prefix = any(known.startswith(str(other.value)) for known in states)
+        self._add("LRP535", place, other.span, message if meant else f"{message}.", fix, prefix)
 
-    def _add(self, code: str, place: PlacedBlock, span: Span, message: str, fix: Fix | None = None) -> None:
-        self.report.add(code, place.block.at(span), message, fix)
+    def _add(
+        self,
+        code: str,
+        place: PlacedBlock,
+        span: Span,
+        message: str,
+        fix: Fix | None = None,
+        prefix: bool = False,
+    ) -> None:
+        self.report.add(code, place.block.at(span), message, fix, prefix)
 
     # What cannot end
 

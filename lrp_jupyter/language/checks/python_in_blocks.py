@@ -204,10 +204,19 @@ class _Python:
             remedy = f"`{name}` is not imported. Write `import {name}` before it."
             remedy, meant = unimported(place.block.text, span.start) or remedy, None
             creatable = False
+        elif machine := self._machine_in(place, name):
+            remedy, meant = f"`{name}` is a state of `{machine}`. Write its name in quotes.", f'"{name}"'
+            creatable = False
         elif meant:
             remedy = f"{problem}. Did you mean `{meant}`?"
         creates = new_variable(self.report, name) if creatable else None
         self._add(code, place, span, remedy, meant, prefix=prefix, creates=creates)
+
+    def _machine_in(self, place: PlacedBlock, state: str) -> str | None:
+        """Return the machine with a state of this name whose state the block asks for."""
+        reads = (word.name for word in facts_of(place.block.text).reads)
+        machines = ((name, place.machines(name)) for name in reads if f"{name}.state" in place.block.text)
+        return next((name for name, found in machines if any(state in each.states for each in found)), None)
 
     def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
         """Return what a name is that is out of scope in this block, and a remedy; None for any other name."""
@@ -248,7 +257,8 @@ class _Python:
             if not (used and remark.last):
                 is_name = remark.name in place.visible or self._is_undefined(place, remark.name)
                 fix = "=" if remark.edit and is_name else None
-                remedy = "Write `=` to assign" if remark.edit else "Use its result, or remove it"
+                is_variable = remark.edit and not means(place, remark.name, self.outside)
+                remedy = "Write `=` to assign" if is_variable else "Use its result, or remove it"
                 message = f"This only compares, and the result is not used. {remedy}."
                 self._add("LRP504", place, remark.span, message, fix, remark.edit)
         for remark in facts.uncalled:
