@@ -102,6 +102,52 @@ def test_a_spawn_is_written_even_where_the_start_is_not_certain(text: str, spawn
     assert finding.creates.apply(text) == spawned
 
 
+PARTS = """\
+(machine m
+  (state a{})
+  (state b (onentry (spawn move x (var tries := [1]))))
+  (on {} a -> b)
+  (on move.y b -> a))
+
+(machine move
+  (var tries := [0])
+  (state x)
+  (state y)
+  (on [tries > 2] x -> y))
+
+(machine lamp
+  (state off))
+
+(spawn m a)
+(spawn lamp off)
+"""
+
+
+@every(
+    ("wrong", "right"),
+    [
+        (("", "move.y"), (" (onentry (spawn move x))", "move.y")),
+        (("", "lamp.off"), ("", '[lamp.state == "off"]')),
+        (("", "go.away"), (" (machine go (state away))", "go.away")),
+    ],
+)
+def test_what_a_condition_on_a_machine_lacks_is_created(
+    wrong: tuple[str, str], right: tuple[str, str]
+) -> None:
+    finding = next(each for each in check(PARTS.format(*wrong)) if each.creates)
+    assert finding.creates is not None
+    assert parse(finding.creates.apply(PARTS.format(*wrong))) == parse(PARTS.format(*right))
+
+
+def test_what_a_spawn_sets_is_created_in_its_machine() -> None:
+    text = PARTS.format("", "[True]").replace("(var tries := [1])", "(var keep := [1])")
+    (finding,) = check(text)
+    assert finding.creates is not None
+    assert finding.creates.title == "Create the variable `keep`"
+    created = finding.creates.apply(text)
+    assert "  (var tries := [0])\n  (var keep := [0])\n" in created
+
+
 def test_nothing_is_created_for_a_name_that_something_else_explains() -> None:
     for block in ("sqrt(math.pi)", "full"):
         text = MACHINE.format("(state last (running [found = BLOCK]))".replace("BLOCK", block))

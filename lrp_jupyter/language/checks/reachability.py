@@ -120,7 +120,7 @@ def _unwatched(report: Reporter, names: Resolution, links: Links) -> None:
         if any((outer, machine) in spawners for outer in scope.outwards() if outer is not scope):
             text = f'[{trigger.machine}.state == "{trigger.state}"]'
             message = f"{problem}. For the one that runs elsewhere, write `{text}`."
-            report.add("LRP409", span, message, replace(span, text))
+            report.add("LRP409", span, message, creates=replace(span, text))
         else:
             remedy = f"Put `(spawn {machine.name} {start})` into its `onentry`"
             creates = new_spawn(report, scope.states[source], str(machine.name), str(start))
