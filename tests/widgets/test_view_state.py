@@ -123,10 +123,15 @@ def test_an_issue_names_the_finding_about_the_same_fault_until_it_is_resolved(be
         ("robot.light.data", ("LRP508", "LRP602")),
         ("robot.distanse.data < 1", ("LRP520", "LRP601")),
         ("nothing", ("LRP502", "LRP606")),
+        ("n.y == 3", ("LRP532", "LRP601")),
+        ("n", ("LRP533", "LRP602")),
+        ("n > 1", ("LRP533", "LRP601")),
+        ("n.state", ("LRP508", "LRP602")),
     ],
 )
 def test_a_fault_of_a_block_that_the_checks_found_is_listed_once(bench, block, codes):
     text = "(machine m (state a) (state b)\n  (on [True == False] a -> b))\n(spawn m a)"
+    text += "\n(machine n (state x))\n(spawn n x)"
     lab = bench(text, bridge="sim")
     page = lab.page()
     (finding,) = page.type(text.replace("True == False", block))["findings"]

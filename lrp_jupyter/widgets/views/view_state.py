@@ -61,8 +61,10 @@ _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown 
 """Kinds of issues that a check of the same text reports as `LRP3…`."""
 _IN_BLOCKS: Mapping[str, frozenset[str]] = {
     "unknown variable": frozenset({"LRP502", "LRP503"}),
-    "exception": frozenset({"LRP503", "LRP520", "LRP521", "LRP522", "LRP523", "LRP524", "LRP525"}),
-    "not boolean": frozenset({"LRP505", "LRP508", "LRP522", "LRP524", "LRP527"}),
+    "exception": frozenset(
+        {"LRP503", "LRP520", "LRP521", "LRP522", "LRP523", "LRP524", "LRP525", "LRP312", "LRP532", "LRP533"}
+    ),
+    "not boolean": frozenset({"LRP505", "LRP508", "LRP522", "LRP524", "LRP527", "LRP533"}),
 }
 """The codes of the findings about blocks that say the same as issues of some kinds, in the same line."""
 
