@@ -195,6 +195,7 @@ class _Python:
             meant = None  # of that many names, one is always a little similar
         remedy = f"{problem}. Declare `(var {name} := [value])`."
         creatable = name not in self._variables and not place.scope.event(name)
+        creatable &= name not in self.names.computed[1]
         if elsewhere:
             remedy, meant = f"{problem}. {elsewhere}.", None
         elif self.robot is not None and name in self.robot.inside("") and meant not in place.visible:
@@ -223,6 +224,8 @@ class _Python:
         if place.scope.event(name):
             itself = place.event(name) is None
             return "It is this event itself" if itself else "It is an event, and blocks can only read it"
+        if name in place.scope.path[::2]:
+            return "It is a machine around this block, whose variables are read without its name"
         if name in self._variables:
             scope = self._variables[name]
             if scope.path == place.scope.path[: len(scope.path)]:
@@ -231,6 +234,8 @@ class _Python:
         if name in self._assigned:
             line = self.report.line(self._assigned[name])
             return f"Line {line} sets it only in its own block. Declare `(var {name} := [value])` to keep it"
+        if name in self.names.computed[1]:
+            return "It is a machine that is out of scope here. Move it outward"
         return None
 
     @cached_property
