@@ -56,7 +56,7 @@ class _ComputedUses:
                 if noun.name in TIMES:
                     self._hides_time(noun.name, "event" if isinstance(noun, Event) else "variable")
         for place in self.names.all_blocks:
-            for name in {word.name for word in facts_of(place.block.text).reads}:
+            for name in dict.fromkeys(word.name for word in facts_of(place.block.text).reads):
                 if name not in events and name not in machines:
                     continue
                 if name in place.visible:
@@ -85,10 +85,10 @@ class _ComputedUses:
             where = f"the {kind} `{name}` of line {self.report.line(first.span)} from the block in line"
             self._tell("LRP207", variable, f"The variable `{name}` hides {where} {self._line(place)}")
 
-    def _tell(self, code: str, name: Name, problem: str) -> None:
+    def _tell(self, code: str, name: Name, problem: str, which: str = "one of them") -> None:
         if id(name) not in self.told:
             self.told.add(id(name))
-            self.report.add(code, name.span, f"{problem}. Give one of them another name.")
+            self.report.add(code, name.span, f"{problem}. Give {which} another name.")
 
     def _line(self, place: PlacedBlock) -> int:
         return self.report.line(place.block.span)
@@ -99,7 +99,8 @@ class _ComputedUses:
         owner, machines = place.event(name), place.machines(name)
         if name == "robot":
             kind, noun = ("event", owner.events[name].name) if owner else ("machine", machines[0].name)
-            self._tell("LRP203", noun or Name(name), f"The {kind} `robot` hides the robot from blocks")
+            message = f"The {kind} `robot` hides the robot from blocks"
+            self._tell("LRP203", noun or Name(name), message, "it")
             return
         if owner is not None:
             if machines:
@@ -217,21 +218,22 @@ class _ComputedUses:
         """Report events whose blocks read each other in a circle."""
         done: set[tuple[Scope, str]] = set()
         for first in self.read:
-            path = [first]
-            waiting = [iter(self.read[first])] if first not in done else []
-            while waiting:
-                event = next(waiting[-1], None)
+            path = {first: iter(self.read[first])} if first not in done else {}
+            while path:
+                last = next(reversed(path))
+                event = next(path[last], None)
                 if event is None:
-                    waiting.pop()
-                    done.add(path.pop())
+                    del path[last]
+                    done.add(last)
                 elif event in path:
-                    self._cycle(path[path.index(event) :])
+                    events = list(path)
+                    self._cycle(events[events.index(event) :])
                 elif event not in done:
-                    path.append(event)
-                    waiting.append(iter(self.read.get(event, ())))
+                    path[event] = iter(self.read.get(event, ()))
 
     def _cycle(self, events: list[tuple[Scope, str]]) -> None:
         scope, name = events[0]
-        through = ", ".join(f"`{each}`" for _, each in [*events[1:], events[0]])
+        read = [f"`{each}`" for _, each in [*events[1:], events[0]]]
+        through = ", ".join([*read[:2], "…", read[-1]] if len(read) > 4 else read)
         message = f"The event `{name}` reads {through}, and so itself. Remove one of these reads."
         self.report.add("LRP312", scope.events[name].name.span, message)
