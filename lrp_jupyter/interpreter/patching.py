@@ -135,7 +135,7 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
         if then is None or now is None:  # nothing spawns it any more: it keeps what it has
             then = now = {}
         carrier.carry(act, before.variables, machine.variables, outer.visible, then, now)
-        _carry_holding(act, state, successors)
+        _carry_holding(act, state, successors, renamed)
     run.live = live
     run.rebind()
     if not renamed:
@@ -167,7 +167,7 @@ def _settings(act: Activation, plan: Plan) -> _Settings | None:
     )
 
 
-def _carry_holding(act: Activation, state: StatePlan, successors: Successors) -> None:
+def _carry_holding(act: Activation, state: StatePlan, successors: Successors, renamed: bool) -> None:
     """Keep since when the triggers of transitions hold, unless they mean something else now."""
     if not act.holding:
         return
@@ -177,7 +177,7 @@ def _carry_holding(act: Activation, state: StatePlan, successors: Successors) ->
     for name, since in act.holding.items():
         element = successors.of(before[name].site.element)
         edge = after.get(element) if element is not None else None
-        if edge is not None and edge.means == before[name].means:
+        if edge is not None and (renamed or edge.means == before[name].means):
             kept[edge.site.element.path[-1]] = since
     act.holding = kept
 

@@ -724,6 +724,42 @@ def test_an_explicit_rename_carries_everything_over(kind, path, new, active_afte
     assert i.program.text == text
 
 
+@every(
+    ("kind", "path", "new"),
+    [
+        ("state", "move/reached", "done"),
+        ("machine", "move", "go"),
+        ("variable", "move/tries", "n"),
+        ("variable", "delay", "pause"),
+        ("event", "near", "close"),
+        ("state", "m/a", "start"),
+        ("machine", "m", "mm"),
+    ],
+)
+def test_a_rename_of_what_a_transition_waits_for_goes_on_waiting(kind, path, new):
+    i = started(
+        """
+        (var seen := [[]]) (var delay := [300])
+        (event near [move.state == "reached" and elapsed >= 0])
+        (machine move (var tries := [7]) (state send) (state reached) (eps send -> reached))
+        (machine m
+          (state a (onentry (spawn move send (var tries := [delay]))))
+          (state b)
+          (state c)
+          (on move.reached for delay a -> b (effect [seen.append(move.tries)]))
+          (on [near and move.tries == 7] a -> c))
+        (spawn m a)
+        """,
+        4,
+    )
+    i.rename(kind, path, new)
+    log = i.variables["seen"]
+    for now in (0.4, 0.5):
+        assert not log
+        i.step(now)
+    assert (log, len(i.issues)) == ([300], 0)
+
+
 def test_a_rename_that_cannot_be_changes_nothing():
     i = started()
     text = i.program.text
