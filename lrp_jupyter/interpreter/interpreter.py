@@ -482,7 +482,7 @@ class Interpreter:
             program = unmeant.instead
         changes = diff(before, program)
         decision = decide(run, link(program), self.on_active_edit) if run.roots else Decision()
-        run.unmeant = None if unmeant is None or waiting is not None else unmeant.element
+        run.unmeant = unmeant.element if unmeant and (unmeant.always or waiting is None) else None
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)

@@ -14,7 +14,8 @@ A text that is not a program is not judged while it is being typed: what is wron
 Views keep what they showed until the word is finished or left, or the text is a program.
 
 A new transition is different: it runs although the state that it leads to is not there yet, so that it is
-drawn at once; only its faults are not reported. Which words are still being typed is the editor's decision,
+drawn at once; only its faults are not reported. Nor are those of a condition that is being typed, which on
+its way to a comparison is seldom True or False. Which words are still being typed is the editor's decision,
 by its timers: everything here is a function of its arguments. But who types slowly has the cursor in a word
 that is taken for finished: while it is an error, its finding is shown, and its faults are not reported.
 
@@ -38,7 +39,7 @@ from lrp_jupyter.language.resolution import resolve
 Check = Callable[[Program], tuple[Finding, ...]]
 
 _WORD = re.compile(r"[0-9][\w.]*|\w+")
-_ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
+_ARROWS = frozenset({"LRP301", "LRP302", "LRP303", "LRP309", "LRP310"})
 """The errors about the names in a transition."""
 
 
@@ -58,7 +59,7 @@ class Unmeant:
         disturb.
     `always`: whether `instead` always runs; otherwise only where the program would change the actions of an
         active state, remove it, or restart.
-    `element`: the element that contains it; its faults are not reported.
+    `element`: the element that contains it; its faults are not reported while the program runs, or `always`.
     """
 
     instead: Program
@@ -143,6 +144,11 @@ def _judge_at(
         if element is not None:
             instead = without_change(program, running, word)
             return Judgement(program, findings, Unmeant(instead, element=element)), word
+    here = Span(cursor.offset, cursor.offset)
+    tested = None if cursor.meant else _tested_at(program, here)
+    if tested is not None:
+        instead = without_change(program, running, here)
+        return Judgement(program, findings, Unmeant(instead, element=tested)), here
     return Judgement(program, findings), Span(0, 0)
 
 
@@ -164,8 +170,12 @@ def _without_word(
     if is_number:
         if instead == program:  # in a comment, or as it was
             return left, None
-        return left, Unmeant(instead, f"waits: `{text[slice(*word)]}` is being typed", always=True)
+        reason = f"waits: `{text[slice(*word)]}` is being typed"
+        return left, Unmeant(instead, reason, always=True, element=_tested_at(program, word))
+    element = _element_at(program, word)
     errors = _new_errors(findings, instead, check)
+    if errors and element is not None and _is_wrong(instead, element, check):
+        errors = []
     if errors and not _begins_arrow(program, instead, errors):
         known = {(each.code, each.message) for each in check(instead)}
         about = [each for each in errors if each not in left] or errors
@@ -173,7 +183,14 @@ def _without_word(
         return left, Unmeant(instead, waits_for(about[0].message), always=True)
     if len(left) == len(findings) and (not several or instead == program):
         return findings, None
-    return left, Unmeant(instead, element=_element_at(program, word))
+    return left, Unmeant(instead, element=element)
+
+
+def _is_wrong(program: Program, element: Element, check: Check) -> bool:
+    """Return whether an element has an error: then it makes no difference what becomes of it."""
+    spans = [span for each, span in _places(program) if each == element]
+    errors = [each for each in check(program) if each.severity == "error"] if spans else []
+    return any(len(_away_from(program.text, span, errors)) < len(errors) for span in spans)
 
 
 def _new_errors(findings: tuple[Finding, ...], instead: Program, check: Check) -> list[Finding]:
@@ -260,13 +277,28 @@ def _state_at(program: Program, offset: int) -> State | None:
     return around[-1] if around else None
 
 
+def _tested_at(program: Program, span: Span) -> Element | None:
+    """Return the element whose condition or delay contains a range of the text."""
+    for each in resolve(program).all_blocks:
+        start, end = each.block.span
+        if start < span.start and span.end < end and each.purpose in ("condition", "delay"):
+            return each.element
+    return None
+
+
 def _element_at(program: Program, span: Span) -> Element | None:
     """Return the element to which a fault in a range of the text is attributed."""
+    around = (
+        element for element, (start, end) in _places(program) if start <= span.start and span.end <= end
+    )
+    return next(around, None)
+
+
+def _places(program: Program) -> Iterator[tuple[Element, Span]]:
+    """Yield the elements to which faults are attributed, with their ranges; blocks come first."""
     names = resolve(program)
-    places: Iterator[tuple[Element, Span]] = chain(
+    return chain(
         ((each.element, each.block.span) for placed in names.blocks.values() for each in placed),
         ((each.element, each.noun.span) for arrows in names.arrows.values() for each in arrows),
         ((each.element, each.noun.span) for each in names.spawns),
     )
-    around = (element for element, (start, end) in places if start <= span.start and span.end <= end)
-    return next(around, None)

@@ -25,6 +25,12 @@ HALF_TYPED = [
     ("(on off moving -> looking)", " (on [unknown", "] looking -> moving)"),
     ("(running [speed", "; unknown", ""),
 ]
+CONDITIONS = [
+    ("(on off moving -> looking)", " (on [speed == 2", "] looking -> moving)"),
+    ("(on off moving -> looking)", " (on [off and elapsed", " and dt] looking -> moving)"),
+    ("(on off moving -> looking)", " (on off for [speed > 1.5", "] looking -> moving)"),
+    ("(event off [True])", " (event slow [lookalgo.state == 'x'", "]) (on slow looking -> moving)"),
+]
 UNKNOWN_MACHINE = ("(spawn follower moving)", " (spawn other lookdown", ")")  # an error away from the cursor
 
 
@@ -89,7 +95,7 @@ def test_while_the_cursor_is_in_the_active_state_an_error_in_it_waits_even_if_it
     assert typist.offers(0, True).restarted
 
 
-@every(("before", "letters", "brackets"), [*HALF_TYPED, UNKNOWN_MACHINE])
+@every(("before", "letters", "brackets"), [*HALF_TYPED, *CONDITIONS, UNKNOWN_MACHINE])
 def test_what_is_half_typed_is_no_fault_in_the_timeline_either(before, letters, brackets):
     for mode in ("restart", "keep"):
         typist = Typist(on_active_edit=mode)
@@ -114,6 +120,63 @@ def test_the_transition_that_the_cursor_has_left_fails_and_that_is_told():
     (told,) = [each for each in typist.session.timeline().happenings if each.kind == "issue"]
     assert told.text == "The machine `follower` has no state `lookdown`."
     assert "has no state `lookdown`" in str(typist.session.why_not("off:looking->lookdown"))
+
+
+def test_a_condition_that_is_left_half_typed_fails_and_that_is_told():
+    typist = Typist()
+    typist.types("(on off moving -> looking)", " (on [speed ", "] looking -> moving)", meant=True)
+    typist.session.step()
+    (told,) = [each for each in typist.session.timeline().happenings if each.kind == "issue"]
+    assert told.text.startswith("A condition must be True or False, not 1.")
+
+
+WHOLE = """\
+(event near [False])
+(machine move
+  (var side := [1])
+  (state send)
+  (state reached (running [side]))
+  (eps send -> reached))
+(machine m
+  (state carrying (onentry (spawn move send)) (running [near]))
+  (state look)
+  (on near look -> carrying))
+(spawn m carrying)
+"""
+FORMS = [
+    ("(on near look -> carrying)", " (on move.reached look -> carrying", ")"),
+    ("(on near look -> carrying)", " (on move.reached", " look -> carrying)"),
+    ("(on near look -> carrying)", " (on near for 2000 carrying -> look", ")"),
+    ("(on near", " for [move.side * 2000", "]"),
+    ("(on near look -> carrying", " (effect [move.side; near", "])"),
+    ("(on near look -> carrying", " named (effect [near", "])"),
+    ("(eps send -> reached)", " (on [near and elapsed > dt", "] reached -> send)"),
+    ("(spawn move send", " (var side := [-1", "])"),
+    ("(spawn move send", " (var side := [-1]) (var side := [near", "])"),
+]
+
+
+@every(("before", "letters", "brackets"), FORMS)
+def test_no_letter_of_a_form_beside_what_runs_restarts_or_fails(before, letters, brackets):
+    for types_slowly in (False, True):
+        typist = Typist(WHOLE, types_slowly)
+        patch = typist.types(before, letters, brackets, meant=True)
+        assert (patch.applied, typist.restarts) == (True, 0)
+        assert typist.session.program.text == typist.text
+        assert [each for each in typist.session.timeline().happenings if each.kind == "issue"] == []
+        assert typist.session.frame.active == (("m", "carrying", "move", "reached"),)
+
+
+def test_a_setting_typed_into_a_spawn_counts_when_it_is_meant_and_is_the_machines_own_again_without_it():
+    typist = Typist(WHOLE)
+    typist.types("(spawn move send", " (var side := [-1", "])")
+    path = ("m", "carrying", "move", "side")
+    assert typist.session.frame.values[path] == 1
+    typist.offers(typist.text.index("-1") + 2, True)
+    typist.session.step()
+    assert typist.session.frame.values[path] == -1
+    typist.replaces(" (var side := [-1])", "")
+    assert (typist.session.frame.values[path], typist.restarts) == (1, 0)
 
 
 def test_a_kept_program_does_not_run_an_error_in_its_active_state_either():
