@@ -166,12 +166,12 @@ def _without_word(
     is_number = text[word.start].isdecimal()
     if not is_number and not several and len(left) == len(findings) and not _has_errors(findings):
         return findings, None
-    instead = without_change(program, running, word)
+    instead, tested = without_change(program, running, word), _tested_at(program, word)
     if is_number:
         if instead == program:  # in a comment, or as it was
             return left, None
         reason = f"waits: `{text[slice(*word)]}` is being typed"
-        return left, Unmeant(instead, reason, always=True, element=_tested_at(program, word))
+        return left, Unmeant(instead, reason, True, tested)
     element = _element_at(program, word)
     errors = _new_errors(findings, instead, check)
     if errors and element is not None and _is_wrong(instead, element, check):
@@ -180,7 +180,7 @@ def _without_word(
         known = {(each.code, each.message) for each in check(instead)}
         about = [each for each in errors if each not in left] or errors
         left = tuple(each for each in left if (each.code, each.message) in known)
-        return left, Unmeant(instead, waits_for(about[0].message), always=True)
+        return left, Unmeant(instead, waits_for(about[0].message), True, tested)
     if len(left) == len(findings) and (not several or instead == program):
         return findings, None
     return left, Unmeant(instead, element=element)
