@@ -100,6 +100,85 @@ def test_a_card_shows_how_a_function_is_called_and_what_a_robot_has(lab, page):
     assert cards[3]["value"] == "data"
 
 
+BEHAVIOUR = """\
+(event near [True])
+(machine follow
+  (var side := [1]) (var found := ["part"])
+  (state search) (state track) (eps search -> track))
+(machine m
+  (var own := [2])
+  (state left (onentry (spawn follow search (var side := [-1]))))
+  (state right (onentry (spawn follow search)))
+  (on follow.track for 9000 left -> right)
+  (on [near] right -> left))
+(machine n (state one (onentry (spawn follow track))))
+(spawn m left)
+(spawn n one)
+"""
+
+
+@pytest.fixture
+def behaviour(bench):
+    lab = bench(BEHAVIOUR)
+    for _ in range(5):
+        lab.session.step()
+    return lab
+
+
+def test_hover_explains_events_machines_and_times_in_blocks_with_their_values(behaviour):
+    page = behaviour.page()
+
+    def card(chain, scope="m"):
+        found = page.ask("hover", chain=chain, scope=scope)["hover"]
+        return found and (found["type"], found["value"], found["doc"].partition(":")[0])
+
+    assert card("near") == ("event", "", "An event")
+    assert card("follow") == ("machine", "track, track", "A machine")
+    assert card("follow.state")[:2] == ("str", "'track', 'track'")
+    assert card("follow.side") == ("int", "m/left/follow: -1\nn/one/follow: 1", "")
+    assert card("follow.found.upper")[0] == "builtin_function_or_method"
+    assert card("follow.gone") is None
+    assert card("elapsed")[:2] == ("float", "0.4 in `left`")
+    assert card("elapsed", "n")[1] == "0.4 in `one`"
+    assert card("dt")[:2] == ("float", "")
+    assert card("m.state", "n")[1] == "'left'"
+    assert card("m.own", "n")[:2] == ("int", "2")
+    assert card("m.own", "m") is None  # a machine does not see itself
+    behaviour.session.namespace.update(near=5, follow=6, dt=7)
+    assert [card(chain)[:2] for chain in ("near", "follow", "dt")] == [("int", each) for each in "567"]
+
+
+def test_a_variable_hides_what_is_computed(bench):
+    lab = bench("(var near := [1]) (var dt := [2])" + BEHAVIOUR)
+    lab.session.step()
+    cards = [lab.page().ask("hover", chain=chain, scope="m")["hover"] for chain in ("near", "dt")]
+    assert [card["value"] for card in cards] == ["1", "2"]
+
+
+def test_times_complete_with_what_they_are_and_values_of_machines_by_their_members(behaviour):
+    page = behaviour.page()
+    assert "state was entered" in options(page, "ela", "m")["elapsed"]["info"]
+    assert "last tick" in options(page, "d", "m")["dt"]["info"]
+    assert options(page, "follow.found.upp", "m").keys() == {"upper"}
+    behaviour.session.namespace["dt"] = twice
+    assert options(page, "dt", "m")["dt"]["kind"] == "function"
+
+
+def test_a_name_leads_to_its_definition_wherever_it_is_used(behaviour):
+    page = behaviour.page()
+
+    def definition(use, name):
+        at = BEHAVIOUR.index(use) + use.index(name)
+        line, column = BEHAVIOUR.count("\n", 0, at) + 1, at - BEHAVIOUR.rfind("\n", 0, at)
+        found = page.ask("references", line=line, column=column)["references"]
+        return found["kind"], found["path"], len(found["references"])
+
+    assert definition("(on follow.track", "follow") == ("machine", "follow", 5)
+    assert definition("(on follow.track", "track") == ("state", "follow/track", 4)
+    assert definition("(var side := [-1])", "side") == ("variable", "follow/side", 2)
+    assert definition("[near]", "near") == ("event", "near", 2)
+
+
 class Marked:
     """A value that records the threads on which its text was made."""
 

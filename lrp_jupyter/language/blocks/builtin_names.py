@@ -4,7 +4,11 @@ import builtins
 import math
 
 PROVIDED = frozenset({"robot", "print", "degrees"})
-TIMES = frozenset({"elapsed", "dt"})
+TIME_TEXTS = {
+    "elapsed": "Seconds since the state was entered; in a condition, the state that it leaves.",
+    "dt": "Seconds since the last tick: `x = x + speed * dt` is right at any rate. 0 in the first tick.",
+}
+TIMES = frozenset(TIME_TEXTS)
 """Names of times in seconds, computed where they are used: since the state was entered, since the last tick.
 
 A variable of the program or a name of the notebook that is called like one hides it.

@@ -20,13 +20,13 @@ from lrp_jupyter.bridges.members import Member, MemberError, signature_text
 from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
-from lrp_jupyter.language.blocks.builtin_names import builtin, degrees
+from lrp_jupyter.language.blocks.builtin_names import TIME_TEXTS, builtin, degrees
 from lrp_jupyter.language.edits.format import formatting
 from lrp_jupyter.language.edits.rename import references as find_references
-from lrp_jupyter.language.lookup import called
+from lrp_jupyter.language.lookup import as_defined, called
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Path, Program
-from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts.messages import OpenProgram, question
 from lrp_jupyter.widgets.views.program_picture import still
@@ -87,11 +87,12 @@ def hover(opened: OpenProgram, chain: str, scope: str) -> HoverView | None:
     if keyword.iskeyword(chain):
         return None
     session = opened.session
-    path, frame = _variable_in_scope(session, chain, scope), session.frame
+    path = _variable_in_scope(session, chain, scope)
     if path is not None:
-        if path not in frame.variables:
-            return None
-        return _hover_view(chain, type(frame.values[path]).__name__, frame.variables[path])
+        return _variable_card(session, chain, path)
+    computed = _computed_card(session, chain, scope)
+    if computed is not None:
+        return computed
 
     def card() -> HoverView:
         if chain.startswith("robot."):
@@ -214,6 +215,11 @@ def _names(session: Session, begun: str) -> list[Option]:
     names.sort(key=lambda name: (name[:1].isupper(), name))
     words = [word for word in keyword.kwlist if word.startswith(begun)]
     options = [_option(name, known[name]) for name in names[:_MOST]]
+    options += [
+        {"label": name, "kind": "variable", "detail": "s", "info": text}
+        for name, text in TIME_TEXTS.items()
+        if name.startswith(begun) and name not in session.namespace
+    ]
     return options + [{"label": word, "kind": "keyword", "detail": "", "info": ""} for word in words]
 
 
@@ -266,6 +272,74 @@ def _hover_view(title: str, kind: str, value: str, doc: str = "") -> HoverView:
     return {"title": title, "type": kind, "value": value, "doc": doc}
 
 
+def _variable_card(session: Session, title: str, path: Path) -> HoverView | None:
+    """Return the card of a variable by its path of definition: its value in each instance of its machine."""
+    frame = session.frame
+    found = _instances(session, path)
+    if not found:
+        return None
+    texts = [frame.variables[each] for each in found]
+    if len(found) > 1:
+        texts = [f"{path_text(each[:-1])}: {text}" for each, text in zip(found, texts, strict=True)]
+    return _hover_view(title, type(frame.values[found[0]]).__name__, "\n".join(texts))
+
+
+def _instances(session: Session, path: Path) -> list[Path]:
+    """Return the paths as spawned of a variable that has a value."""
+    program = session.frame.program
+    return [each for each in session.frame.variables if as_defined(program, "variable", each) == path]
+
+
+def _computed_card(session: Session, chain: str, scope: str) -> HoverView | None:
+    """Return the card of what a name means besides variables: an event, a machine, a time; else None."""
+    first, dot, rest = chain.partition(".")
+    here = _scope(session, scope)
+    if first in session.namespace or first in here.visible:
+        return None
+    owner = here.owner("event", first)
+    if owner is not None and not dot:
+        value = session.frame.events.get((*owner.path, first))
+        doc = "An event: in a block, whether its condition is true at this moment."
+        return _hover_view(first, "event", "" if value is None else str(value), doc)
+    machines = _machines(session, first, scope)
+    if machines:
+        return _machine_card(session, chain, rest, machines)
+    if first in TIME_TEXTS and not dot:
+        return _hover_view(first, "float", _time_now(session, first, here), TIME_TEXTS[first])
+    return None
+
+
+def _machine_card(session: Session, title: str, member: str, machines: tuple[Scope, ...]) -> HoverView | None:
+    """Return the card of a machine, its `state` or one of its variables."""
+    if member and member != "state":
+        paths = ((*machine.path, member) for machine in machines if member in machine.variables)
+        return next(filter(None, (_variable_card(session, title, path) for path in paths)), None)
+    states = [place for machine in machines for place in _active_states(session, machine)]
+    if member:
+        doc = "The name of the active state of the machine; `None` while it does not run."
+        return _hover_view(title, "str", ", ".join(repr(each[-1]) for each in states) or "None", doc)
+    doc = f"A machine: `{title}.state` is its active state, and `{title}.` gives its variables."
+    return _hover_view(title, "machine", ", ".join(each[-1] for each in states) or "not running", doc)
+
+
+def _active_states(session: Session, machine: Scope) -> list[Path]:
+    """Return the active states of a machine, by their paths as spawned: one for each instance."""
+    frame = session.frame
+    names = resolve(frame.program)
+    paths = (path[:end] for path in frame.active for end in range(2, len(path) + 1, 2))
+    return [path for path in dict.fromkeys(paths) if names.defined(path[:-1]) == machine.path]
+
+
+def _time_now(session: Session, name: str, machine: Scope) -> str:
+    """Return the seconds since the active state of a machine was entered."""
+    states = _active_states(session, machine) if name == "elapsed" else []
+    if not states:
+        return ""
+    interpreter = session.interpreter
+    entered, now = session.call(lambda: (interpreter.entered(states[0]), interpreter.now))
+    return "" if entered is None else f"{now - entered:.1f} in `{states[0][-1]}`"
+
+
 def _signature(value: Callable[..., object]) -> str:
     try:
         return signature_text(inspect.signature(value))
@@ -283,7 +357,12 @@ def _doc(value: object) -> str:
 def _value_of(session: Session, chain: str, scope: str) -> object:
     """Return the value of a dotted name in the scope of a machine; between two ticks."""
     first, *rest = chain.split(".")
-    value = _root(session, first, scope)
+    result = _result(session, first, rest[0], scope) if rest else None
+    if result is not None:
+        rest = rest[1:]
+        value = _variable(session, result)
+    else:
+        value = _root(session, first, scope)
     for name in rest:
         try:
             value = getattr(value, name)
@@ -295,10 +374,7 @@ def _value_of(session: Session, chain: str, scope: str) -> object:
 def _root(session: Session, name: str, scope: str) -> object:
     path = _variable_in_scope(session, name, scope)
     if path is not None:
-        try:
-            return session.interpreter.variables[path]
-        except UnknownElementError:
-            raise _NothingError from None
+        return _variable(session, path)
     if name == "robot":
         return session.bridge.robot
     if name in session.namespace:
@@ -309,10 +385,33 @@ def _root(session: Session, name: str, scope: str) -> object:
         raise _NothingError from None
 
 
-def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
+def _result(session: Session, machine: str, name: str, scope: str) -> Path | None:
+    """Return the path of a variable that a block names as that of another machine."""
+    found = _machines(session, machine, scope)
+    return next(((*each.path, name) for each in found if name in each.variables), None)
+
+
+def _variable(session: Session, path: Path) -> object:
+    """Return the value of a variable by its path of definition, in the first instance of its machine."""
+    try:
+        return session.interpreter.variables[next(iter(_instances(session, path)), path)]
+    except UnknownElementError:
+        raise _NothingError from None
+
+
+def _machines(session: Session, name: str, scope: str) -> tuple[Scope, ...]:
+    """Return the machines that a name in a block can mean."""
+    here = _scope(session, scope)
+    return () if name in session.namespace or name in here.visible else here.machines_called(name)
+
+
+def _scope(session: Session, path: str) -> Scope:
     names = resolve(session.program)
-    here = names.by_path.get(tuple(scope.split("/")), names.top)
-    owner = here.visible.get(name)
+    return names.by_path.get(tuple(path.split("/")), names.top)
+
+
+def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
+    owner = _scope(session, scope).visible.get(name)
     return None if owner is None else (*owner.path, name)
 
 
