@@ -314,7 +314,7 @@ def test_a_nonlocal_whose_variable_is_gone_is_known_only_when_compiled() -> None
 
 
 def names(text: str) -> list[tuple[str, int]]:
-    found = [(name, start - 1, end - 1) for name, (start, end), _ in block_names(Block(text))]
+    found = [(name, start - 1, end - 1) for name, (start, end), *_ in block_names(Block(text))]
     for name, start, end in found:
         assert text[start:end] == name
     return [(name, start) for name, start, _ in found]
@@ -377,6 +377,23 @@ def test_words_are_those_of_code() -> None:
     assert list(words("a # b\n'c' d", 0)) == [(0, "a"), (10, "d")]
 
 
+def test_a_name_is_read_called_or_bound_and_its_member_is_compared() -> None:
+    text = (
+        "é = 'x'; m.state == 'a' != m.b; f(m . # .c\n c, f'{m.state in (\"b\", 1)!r}'); "
+        "r'd' == m.state\nmatch m.state:\n  case 'e' | 'f' as g: pass"
+    )
+    places = block_names(Block(text))
+    assert {place.name for place in places if not place.computed} == {"é", "f", "g"}
+    written = " " + text
+    members = [place.member for place in places if place.member]
+    assert [(member.name, written[slice(*member.span)]) for member in members] == [
+        *(("state", "state"), ("b", "b"), ("c", "c"), ("state", "state"), ("state", "state")),
+        ("state", "state"),
+    ]
+    compared = [[(string, written[slice(*span)]) for string, span in member.strings] for member in members]
+    assert compared == [[("a", "a")], [("a", "a")], [], [("b", "b")], [], [("e", "e"), ("f", "f")]]
+
+
 def test_names_are_known_by_what_is_done_with_them() -> None:
     text = "a = b; c += 1\ndef f():\n  d = 1\n  [e for e in d]\nimport os.path"
     block, found, _ = read(text).uses
@@ -388,7 +405,7 @@ def test_names_are_known_by_what_is_done_with_them() -> None:
 
 
 def test_a_name_in_another_form_of_the_same_letters_is_the_same_name() -> None:
-    assert block_names(Block("\ufb01n")) == [("fin", (1, 3), "")]
+    assert [place[:3] for place in block_names(Block("\ufb01n"))] == [("fin", (1, 3), "")]
 
 
 # -- speed -------------------------------------------------------------------------------------------

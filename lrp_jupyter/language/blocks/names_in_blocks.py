@@ -27,7 +27,7 @@ _WORD_OR_QUOTE = re.compile(rf"{WORD.pattern}|['\"#]")
 _CONVERSION = re.compile(r"(?:=\s*)?(?:![A-Za-z]\s*)?\Z")
 
 
-class Written(NamedTuple):
+class WordPlace(NamedTuple):
     """A word of the source and its range, in characters."""
 
     word: str
@@ -35,11 +35,11 @@ class Written(NamedTuple):
     end: int
 
 
-class Member(NamedTuple):
+class MemberUse(NamedTuple):
     """The name after the dot of another one, and the strings that it is compared with."""
 
-    name: Written
-    strings: tuple[Written, ...] = ()
+    name: WordPlace
+    strings: tuple[WordPlace, ...] = ()
 
 
 class Use(NamedTuple):
@@ -52,7 +52,7 @@ class Use(NamedTuple):
     scope: PythonScope
     imported: str = ""  # the module's whole name in `import x.y`
     called: bool = False
-    member: Member | None = None
+    member: MemberUse | None = None
 
     @property
     def owner(self) -> PythonScope | None:
@@ -140,7 +140,7 @@ class _Visitor(Offsets):
         self.shift = shift
         self.found: list[Use] = [] if found is None else found
         self.global_places: list[tuple[str, int]] = []
-        self._compared: dict[ast.expr, list[Written]] = {}
+        self._compared: dict[ast.expr, list[WordPlace]] = {}
 
     def register(
         self,
@@ -150,7 +150,7 @@ class _Visitor(Offsets):
         scope: PythonScope,
         imported: str = "",
         called: bool = False,
-        member: Member | None = None,
+        member: MemberUse | None = None,
     ) -> None:
         """Register an occurrence of a name."""
         if writes:
@@ -158,11 +158,11 @@ class _Visitor(Offsets):
         _, begin, end = self.written(name, start)
         self.found.append(Use(name, begin, end - begin, writes, scope, imported, called, member))
 
-    def written(self, name: str, start: int) -> Written:
+    def written(self, name: str, start: int) -> WordPlace:
         """Return a name with its range."""
         match = WORD.match(self.source, start)
         end = match.end() if match else start + len(name)
-        return Written(name, start + self.shift, end + self.shift)
+        return WordPlace(name, start + self.shift, end + self.shift)
 
     def word(self, name: str, start: int) -> int:
         """Return the offset of the first word `name` of code at or after `start`."""
@@ -192,7 +192,7 @@ class _Visitor(Offsets):
             self.visit(inner, scope)
             return
         name = self.written(node.attr, self.word(node.attr, self.end_of(inner)))
-        member = Member(name, tuple(self._compared.pop(node, ())))
+        member = MemberUse(name, tuple(self._compared.pop(node, ())))
         self.register(inner.id, self.start_of(inner), False, scope, member=member)
 
     def on_call(self, node: ast.Call, scope: PythonScope) -> None:
@@ -210,12 +210,11 @@ class _Visitor(Offsets):
         self.visit_all(operands, scope)
 
     def on_match(self, node: ast.Match, scope: PythonScope) -> None:
-        cases = [case.pattern for case in node.cases]
-        every = chain.from_iterable(getattr(case, "patterns", [case]) for case in cases)
-        self._compare(node.subject, [getattr(pattern, "value", None) for pattern in every])
+        patterns = chain.from_iterable(ast.walk(case.pattern) for case in node.cases)
+        self._compare(node.subject, [each.value for each in patterns if isinstance(each, ast.MatchValue)])
         self.visit_all([node.subject, *node.cases], scope)
 
-    def _compare(self, one: ast.expr, others: Iterable[ast.AST | None]) -> None:
+    def _compare(self, one: ast.expr, others: Iterable[ast.expr]) -> None:
         """Note the strings that an expression is compared with, without their quotes."""
         if not isinstance(one, ast.Attribute):
             return
@@ -224,7 +223,7 @@ class _Visitor(Offsets):
                 start, end = self.start_of(other), self.end_of(other)
                 if self.source[start + 1 : end - 1] == other.value:
                     places = (start + 1 + self.shift, end - 1 + self.shift)
-                    self._compared.setdefault(one, []).append(Written(other.value, *places))
+                    self._compared.setdefault(one, []).append(WordPlace(other.value, *places))
 
     def on_global(self, node: ast.Global, scope: PythonScope) -> None:
         scope.global_names.update(node.names)
