@@ -19,6 +19,27 @@ def test_only_the_initialiser_of_the_variable_changes():
     assert with_initial(TEXT, ("m", "a", "n", "time"), "5") == TEXT.replace("[3]", "[5]")
 
 
+def test_a_variable_that_a_spawn_initialises_is_changed_there():
+    text = """
+(machine follow (var side := [1]) (state s))
+(machine m
+  (state left (onentry (spawn follow s (var side := [2]))))
+  (state right (onentry (spawn follow s (var side := [3]))))
+  (state there (onentry (spawn follow s))))
+"""
+    for path, old in (
+        ("m/left/follow/side", "[2]"),
+        ("m/right/follow/side", "[3]"),
+        ("m/there/follow/side", "[1]"),
+        ("follow/side", "[1]"),
+        ("side", "[1]"),
+    ):
+        assert with_initial(text, path, "9") == text.replace(old, "[9]")
+    alone = "(machine f (var side := [1]) (state s)) (spawn f s (var side := [2]))"
+    for path in ("f/side", ("side",)):
+        assert with_initial(alone, path, "9") == alone.replace("[2]", "[9]")
+
+
 def test_of_two_definitions_the_first_one_counts():
     assert with_initial("(var v := [1]) (var v := [2])", ("v",), "3") == "(var v := [3]) (var v := [2])"
 

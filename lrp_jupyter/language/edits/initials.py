@@ -2,15 +2,31 @@
 
 from __future__ import annotations
 
-from lrp_jupyter.language.lookup import definition_of, find
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
+from lrp_jupyter.language.lookup import as_defined, definition_of, find
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Path, Variable
+from lrp_jupyter.language.program import Element, Path, Program, Variable
+from lrp_jupyter.language.resolution import resolve
 
 
 def with_initial(text: str, variable: str | Path, expression: str) -> str:
-    """Return a text with another initialiser of a variable; raise LRPSyntaxError or UnknownElementError."""
+    """Return a text with another initialiser of a variable; raise LRPSyntaxError or UnknownElementError.
+
+    It is the one in the ``spawn`` if the path is that of its machine, or if there is no other use of it.
+    """
     program = parse(text)
-    found = definition_of(program, find(program, "variable", variable))
+    element = find(program, "variable", variable)
+    found = _setting(program, element, as_path(variable)) or definition_of(program, element)
     assert isinstance(found, Variable)
     start, end = found.initial.span
     return f"{text[:start]}[{expression}]{text[end:]}"
+
+
+def _setting(program: Program, element: Element, spawned: Path) -> Variable | None:
+    """Return what initialises a variable in a spawn, by its path as spawned."""
+    *where, name = element.path
+    uses = [each for each in resolve(program).spawns if each.machine and each.machine.path == tuple(where)]
+    spawner = as_defined(program, "state", spawned[:-2])
+    chosen = [each for each in uses if each.spawner == spawner] if len(spawned) > 1 else []
+    chosen = chosen or (uses if len(uses) == 1 else [])
+    return next((each for use in chosen for each in use.noun.settings if each.name == name), None)
