@@ -87,7 +87,7 @@ describe("completion of a behaviour", () => {
   it("offers events and the machines that can be spawned as what is waited for, then their states", async () => {
     expect(await offeredAt("T", "(on |)")).toEqual(["near", "part.", "move."]);
     expect(await offeredAt("T", "(on m|.reached)")).toEqual(["near", "part", "move"]);
-    expect(await offeredAt("T", "(on move.|)")).toEqual(["send", "reached"]);
+    expect(await offeredAt("T", "(on move.|)", false)).toEqual(["send", "reached"]);
     expect(await offeredAt("T", "(on move.re|)", false)).toEqual(["send", "reached"]);
     expect(await offeredAt("T", "(on part.|)")).toEqual(["s"]);
     expect(await offeredAt("T", "(on m.|)")).toEqual([]);
@@ -106,7 +106,7 @@ describe("completion of a behaviour", () => {
   });
   it("offers the variables of the machine in a spawn", async () => {
     expect(await offeredAt("X", "(|)", false)).toEqual(["var"]);
-    expect(await offeredAt("X", "(var |)")).toEqual(["tries", "side"]);
+    expect(await offeredAt("X", "(var |)", false)).toEqual(["tries", "side"]);
     expect(await offeredAt("X", "(var s| := [2])")).toEqual(["tries", "side"]);
   });
   it("offers events, machines and times in blocks, and what a machine gives", async () => {
@@ -114,7 +114,7 @@ describe("completion of a behaviour", () => {
       ...["own", "robot", "near", "part.", "move.", "elapsed", "dt"],
     ]);
     expect(await offeredAt("P", "move.|")).toEqual(["state", "tries", "side", "elapsed", "dt"]);
-    expect(await offeredAt("P", "move.state == '|'")).toEqual(["send", "reached"]);
+    expect(await offeredAt("P", "move.state == '|'", false)).toEqual(["send", "reached"]);
     expect(await offeredAt("P", "x or move.state not in ('send', \"r|\")", false)).toEqual([
       "send",
       "reached",

@@ -33,7 +33,8 @@ export async function complete(context: CompletionContext, lab: Lab): Promise<Co
   const from = word?.from ?? context.pos;
   const place = contextAt(context.state, context.pos);
   if (place.wanted === "python") return python(context, lab, place.scope);
-  if (!word && !context.explicit && place.wanted !== "keyword") return null;
+  const isBegun = word || /keyword|setting/.test(place.wanted) || context.matchBefore(/\.$/);
+  if (!isBegun && !context.explicit) return null;
   return offered(context, from, ofProgram(context, lab, place));
 }
 
@@ -146,6 +147,11 @@ function variables(lab: Lab, context: CompletionContext, scope: string): Complet
 }
 
 async function python(context: CompletionContext, lab: Lab, scope: string): Promise<CompletionResult | null> {
+  const compared = COMPARED.exec(context.state.sliceDoc(Math.max(0, context.pos - NEAR), context.pos));
+  if (compared) {
+    const [, machine, begun] = compared as unknown as [string, string, string];
+    return offered(context, context.pos - begun.length, statesOf(lab, context, scope, machine));
+  }
   const chain = context.matchBefore(/[\w.\u0080-\uffff]+$/);
   if (!chain && !context.explicit) return null;
   const prefix = chain?.text ?? "";
@@ -154,9 +160,6 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   const before = context.state.sliceDoc(Math.max(0, from - NEAR), from);
   const after = context.state.sliceDoc(context.pos, context.pos + NEAR);
   const command = filledBy(prefix, before, after);
-  const compared = COMPARED.exec(context.state.sliceDoc(Math.max(0, context.pos - NEAR), context.pos));
-  if (compared)
-    return offered(context, context.pos - compared[2]!.length, statesOf(lab, context, scope, compared[1]!));
   const own = command
     ? []
     : prefix.includes(".")
