@@ -132,18 +132,20 @@ def _judge_at(
         left, unmeant = _without_word(program, word, findings, running, check, several)
         if unmeant is not None:
             return Judgement(program, left, unmeant, len(left) < len(findings)), word
+    element = None
+    if word is not None and cursor.meant:
+        wrong = [each for each in findings if each.severity == "error"]
+        element = _element_at(program, word) if len(_away_from(text, word, wrong)) < len(wrong) else None
     state = _state_at(program, cursor.offset)
     if state is not None and _has_errors(findings):
         instead = without_change(program, running, state.span)
         errors = _new_errors(findings, instead, check)
         if errors:
-            return Judgement(program, findings, Unmeant(instead, waits_for(errors[0].message))), state.span
-    if word is not None and cursor.meant:
-        errors = [each for each in findings if each.severity == "error"]
-        element = _element_at(program, word) if len(_away_from(text, word, errors)) < len(errors) else None
-        if element is not None:
-            instead = without_change(program, running, word)
-            return Judgement(program, findings, Unmeant(instead, element=element)), word
+            reason = waits_for(errors[0].message)
+            return Judgement(program, findings, Unmeant(instead, reason, element=element)), state.span
+    if word is not None and element is not None:
+        instead = without_change(program, running, word)
+        return Judgement(program, findings, Unmeant(instead, element=element)), word
     here = Span(cursor.offset, cursor.offset)
     tested = None if cursor.meant else _tested_at(program, here)
     if tested is not None:

@@ -143,6 +143,10 @@ WHOLE = """\
   (on near look -> carrying))
 (spawn m carrying)
 """
+NESTED = WHOLE.replace(
+    "(running [near])",
+    "(running [near])\n    (machine inner (state x (onentry (spawn move send))) (state y))",
+).replace("(onentry (spawn move send)) (running", "(onentry (spawn inner x)) (running")
 FORMS = [
     ("(on near look -> carrying)", " (on move.reached look -> carrying", ")"),
     ("(on near look -> carrying)", " (on move.reached", " look -> carrying)"),
@@ -154,6 +158,26 @@ FORMS = [
     ("(spawn move send", " (var side := [-1", "])"),
     ("(spawn move send", " (var side := [-1]) (var side := [near", "])"),
 ]
+
+
+@every(
+    ("letters", "brackets"),
+    [
+        (" (on move.send for 90 y -> x", ")"),
+        (" (on move.send", " y -> x)"),
+        (" (on near for 90 x -> y", ")"),
+        (" (exit near for [move.side * 20", "] x -> look)"),
+        (" (on [near and move.state == 'send' and elapsed", "] x -> y)"),
+        (" (on near x -> y (effect [move.side", "]))"),
+    ],
+)
+def test_no_letter_of_a_form_inside_an_active_state_restarts_or_fails(letters, brackets):
+    for types_slowly in (False, True):
+        typist = Typist(NESTED, types_slowly)
+        patch = typist.types("(state y)", letters, brackets, meant=True)
+        assert (patch.applied, typist.restarts) == (True, 0)
+        assert typist.session.program.text == typist.text
+        assert [each for each in typist.session.timeline().happenings if each.kind == "issue"] == []
 
 
 @every(("before", "letters", "brackets"), FORMS)
