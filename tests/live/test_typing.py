@@ -191,6 +191,39 @@ def test_no_letter_of_a_form_beside_what_runs_restarts_or_fails(before, letters,
         assert typist.session.frame.active == (("m", "carrying", "move", "reached"),)
 
 
+@every(
+    ("before", "letters", "brackets"),
+    [
+        ("(on near look -> carrying)", " (on move.sen", " carrying -> look)"),
+        ("(on near look -> carrying)", " (on move.sen", "d carrying -> look)"),
+        (
+            "(on near look -> carrying)",
+            " (on [near and move.state == 'send' and move.si",
+            "] carrying -> look)",
+        ),
+        ("(on near look -> carrying)", " (eps look -> look (effect [move.si", "]))"),
+    ],
+)
+def test_a_half_typed_name_of_what_is_in_a_machine_is_no_fault(before, letters, brackets):
+    for types_slowly in (False, True):
+        typist = Typist(WHOLE, types_slowly)
+        typist.types(before, letters, brackets)
+        assert [each for each in typist.session.timeline().happenings if each.kind == "issue"] == []
+        assert typist.restarts == 0
+        codes = {each.code for each in typist.session.findings if each.severity == "error"}
+        assert types_slowly or not codes
+
+
+def test_the_name_of_a_state_that_a_transition_waits_for_waits_until_it_is_whole():
+    typist = Typist(WHOLE.replace("(on near look -> carrying)", "(on move.send carrying -> look)"))
+    patch = typist.replaces("move.send", "move.sen")
+    assert (patch.applied, patch.reason) == (False, "waits: `move` has no state `sen`")
+    assert typist.session.findings == typist.session.check(typist.session.program)
+    typist.replaces("move.sen", "move.send")
+    patch = typist.replaces("(on move", "(on mov")
+    assert (patch.applied, patch.reason[:32]) == (False, "waits: there is no machine `mov`")
+
+
 def test_a_setting_typed_into_a_spawn_counts_when_it_is_meant_and_is_the_machines_own_again_without_it():
     typist = Typist(WHOLE)
     typist.types("(spawn move send", " (var side := [-1", "])")
