@@ -603,6 +603,23 @@ def test_an_event_or_a_machine_of_the_state_around_holds_a_state_there(use: str)
         drawn(text, (nesting.unnest, ("m", "t", "o", "a")))
 
 
+@every(
+    ("use", "inner", "sentence"),
+    [
+        ("(running [near])", "(var near := [1])", "`near` would mean the variable of `m/t/n`"),
+        ("(running [near])", "(event near [1])", "`near` would mean the event of `m/t/n`"),
+        ("(running [o.state])", "(var o := [1])", "`o` would mean the variable of `m/t/n`"),
+    ],
+)
+def test_what_a_block_reads_is_not_hidden_by_a_move(use: str, inner: str, sentence: str) -> None:
+    text = (
+        "(event near [1]) (machine o (state x))"
+        f" (machine m (state t (machine n {inner} (state b))) (state a {use}))"
+    )
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        drawn(text, (nesting.nest, ("m", "a"), "t"))
+
+
 def test_the_start_moves_to_another_state() -> None:
     text = "(machine m (state a) (state b)) (spawn m a)"
     assert drawn(text, (drawing.start_in, ("m", "b"))).endswith("(spawn m b)")

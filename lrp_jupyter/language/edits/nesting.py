@@ -204,7 +204,10 @@ def _all_names(move: _Move) -> Iterator[Named]:
     for element, codes in names.blocks.items():
         if _is_in(element.path, move.path) or _is_own(move, element.path):
             for code in codes:
-                yield from named_in_block(code)
+                for each in named_in_block(code):
+                    yield each
+                    if each.kind in ("event", "machine"):  # a variable of this name would hide it
+                        yield each._replace(kind="variable", scope=None)
     for arrow in chain.from_iterable(names.arrows.values()):
         is_inside = _is_in(arrow.element.path, move.path) or _is_own(move, arrow.element.path)
         if is_inside:
@@ -244,7 +247,7 @@ def _refuse_captured(move: _Move, inner: Scope) -> None:
     own: dict[str, Collection[str]] = {"variable": inner.variables, "event": inner.events, "machine": beside}
     for kind, name, _, owner, *_ in _names(move):
         if name in own[kind] and not (owner and _is_in(owner.path, move.path)):
-            problem = f"`{name}` would mean another {kind} in `{path_text(inner.path)}`"
+            problem = f"`{name}` would mean the {kind} of `{path_text(inner.path)}`"
             raise ValueError(f"{problem}. Rename one of them first.")
 
 
