@@ -492,3 +492,24 @@ def test_finding_the_places_of_one_long_line_costs_as_much_as_the_line_is_long(u
     places = [(offsets.start_of(node), offsets.end_of(node)) for node in tree.body]
     assert Counted.copied <= len(source)
     assert places == [(4 * n, 4 * n + 3) for n in range(500)]
+
+
+COMPUTED = {
+    "near": True,
+    "(lambda near=near: near)()": True,
+    "[near for near in [near]]": [True],
+    "[x for x in [1] if near]": [1],
+    "f'{near!r}'": "True",
+    "(lambda near: near)(3)": 3,
+    "near()": "called",
+    "move.state": "machine",
+    "(lambda: move.state)()": "machine",
+}
+
+
+@every("source", list(COMPUTED))
+def test_a_name_is_computed_where_a_block_reads_it_and_not_where_it_is_another(source: str) -> None:
+    code = compile_block(Block(source), (), "<lrp>", "b", frozenset({"near"}), frozenset({"move"}))
+    machine = type("Machine", (), {"state": "machine"})
+    cells = {"near()": CellType(lambda: True), "move.": CellType(lambda: machine)}
+    assert bind(code, {"near": lambda: "called"}, cells)() == COMPUTED[source]

@@ -79,9 +79,22 @@ class _Computed(ast.NodeTransformer):
         """Visit a node; names that a function, class or comprehension binds are its own."""
         if not isinstance(node, _SCOPES):
             return super().visit(node)
+        for outside in _evaluated_outside(node):
+            outside[:] = [each and self.visit(each) for each in outside]
+        for comprehension in getattr(node, "generators", [])[:1]:
+            comprehension.iter = self.visit(comprehension.iter)
         bound = frozenset[str]().union(*map(_bound_in, ast.walk(node)))
         _Computed(self.values - bound, self.machines - bound).generic_visit(node)
         return node
+
+
+def _evaluated_outside(node: ast.AST) -> list[list[Any]]:
+    """Return the parts of a function or class that are evaluated where it is defined."""
+    arguments = getattr(node, "args", None)
+    lists = [getattr(node, name, []) for name in ("decorator_list", "bases", "keywords")]
+    if isinstance(arguments, ast.arguments):
+        lists += [arguments.defaults, arguments.kw_defaults]
+    return lists
 
 
 def _bound_in(node: ast.AST) -> tuple[str, ...]:
