@@ -28,6 +28,13 @@ ACTIONS = [
     "if n > 3: return\nn += 2",
     "def f():\n  nonlocal n\n  n += 1\nf()",
     "[(n := n + i) for i in range(2)]",
+    "n += f",
+    "k = elapsed",
+    "n += 1 + dt",
+    "k = m.state",
+    "n = o.n + 1",
+    "def g(): return e, n.state, elapsed\nk = g()",
+    "k = [e for e in (1, 2)] + [f for _ in (1, 2)]",
 ]
 CONDITIONS = [
     "n > 2",
@@ -42,8 +49,14 @@ CONDITIONS = [
     "n == k",
     "return n > 1",
     "n += 1; n > 4",
+    "e",
+    "not e and elapsed > 0.1",
+    "elapsed >= 0.2",
+    "m.state == 'a'",
+    "n.state != 'b' and dt > 0",
+    "o.k == n",
 ]
-VALUES = ["0", "1", "n + 1", "nope", "[n]", "n", "return 2"]
+VALUES = ["0", "1", "n + 1", "nope", "[n]", "n", "return 2", "elapsed", "m.state", "[f, k]"]
 DELAYS = ["0", "100", "250", "n", "k", "[n * 100]", "['x']", "[True]", "nope"]
 
 state = st.sampled_from(STATES)
@@ -57,16 +70,27 @@ def block(texts):
 
 action = block(ACTIONS)
 source = st.one_of(state, state, st.just("*"), st.just("*-{b}"), st.just("*-{c nope}"), st.just("{a c}"))
-spawn = st.builds("(spawn {} {})".format, machine, state)
 variable = st.builds("(var {} := {})".format, st.sampled_from(["n", "k"]), block(VALUES))
+settings = st.lists(variable, max_size=2).map("".join) | st.just("")
+spawn = st.builds("(spawn {} {}{})".format, machine, state, settings)
 event = st.builds("(event {} {})".format, st.sampled_from(["e", "f"]), block(CONDITIONS))
-condition = st.one_of(st.sampled_from(["e", "f", "nope"]), block(CONDITIONS), block(CONDITIONS))
-transition = st.one_of(
-    st.builds("(on {} {} -> {}{})".format, condition, source, state, names),
-    st.builds("(ontime {} {} -> {}{})".format, st.sampled_from(DELAYS), source, state, names),
-    st.builds("(eps {} -> {}{})".format, st.sampled_from([*STATES, "{a b}", "*-{a}"]), state, names),
+condition = st.builds(
+    "{}{}".format,
+    st.one_of(
+        st.sampled_from(["e", "f", "nope"]),
+        st.builds("{}.{}".format, machine, state),
+        block(CONDITIONS),
+        block(CONDITIONS),
+    ),
+    st.just("") | st.just("") | st.sampled_from(DELAYS).map(" for {}".format),
 )
-exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, names)
+tail = st.builds("{}{}".format, names, st.just("") | st.just("") | action.map(" (effect {})".format))
+transition = st.one_of(
+    st.builds("(on {} {} -> {}{})".format, condition, source, state, tail),
+    st.builds("(ontime {} {} -> {}{})".format, st.sampled_from(DELAYS), source, state, tail),
+    st.builds("(eps {} -> {}{})".format, st.sampled_from([*STATES, "{a b}", "*-{a}"]), state, tail),
+)
+exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, tail)
 
 
 @st.composite
@@ -74,7 +98,11 @@ def state_of(draw, name, depth):
     """A state; if it contains machines, it mostly spawns the first of them."""
     inner = [draw(machine_of(draw(machine), depth + 1)) for _ in range(draw(_HOW_MANY[depth]))]
     parts = [f"(onentry {draw(spawn)})" if f == "spawn" else f"({f} {draw(action)})" for f in draw(_FORMS)]
-    spawns = [f"(onentry (spawn {text.split()[1]} {draw(state)}))" for text in inner if draw(_MOSTLY)]
+    spawns = [
+        f"(onentry (spawn {text.split()[1]} {draw(state)}{draw(settings)}))"
+        for text in inner
+        if draw(_MOSTLY)
+    ]
     here = draw(st.integers(0, len(parts)))
     return f"(state {name} {' '.join([*parts[:here], *spawns, *parts[here:], *inner])})"
 
