@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
 from types import CellType, CodeType
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from lrp_jupyter.interpreter.trace_events import UNSET
 
@@ -26,18 +26,25 @@ class Slot:
         seconds, and the number of assignments in the run until then, because time may stand still.
     """
 
+    NEVER: ClassVar[tuple[float, int]] = (-inf, 0)
+
     cell: CellType
     last: object = UNSET  # up to date only if it is compared: it is leaked, or the run has observers
     leaked: bool = False  # whether a function defined in a block can write it, even after that block's end
     captured: tuple[Slot, ...] = ()
-    computed: tuple[float, int] = (-inf, 0)
-    assigned: tuple[float, int] = (-inf, 0)
+    computed: tuple[float, int] = NEVER
+    assigned: tuple[float, int] = NEVER
+
+    @property
+    def is_computed(self) -> bool:
+        """Whether its initialiser has ever run without a fault."""
+        return self.computed != Slot.NEVER
 
     def forget(self, now: float) -> None:
         """Forget assignments and computations later than `now`, because they were undone."""
         self.computed = min(self.computed, (now, 0))
         if self.assigned[0] > now:
-            self.assigned = (-inf, 0)
+            self.assigned = Slot.NEVER
 
 
 def content(cell: CellType) -> object:

@@ -30,10 +30,13 @@ def find_state(run: Run, wanted: str | Path) -> Path:
 
     Raises UnknownElementError: there is none, or there are several.
     """
-    *machine, name = find(run.program, "state", wanted).path
-    running = [act.path for act in run.walk() if act.defined == tuple(machine)]
-    places = running or resolve(run.program).places(tuple(machine)) or [tuple(machine)]
-    return (*_chosen(places, as_path(wanted)[:-1], tuple(machine), as_path(wanted)), name)
+    path, named = find(run.program, "state", wanted).path, as_path(wanted)
+    machine, there = path[:-1], named[:-1]
+    possible = resolve(run.program).places(machine) or [machine]
+    if there == machine or there not in possible:
+        running = [act.path for act in run.walk() if act.defined == machine]
+        there = _chosen(running or possible, there, machine, named)
+    return (*there, path[-1])
 
 
 def find_destination(run: Run, wanted: str | Path) -> Path:

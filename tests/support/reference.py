@@ -300,7 +300,9 @@ def names_bound_by(node):
         return {node.id} if not isinstance(node.ctx, ast.Load) else ()
     if isinstance(node, ast.alias):
         return {(node.asname or node.name).partition(".")[0]}
-    return {getattr(node, "name", None), getattr(node, "arg", None)} if not isinstance(node, ast.keyword) else ()
+    return (
+        {getattr(node, "name", None), getattr(node, "arg", None)} if not isinstance(node, ast.keyword) else ()
+    )
 
 
 class Seen:

@@ -24,7 +24,7 @@ ACTIONS = [
     "robot.light",
     "del k",
     "k += 1",
-    "k = [k for n in range(3)]",
+    "k = len([k for n in range(3)])",
     "if n > 3: return\nn += 2",
     "def f():\n  nonlocal n\n  n += 1\nf()",
     "[(n := n + i) for i in range(2)]",
@@ -82,7 +82,7 @@ condition = st.builds(
         block(CONDITIONS),
         block(CONDITIONS),
     ),
-    st.just("") | st.just("") | st.sampled_from(DELAYS).map(" for {}".format),
+    st.sampled_from(["", "", " for 100", " for 200", " for [n * 100]", " for k", " for ['x']"]),
 )
 tail = st.builds("{}{}".format, names, st.just("") | st.just("") | action.map(" (effect {})".format))
 transition = st.one_of(
@@ -90,19 +90,20 @@ transition = st.one_of(
     st.builds("(ontime {} {} -> {}{})".format, st.sampled_from(DELAYS), source, state, tail),
     st.builds("(eps {} -> {}{})".format, st.sampled_from([*STATES, "{a b}", "*-{a}"]), state, tail),
 )
+near = st.sampled_from("aabbc")
+outcome = st.builds(
+    "(on n.{}{} {} -> {}{})".format, near, st.sampled_from(["", "", " for 100"]), near, near, tail
+)
 exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, tail)
 
 
 @st.composite
-def state_of(draw, name, depth):
-    """A state; if it contains machines, it mostly spawns the first of them."""
+def state_of(draw, name, depth, uses=""):
+    """A state; it mostly spawns the machines that it contains, and the one that it `uses`."""
     inner = [draw(machine_of(draw(machine), depth + 1)) for _ in range(draw(_HOW_MANY[depth]))]
     parts = [f"(onentry {draw(spawn)})" if f == "spawn" else f"({f} {draw(action)})" for f in draw(_FORMS)]
-    spawns = [
-        f"(onentry (spawn {text.split()[1]} {draw(state)}{draw(settings)}))"
-        for text in inner
-        if draw(_MOSTLY)
-    ]
+    spawned = [*(text.split()[1] for text in inner), *uses]
+    spawns = [f"(onentry (spawn {one} {draw(state)}{draw(settings)}))" for one in spawned if draw(_MOSTLY)]
     here = draw(st.integers(0, len(parts)))
     return f"(state {name} {' '.join([*parts[:here], *spawns, *parts[here:], *inner])})"
 
@@ -130,11 +131,12 @@ _PRESENT = [st.sampled_from(["abc", "abc", "acb", "ab", "abca"]), st.sampled_fro
 
 
 @st.composite
-def machine_of(draw, name, depth=0):
+def machine_of(draw, name, depth=0, uses=""):
     """A machine with the state `a` and most of the others, the deeper the smaller."""
     present = draw(_PRESENT[min(depth, 1)])
-    states = [draw(state_of(one, depth)) for one in present]
+    states = [draw(state_of(one, depth, uses)) for one in present]
     arrows = transition if depth == 0 else st.one_of(transition, transition, exit_)
+    arrows = st.one_of(outcome, outcome, transition) if uses else arrows
     parts = [
         *(draw(variable) for _ in range(draw(_FEW))),
         *(draw(event) for _ in range(draw(_FEW))),
@@ -154,7 +156,18 @@ def programs(draw):
     return "(var n := [0])(var k := [1])\n" + "\n".join([*parts, *draw(st.permutations(spawns))])
 
 
-program = programs()
+@st.composite
+def shared(draw):
+    """A program with a machine that others use, each mostly in all its states."""
+    own = draw(variable)
+    part = draw(machine_of("n", 2)).replace("(machine n", f"(machine n {own}", 1)
+    users = [draw(machine_of(name, 1, "n")) for name in draw(st.sampled_from(["m", "mo"]))]
+    parts = draw(st.permutations([part, *users, draw(event)]))
+    spawns = ["(spawn m a)(spawn o a)", *draw(st.lists(spawn, max_size=1))]
+    return "(var n := [0])(var k := [1])\n" + "\n".join([*parts, *spawns])
+
+
+program = programs() | shared()
 path = st.lists(st.sampled_from([*MACHINES, *STATES]), min_size=1, max_size=4).map(tuple)
 place = st.tuples(machine, state) | st.tuples(machine, state, machine, state) | path
 arrow = st.sampled_from(["t", "u", "on:a->b", "eps:a->b", "ontime:b->c", "exit:a->b"])
