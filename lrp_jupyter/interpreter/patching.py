@@ -140,7 +140,8 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
     run.rebind()
     if not renamed:
         for act, spawn in added:
-            run.spawn(act, spawn)
+            if all(child.defined != spawn.target for child in act.children):
+                run.spawn(act, spawn)
         _spawn_added(run, old, plan)
 
 
