@@ -143,3 +143,141 @@ def test_a_state_is_forced_where_its_path_says_else_where_its_machine_runs(force
         force(i, "n/y")
     force(i, "m/b/n/y")
     assert active(i) == ["m/b/n/y"]
+
+
+def issues(i):
+    return [(each.code, each.line, each.column, each.count) for each in i.issues if not each.resolved]
+
+
+def test_a_transition_fires_although_its_effect_fails():
+    text = (
+        "(var n := [0]) (machine m (state a) (state b)\n (eps a -> b (effect [1 / n] [n += 1])))(spawn m a)"
+    )
+    i = started(text, 2)
+    assert active(i) == ["m/b"]
+    assert i.variables["n"] == 1
+    assert [(each.element, each.line) for each in i.issues] == [(Element("effect", ("m", "eps:a->b")), 2)]
+
+
+def test_an_effect_that_works_again_resolves_its_issue():
+    text = "(var n := [0]) (machine m (state a) (eps {a} -> a (effect [1 / n])))(spawn m a)"
+    i = started(text, 3)
+    assert issues(i) == [("LRP601", 1, 60, 2)]
+    i.set_variable("n", "1")
+    i.step(0.3)
+    assert issues(i) == []
+
+
+@every("delay", ["k", "['x']", "[None]", "missing", "[missing]"])
+@every("condition", ["e", "[True]", "n.x"])
+def test_a_delay_that_is_none_is_one_issue_of_the_transition(delay, condition):
+    text = HELD.format(condition).replace("300", delay) + "(var k := [[]])"
+    i = started(text, 3)
+    assert [(each.element, each.line, each.count) for each in i.issues] == [
+        (Element("transition", ("m", "late")), 2, 3)
+    ]
+    i.patch(parse(text.replace(f"for {delay}", "for 200")))
+    assert issues(i) == []
+    assert run(i, 0.3) == ["m/b"], "it has held all the time"
+
+
+def test_a_condition_that_fails_ends_the_time_for_which_it_held():
+    text = "(machine m (state a) (state b) (on [1 / robot.light == 1] for 200 a -> b)) (spawn m a)"
+    bot = robot()
+    i = Interpreter(parse(text), bot)
+    for tick, light in enumerate([1, 1, 0, 1, 1, 1]):
+        assert active(i) != ["m/b"]
+        bot.light = light
+        i.step(tick * PERIOD)
+    assert active(i) == ["m/b"]
+    assert [(each.code, each.resolved) for each in i.issues] == [("LRP601", True)]
+
+
+@every(
+    "place", ["(running [1 / v])", "(event e [1 / v > 9]) (on e x -> y)", "(on [1 / v > 0] for 9000 x -> x)"]
+)
+def test_an_issue_of_a_shared_machine_is_open_until_the_instance_that_fails_recovers(place):
+    form = f"(state x {place}) (state y)" if "running" in place else f"(state x) (state y) {place}"
+    text = f"(machine n (var v := [0]) {form}) (machine m (state a (onentry (spawn n x))))"
+    text += "(machine o (state a (onentry (spawn n x (var v := [2]))))) (spawn m a) (spawn o a)"
+    i, seen = started(text), []
+    i.observe(lambda event: seen.append(event.kind) if event.kind == "issue" else None)
+    run(i, 0.1, 0.2, 0.3)
+    assert [(each.count, each.resolved) for each in i.issues] == [(4, False)]
+    i.set_variable("m/a/n/v", "1")
+    i.step(0.4)
+    assert [(each.count, each.resolved) for each in i.issues] == [(4, True)]
+    assert seen == []
+
+
+def test_the_issue_of_an_instance_that_is_gone_is_over_when_another_one_runs_well():
+    text = "(machine n (var v := [0]) (state x (running [1 / v]))) (machine m (state a (onentry (spawn n x)))"
+    text += "(state b) (ontime 200 a -> b)) (spawn m a) (spawn n x (var v := [1]))"
+    i = started(text, 2)
+    assert len(issues(i)) == 1
+    run(i, 0.2, 0.3)
+    assert issues(i) == []
+
+
+def test_a_variable_of_a_machine_that_does_not_run_is_an_issue_that_says_so():
+    text = (
+        "(var k := [0]) (machine n (var v := [1]) (state x))\n(machine m (state a (running [k = (\n n.{})])))"
+    )
+    text += "(spawn m a)"
+    i = started(text.format("v"))
+    assert issues(i) == [("LRP601", 3, 2, 1)]
+    assert i.issues[0].message == "`n` is not running, so `n.v` has no value."
+    i.patch(parse(text.format("nope") + "(spawn n x)"))
+    run(i, 0.1, 0.2)
+    assert [each.message for each in i.issues][-1] == "The machine `n` has no variable `nope`."
+    assert started(text.format("state")).variables["k"] is None
+
+
+@every("block", ["n", "k = n", "n.v = 3", "del n.v", "n == 'x'", "n()", "n.state.v"])
+def test_a_machine_is_only_read(block):
+    text = f"(var k := [0]) (machine n (var v := [1]) (state x)) (machine m (state a (running [{block}])))"
+    i = started(f"{text} (spawn m a) (spawn n x)", 2)
+    assert i.variables["n/v"] == 1
+    fork(i).step(0.3)
+
+
+@every("force", [Interpreter.transition_to, Interpreter.teleport_to])
+def test_forcing_inside_one_of_two_machines_spawns_the_other(force):
+    text = """(machine arm (var v := [1]) (state go) (state done))
+    (machine m (state idle) (state join)
+     (state fetch (onentry (spawn left go) (spawn arm go (var v := [2])))
+      (machine left (state go) (state done)))
+     (on [left.state == "done" and arm.state == "done"] fetch -> join))
+    (spawn m idle)"""
+    i = started(text)
+    force(i, "arm/done")
+    assert active(i) == ["m/fetch/left/go", "m/fetch/arm/done"]
+    assert i.variables["m/fetch/arm/v"] == 2
+    force(i, "m/fetch/left/done")
+    assert active(i) == ["m/fetch/left/done", "m/fetch/arm/done"]
+    i.step(0.1)
+    assert active(i) == ["m/join"]
+
+
+def test_forced_states_begin_to_count_then():
+    i = started(HELD.format("[v == 1]"), 3)
+    i.transition_to("m/a")
+    assert run(i, 0.3, 0.4, 0.5) == ["m/a/n/x"]
+    assert run(i, 0.6) == ["m/b"]
+
+
+@every("renamed", [("variable", "kp", "gain"), ("variable", "pid", "controller")])
+def test_a_function_keeps_its_variables_through_a_rename_and_an_edit(renamed):
+    text = "(var kp := [4]) (var pid := [lambda: kp]) (var out := [0])"
+    i = started(f"{text} (machine m (state a (running [out = pid()]))) (spawn m a)")
+    i.rename(*renamed)
+    before = i.program.text
+    i.patch(parse(before.replace("(var kp := [4])", "").replace("(var gain := [4])", "")))
+    i.patch(parse(before))
+    i.patch(parse(before.replace("[4]", "[9]")))
+    i.step(0.1)
+    assert i.variables["out"] == 9
+    i.rewind(1)
+    i.patch(parse(before.replace("[4]", "[7]")))
+    i.step(0.1)
+    assert i.variables["out"] == 7
