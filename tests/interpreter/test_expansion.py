@@ -19,7 +19,7 @@ OUTSIDE = _of([*ANY, "q += 1", "g = n.v", "h = n.state", "q = n.w", "nope"])
 TRUE = ["True", "g % 2 == 0", "robot.light == 1", "elapsed >= 0.2", "e", "5"]
 IN, OUT = _of([*TRUE, "v > 1", "w > g", "f"]), _of([*TRUE, "n.state == 'x'", "q > 2", "n.v > 1"])
 OWN = _of(["0", "1", "g + 1", "elapsed", "robot.light"])
-SET = _of(["7", "q", "q + g", "nope", "e", "h", "elapsed + 2"])
+SET = _of(["7", "q", "q + g", "nope", "e", "h", "g * 2"])
 FOR = _of(["", "", " for 100", " for 200", " for g"])
 x, a = _of("xxyyz"), _of("aabbc")
 
