@@ -281,3 +281,26 @@ def test_a_function_keeps_its_variables_through_a_rename_and_an_edit(renamed):
     i.patch(parse(before.replace("[4]", "[7]")))
     i.step(0.1)
     assert i.variables["out"] == 7
+
+
+def test_a_transition_that_is_fired_by_hand_has_its_effect_first():
+    text = "(var log := ['']) (machine n (var v := ['v']) (state x (onexit [log += 'x'])))"
+    text += (
+        "(machine m (state a (onentry (spawn n x)) (onexit [log += 'a'])) (state b (onentry [log += 'b']))"
+    )
+    i = started(text + "(on [False] a -> b go (effect [log += n.v] [1 / 0]))) (spawn m a)")
+    i.fire("m/go")
+    assert (active(i), i.variables["log"]) == (["m/b"], "vxab")
+    assert [each.element.kind for each in i.issues] == ["effect"]
+    i.rewind(0)
+    assert (active(i), i.variables["log"]) == (["m/a/n/x"], "")
+
+
+def test_a_debugger_sees_what_names_mean_at_a_fault():
+    text = "(event e [n.v > 2]) (machine n (var v := [3]) (state x)) (machine m (state a (running [e, n, 1 / dt])))"
+    i = started(f"{text} (spawn n x) (spawn m a)")
+    names = i.traceback_of(i.issues[0], i.assign).tb_frame.f_locals
+    assert (names["e"], names["n"].v, names["dt"]) == (True, 3, 0.0)
+    i.set_variable("n/v", "1")
+    assert names["e"] is False
+    assert not any("(" in name or "." in name for name in names)
