@@ -285,10 +285,11 @@ def test_a_function_keeps_its_variables_through_a_rename_and_an_edit(renamed):
 
 def test_a_transition_that_is_fired_by_hand_has_its_effect_first():
     text = "(var log := ['']) (machine n (var v := ['v']) (state x (onexit [log += 'x'])))"
-    text += (
-        "(machine m (state a (onentry (spawn n x)) (onexit [log += 'a'])) (state b (onentry [log += 'b']))"
+    text += "(machine m (state a (onentry (spawn n x)) (onexit [log += 'a']))"
+    i = started(
+        text
+        + "(state b (onentry [log += 'b'])) (on [False] a -> b go (effect [log += n.v] [1 / 0]))) (spawn m a)"
     )
-    i = started(text + "(on [False] a -> b go (effect [log += n.v] [1 / 0]))) (spawn m a)")
     i.fire("m/go")
     assert (active(i), i.variables["log"]) == (["m/b"], "vxab")
     assert [each.element.kind for each in i.issues] == ["effect"]
@@ -297,8 +298,8 @@ def test_a_transition_that_is_fired_by_hand_has_its_effect_first():
 
 
 def test_a_debugger_sees_what_names_mean_at_a_fault():
-    text = "(event e [n.v > 2]) (machine n (var v := [3]) (state x)) (machine m (state a (running [e, n, 1 / dt])))"
-    i = started(f"{text} (spawn n x) (spawn m a)")
+    text = "(event e [n.v > 2]) (machine n (var v := [3]) (state x)) (spawn n x) (spawn m a)"
+    i = started(f"{text} (machine m (state a (running [e, n, 1 / dt])))")
     names = i.traceback_of(i.issues[0], i.assign).tb_frame.f_locals
     assert (names["e"], names["n"].v, names["dt"]) == (True, 3, 0.0)
     i.set_variable("n/v", "1")
