@@ -169,6 +169,17 @@ describe("the ends of a selected transition", () => {
     }
   });
 
+  it("are the destination alone where an exit lands: its source is in another machine", () => {
+    const { svg, root } = open("x", "y");
+    root.querySelectorAll(".lrp-transition")[1]!.setAttribute("data-lands", "");
+    root.querySelector(".lrp-layer-pencil")!.remove();
+    const store = new Store();
+    store.state.chosen = "m/a/i:t";
+    attachPencil({ store } as unknown as Lab, svg, root, {} as Pen, () => {});
+    const ends = [...root.querySelectorAll<SVGElement>(".lrp-handle")].map(({ dataset }) => dataset.end);
+    expect(ends).toEqual(["source", "destination", "destination"]);
+  });
+
   it("are not in a saved picture", () => {
     const { svg, root } = open("x");
     const box = { x: 0, y: 0, width: 9, height: 9 };

@@ -5,11 +5,11 @@ import { type Box, Camera } from "../src/graph/camera";
 import { Dragging } from "../src/graph/drag";
 import { draw, drawCones, drawMachines, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
-import { boxAround, nestAround, placesOf, shapeFor } from "../src/graph/inside";
+import { boxAround, nestAround, placesOf, shapeFor, statesOn } from "../src/graph/inside";
 import { lastFired, marking } from "../src/graph/marks";
 import { ScrollBars, scroll } from "../src/graph/scroll";
 import { follow, followRun, showMachine } from "../src/graph/shown";
-import type { Layout, StateShape, TransitionShape } from "../src/protocol";
+import type { Layout, SpawnedLine, StateShape, TransitionShape } from "../src/protocol";
 import { initialState, type LabState } from "../src/session/state";
 import { Store } from "../src/session/store";
 import { AFTERGLOW } from "../src/ui/timers";
@@ -30,8 +30,13 @@ const shape = (name: string, fields: Partial<StateShape> = {}): StateShape => ({
   nested: "",
   machines: [],
   inside: [],
+  spawns: [],
   title: name,
   start: null,
+  ...fields,
+});
+const line = (machine: string, fields: Partial<SpawnedLine> = {}): SpawnedLine => ({
+  ...{ machine, name: machine, settings: "", title: machine, x: -25, y: 10, width: 50 },
   ...fields,
 });
 const arrow = (source: string, fields: Partial<TransitionShape> = {}): TransitionShape => ({
@@ -47,6 +52,7 @@ const arrow = (source: string, fields: Partial<TransitionShape> = {}): Transitio
   label: { text: "e", x: 0, y: 0, width: 9, height: 9 },
   title: "t",
   broken: null,
+  lands: false,
   ...fields,
 });
 const layout = (states: StateShape[], transitions: TransitionShape[] = []): Layout => ({
@@ -118,6 +124,30 @@ describe("a drawing", () => {
     expect(drawn?.getAttribute("data-broken")).toBe("There is no state `b`.");
     draw(layers, layout([shape("a")], [arrow("a")]));
     expect(drawn?.hasAttribute("data-broken")).toBe(false);
+  });
+
+  it("has a line in a state for each machine that it spawns from elsewhere, whole in its card", () => {
+    const given = line("follow", { settings: "side −1, kee…25", title: "follow (side −1, keep 0.25)" });
+    draw(layers, layout([shape("a", { spawns: [line("move"), given] })]));
+    const lines = [...node("m/a")!.querySelectorAll("[data-lrp-spawns]")];
+    expect(lines.map((each) => each.getAttribute("data-lrp-spawns"))).toEqual(["move", "follow"]);
+    expect(lines[1]!.querySelector("title")!.textContent).toBe("follow (side −1, keep 0.25)");
+    expect(lines[1]!.querySelector("text")!.textContent).toBe("followside −1, kee…25");
+    expect(node("m/a")!.getAttribute("aria-label")).toBe("a move follow side −1, kee…25: state a");
+  });
+
+  it("writes a label of two lines around its middle", () => {
+    const label = { text: "found\n(from send)", x: 10, y: 20, width: 60, height: 29 };
+    draw(layers, layout([shape("a"), shape("b")], [arrow("a", { label, lands: true })]));
+    const spans = [...layers.labels.querySelectorAll("tspan")];
+    const lift = 11.5 * 0.35;
+    expect(spans.map((span) => [span.getAttribute("x"), Number(span.getAttribute("y")) - lift])).toEqual([
+      ["10", 20 - 6.75],
+      ["10", 20 + 6.75],
+    ]);
+    expect(layers.labels.textContent).toBe("found (from send)");
+    draw(layers, layout([shape("a"), shape("b")], [arrow("a")]));
+    expect(layers.labels.innerHTML).not.toContain("tspan");
   });
 
   it("has no path for the placeholder state, which cannot be entered", () => {
@@ -194,6 +224,33 @@ describe("the nest", () => {
     expect(placesOf(nest, grown(90), "row", wide)).toEqual(wide);
   });
 
+  const spawning = (user: string) => shape("s", { id: `${user}/s`, spawns: [line("move")], x: 50, y: 40 });
+  const shared = {
+    p: at("p", [spawning("p"), { ...spawning("p"), id: "p/t", y: 70 }]),
+    q: at("q", [spawning("q")]),
+    move: at("move", [shape("go", { id: "move/go" })]),
+  };
+
+  it("has the machine in which another one runs that is defined elsewhere: the likeliest of several", () => {
+    for (const machine of ["p", "move"]) expect(nestAround(machine, shared)).toEqual(["p", "move"]);
+    expect(nestAround("q", shared)).toEqual(["q", "move"]);
+    expect(nestAround("move", shared, ["p/s", "q/s", "move/go"])).toEqual(["q", "move"]);
+    const circle = { ...shared, move: at("move", [{ ...spawning("move"), spawns: [line("p")] }]) };
+    expect(nestAround("p", circle)).toEqual(["move", "p"]);
+  });
+
+  it("knows the states on a path as spawned where they are defined", () => {
+    expect(statesOn("q/s/move/go", shared)).toEqual(["q/s", "move/go"]);
+    expect(statesOn("m/a/i/x", layouts)).toEqual(["m/a", "m/a/i/x"]);
+    expect(statesOn("new/a/i/x", {})).toEqual(["new/a", "new/a/i/x"]);
+  });
+
+  it("is joined by a cone from each state that spawns a machine from elsewhere", () => {
+    drawCones(layers.frame, placesOf(["p", "move"], shared, "row", []), shared, true);
+    const ways = [...layers.frame.querySelectorAll(".lrp-cone")].map((cone) => cone.getAttribute("d"));
+    expect(ways).toEqual(["M148 0L80 22V58L148 80", "M148 0L80 52V88L148 80"]);
+  });
+
   it("is joined by a cone from the state that contains the machine", () => {
     const places = placesOf(["m", "m/a/i"], layouts, "row", []);
     drawMachines(layers.root, places, layouts);
@@ -219,16 +276,17 @@ describe("following the run", () => {
     end.abort();
     vi.useRealTimers();
   });
-  const lit = (...paths: string[]) => {
+  const active = (...paths: string[]) => {
+    lab.store.state.active = paths;
     lab.store.set("lit", paths);
     vi.advanceTimersByTime(300);
   };
 
   it("shows the machine of the innermost active state when it has been so for a second, not before", () => {
     followRun(lab);
-    for (let turn = 0; turn < 20; turn++) lit(...(turn % 2 ? ["m/b"] : ["m/a", "m/a/i/x"]));
+    for (let turn = 0; turn < 20; turn++) active(turn % 2 ? "m/b" : "m/a/i/x");
     expect(lab.store.state.machine).toBe("m");
-    for (const state of ["x", "y", "x", "y", "x"]) lit("m/a", `m/a/i/${state}`);
+    for (const state of ["x", "y", "x", "y", "x"]) active(`m/a/i/${state}`);
     expect(lab.store.state.machine).toBe("m/a/i");
   });
 
@@ -237,12 +295,12 @@ describe("following the run", () => {
     const seen = ["m", "m/b/j"];
     followRun(
       lab,
-      (machine) => seen.includes(machine),
+      (machines) => machines.every((machine) => seen.includes(machine)),
       () => busy,
     );
-    lit("m/b", "m/b/j/x");
+    active("m/b/j/x");
     vi.advanceTimersByTime(5000);
-    lit("m/a", "m/a/i/x");
+    active("m/a/i/x");
     vi.advanceTimersByTime(5000);
     expect(lab.store.state.machine).toBe("m");
     busy = false;
@@ -251,8 +309,8 @@ describe("following the run", () => {
     showMachine(lab.store, "m/a/i"); // also of the one that is shown: it stays
     expect(lab.store.state.follow).toBe("nothing");
     showMachine(lab.store, "m");
-    lit("m/a");
-    lit("m/a", "m/a/i/y");
+    active("m/a");
+    active("m/a/i/y");
     vi.advanceTimersByTime(5000);
     expect([lab.store.state.machine, lab.store.state.follow]).toEqual(["m", "nothing"]);
     follow(lab.store, "active");
@@ -262,7 +320,73 @@ describe("following the run", () => {
   });
 });
 
+describe("following a machine that several others spawn", () => {
+  it("shows the one in which it runs, too", () => {
+    vi.useFakeTimers();
+    const end = new AbortController();
+    const store = new Store();
+    const user = (machine: string) => ({
+      ...layout([shape("s", { id: `${machine}/s`, spawns: [line("move")] })]),
+      machine,
+    });
+    Object.assign(store.state, {
+      machine: "move",
+      follow: "active",
+      layouts: { p: user("p"), q: user("q") },
+    });
+    store.state.settings = { ...store.state.settings, graph: "live" };
+    const seen = ["p", "move"];
+    const shown: string[] = [];
+    followRun(
+      { store, closed: end.signal },
+      (machines) => machines.every((machine) => seen.includes(machine)),
+      () => false,
+      () => {},
+      (machine) => shown.push(machine),
+    );
+    for (const active of ["p/s/move/go", "q/s/move/go"]) {
+      store.state.active = [active];
+      store.set("lit", []);
+      vi.advanceTimersByTime(1100);
+    }
+    expect(shown).toEqual(["move"]);
+    end.abort();
+    vi.useRealTimers();
+  });
+});
+
 describe("marks", () => {
+  it("name the state in which a machine runs that is defined elsewhere, and at each of several", () => {
+    const [user, helper] = [
+      { ...layout([shape("s", { id: "p/s", spawns: [line("m")] })]), machine: "p" },
+      layout([shape("a"), shape("b")]),
+    ];
+    state.layouts = { p: user, m: helper };
+    const places = [{ machine: "m", x: 0, y: 0 }];
+    drawMachines(layers.root, places, state.layouts);
+    const update = marking(layers, state);
+    const within = () => layers.root.querySelector(".lrp-within")?.textContent ?? null;
+    Object.assign(state, { active: ["p/s/m/a"], lit: ["p/s", "m/a"] });
+    update();
+    expect(within()).toBe("in p/s");
+    expect(layers.root.querySelector(".lrp-user")).toBeNull();
+    state.users = { "m/a": "p/s", "m/b": "q/s, top level" };
+    update();
+    update();
+    const tags = [...layers.root.querySelectorAll(".lrp-user")].map((tag) => [
+      tag.parentElement?.getAttribute("data-lrp-state"),
+      tag.textContent,
+    ]);
+    expect(tags).toEqual([
+      ["m/a", "p/s"],
+      ["m/b", "q/s, top level"],
+    ]);
+    expect(node("m/b")?.getAttribute("aria-description")).toBe("in q/s, top level");
+    Object.assign(state, { active: [], lit: [], users: {} });
+    update();
+    expect([within(), layers.root.querySelector(".lrp-user")]).toEqual([null, null]);
+  });
+
   it("show the active state and the transition that fired last", () => {
     draw(layers, layout([shape("a"), shape("b")], [arrow("a"), arrow("b", { id: "m:u" })]));
     state.lit = ["m/b"];

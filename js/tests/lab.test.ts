@@ -681,6 +681,23 @@ describe("the page", () => {
     expect(said.hidden).toBe(true);
   });
 
+  it("assigns a value that was typed, and nothing where none was: the text of a function would call it", async () => {
+    const confirm = async (typed?: string) => {
+      page.find('[data-lrp-variable="lightlim"] .lrp-value').click();
+      const input = page.find('[data-lrp-variable="lightlim"] .lrp-input') as HTMLInputElement;
+      if (typed !== undefined) input.value = typed;
+      input.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", cancelable: true }));
+      await page.drawn();
+      return page.host.querySelector('[data-lrp-variable="lightlim"] .lrp-input');
+    };
+    page.deliver({ type: "frame", frame: 9, variables: { lightlim: ["limit()", null] } });
+    await page.drawn();
+    expect(await confirm()).toBe(null);
+    expect(page.commands("set_variable")).toEqual([]);
+    await confirm("limit");
+    expect(page.commands("set_variable")).toMatchObject([{ path: "lightlim", expression: "limit" }]);
+  });
+
   it("keeps what is selected and shown when a state is renamed", async () => {
     const inner = "follower/looking/lookalgo";
     const rename = (text: string) => text.replaceAll("looking", "searching");
@@ -869,6 +886,8 @@ describe("the page", () => {
     };
     resize(420, 200);
     page.find('[data-lrp-action="zoom-fit"]').click();
+    page.deliver({ type: "frame", frame: 9, lit: ["follower/looking", `${inner}/lookleft`] });
+    await page.drawn();
     resize(420, 700);
     vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
     svg.dispatchEvent(new KeyboardEvent("keydown", { key: "Tab", bubbles: true }));
@@ -884,14 +903,13 @@ describe("the page", () => {
     expect(before.map(([machine]) => machine)).toEqual(["follower", inner]);
     expect(svg.getAttribute("aria-label")).toBe("State graph of follower, lookalgo");
     expect(svg.querySelectorAll(".lrp-cone")).toHaveLength(1);
-    page.deliver({ type: "frame", frame: 9, lit: ["follower/looking", `${inner}/lookleft`] });
+    expect(
+      [...svg.querySelectorAll("[data-active]")].map((each) => each.getAttribute("data-lrp-state")),
+    ).toEqual(["follower/looking", `${inner}/lookleft`]);
     page.find('[data-lrp-machine="follower"]').click();
     await page.drawn();
     expect(places()).toEqual(before);
     expect(page.find('[aria-selected="true"]').dataset.lrpMachine).toBe("follower");
-    expect(
-      [...svg.querySelectorAll("[data-active]")].map((each) => each.getAttribute("data-lrp-state")),
-    ).toEqual(["follower/looking", `${inner}/lookleft`]);
     page.find('[data-lrp-action="arrange"]').click();
     expect(page.commands("arrange")).toMatchObject([{ path: "follower" }, { path: inner }]);
   });
@@ -920,6 +938,38 @@ describe("the page", () => {
         `${text}…`,
       ),
     );
+  });
+
+  it("goes to a machine that a state spawns from elsewhere: by its line, by key, by the menu", async () => {
+    const { follower } = recording.snapshot.frame.layouts;
+    const inner = "follower/looking/lookalgo";
+    const [, moving, looking, ...states] = follower.states;
+    const spawned = { name: "lookalgo", settings: "", title: "lookalgo", x: 0, y: 9, width: 50 };
+    const user = { ...moving!, spawns: [{ machine: inner, ...spawned }] };
+    const layouts = { follower: { ...follower, states: [user, { ...looking!, machines: [] }, ...states] } };
+    page.deliver({ type: "frame", frame: 9, layouts } as never);
+    const shows = () => page.find('[aria-selected="true"]').dataset.lrpMachine;
+    const state = () => page.find('.lrp-graph [data-lrp-state="follower/moving"]');
+    const ways = [
+      () => page.find(`.lrp-graph [data-lrp-spawns="${inner}"] text`).dispatchEvent(event("click")),
+      () => state().dispatchEvent(event("keydown", { key: "Enter", shiftKey: true })),
+      () => {
+        state().dispatchEvent(event("keydown", { key: "m" }));
+        const open = page.find('[role="menu"] [data-lrp-action="open"]');
+        expect(open.textContent).toContain("Open lookalgo");
+        open.click();
+      },
+    ];
+    const event = (type: string, how: object = {}) =>
+      new (type === "click" ? MouseEvent : KeyboardEvent)(type, { bubbles: true, composed: true, ...how });
+    for (const go of ways) {
+      page.find('[data-lrp-machine="follower"]').click();
+      await page.drawn();
+      expect(shows()).toBe("follower");
+      go();
+      await page.drawn();
+      expect(shows()).toBe(inner);
+    }
   });
 
   it("puts a state that is dragged back at Escape", () => {

@@ -198,4 +198,4 @@ def _rendered(program: Program, machine: str | None, kind: Format) -> str:
     from lrp_jupyter.graph.exports import dot, mermaid
 
     write = dot if kind == "dot" else mermaid
-    return write(find_machine(program, path) if path else program)
+    return write(program, path or ())

@@ -36,12 +36,15 @@ class Nested:
         return shapes
 
 
-def beside_each_other(layouts: Sequence[Layout]) -> Nested | None:
-    """Return the arrangement of some machines in their state; None if there are none."""
+def beside_each_other(layouts: Sequence[Layout], below: float = 0.0) -> Nested | None:
+    """Return the arrangement of some machines in their state; None if there are none.
+
+    `below`: height of what is below them in the state, px.
+    """
     if not layouts:
         return None
     width = sum(drawing["view"][2] + BORDER for drawing in layouts) + BORDER
-    height = NAME + max(drawing["view"][3] for drawing in layouts) + BORDER
+    height = NAME + max(drawing["view"][3] for drawing in layouts) + BORDER + below
     left, top = layouts[0]["view"][:2]
     centre = (round(left - BORDER + width / 2, 1), round(top - NAME + height / 2, 1))
     return Nested(layouts, width, height, centre)

@@ -7,6 +7,7 @@ room than estimated here. Labels are placed in one greedy pass, in the order of 
 from __future__ import annotations
 
 import math
+import re
 import unicodedata
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -15,7 +16,11 @@ from itertools import accumulate, pairwise, takewhile
 
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
+from lrp_jupyter.language.program import Spawn, Transition
 
+STATE_FONT, LABEL_FONT = 13.0, 11.5  # px: font sizes of states' names, and of everything else
+LABEL_LINE = 13.5  # px: from one line of a label to the next
+WIDEST_LABEL = 150.0  # px
 GAP = 5.0  # px: room between a line and its label
 POINTS = 40_000  # of arrows that labels avoid, about: one every 11 px, but farther apart in large pictures
 
@@ -57,6 +62,26 @@ class _Obstacles(Cells):
             for cell in self.cells(box)
             for line, left, top in self._points.get(cell, ())
         )
+
+
+def arrow_text(transition: Transition) -> str:
+    """Return the text of an arrow in one line: when it fires, or its name where that is too long."""
+    text = " ".join(transition.arrow_text.split())
+    if transition.name and text_width(text, LABEL_FONT) > WIDEST_LABEL:
+        return str(transition.name) + (_EFFECT if text.endswith(_EFFECT) else "")
+    return text
+
+
+_EFFECT = " /"  # the end of an arrow's text that tells of an effect
+
+
+def settings_text(spawn: Spawn) -> str:
+    """Return the values that a spawn gives to variables of its machine: ``side 1, keep 0.25``."""
+    values = ((each.name, " ".join(each.initial.text.split())) for each in spawn.settings)
+    return ", ".join(f"{name} {re.sub(_SIGN, MINUS, value)}" for name, value in values)
+
+
+_SIGN, MINUS = re.compile(r"^-(?=[.\d])"), "\N{MINUS SIGN}"
 
 
 def place_labels(

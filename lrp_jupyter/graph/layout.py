@@ -21,10 +21,29 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
+from lrp_jupyter.graph.arrangement import GAP_X
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
 from lrp_jupyter.graph.inside import Nested, beside_each_other
-from lrp_jupyter.graph.labels import beside, place_labels, shorten, text_width
-from lrp_jupyter.graph.layout_parts import Label, Layout, Port, Start, StateShape, TransitionShape
+from lrp_jupyter.graph.labels import (
+    LABEL_FONT,
+    LABEL_LINE,
+    STATE_FONT,
+    WIDEST_LABEL,
+    arrow_text,
+    beside,
+    place_labels,
+    shorten,
+    text_width,
+)
+from lrp_jupyter.graph.layout_parts import (
+    Label,
+    Layout,
+    Port,
+    SpawnedLine,
+    Start,
+    StateShape,
+    TransitionShape,
+)
 from lrp_jupyter.graph.routes import (
     Pair,
     Route,
@@ -37,6 +56,7 @@ from lrp_jupyter.graph.routes import (
     obstacles,
     straight,
 )
+from lrp_jupyter.graph.spawned import SpawnedMachine, landings, spawned_machines
 from lrp_jupyter.graph.state_graph import (
     ANY,
     NO_EXIT,
@@ -48,10 +68,13 @@ from lrp_jupyter.graph.state_graph import (
 )
 from lrp_jupyter.graph.state_places import keep_positions
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
+from lrp_jupyter.language.resolution import resolve
 
-STATE_FONT, LABEL_FONT = 13.0, 11.5  # px: font sizes of states' names, and of everything else
-HEIGHT, NESTED_HEIGHT = 36.0, 52.0
-WIDEST_NAME, WIDEST_LABEL = 150.0, 150.0
+HEIGHT = 36.0
+LINE = 16.0  # px: height of a line below the name
+ICON = 16.0  # px: width of what is before the name of a machine
+SETTINGS = 6.0  # px: between that name and the settings
+WIDEST_NAME, WIDEST_LINE = 150.0, 210.0
 PLAIN = 1_000  # arrows above which neither they nor their labels avoid anything: that would take many seconds
 MARGIN = 18.0
 TITLE = 18.0
@@ -88,16 +111,32 @@ def layout(
 
 
 class _Edge:
-    def __init__(self, id_: str, label: str, transition: Transition, source: str, broken: str | None) -> None:
-        self.id = id_
+    """An arrow; `inside`: of an ``exit`` that lands here, the state that it leaves, as text."""
+
+    def __init__(
+        self,
+        path: Path,
+        label: str,
+        transition: Transition,
+        source: str,
+        broken: str | None,
+        inside: str | None = None,
+    ) -> None:
+        self.id = f"{path_text(path[:-1])}:{path[-1]}"
         self.label = label
         self.transition = transition
         self.source = source
         self.target = str(transition.destination)
         self.broken = broken
-        self.outward = transition.outward
-        self.text = shorten(transition.arrow_text, LABEL_FONT, WIDEST_LABEL)
-        self.size = (text_width(self.text, LABEL_FONT) + 4.0, LABEL_FONT + 4.0)
+        self.lands = inside is not None
+        self.outward = transition.outward and not self.lands
+        texts = [arrow_text(transition), *([inside] if inside else [])]
+        lines = [shorten(text, LABEL_FONT, WIDEST_LABEL) for text in texts]
+        self.text = "\n".join(lines)
+        width = max(text_width(line, LABEL_FONT) for line in lines)
+        self.size = (width + 4.0, LABEL_FONT + 4.0 + LABEL_LINE * (len(lines) - 1))
+        title = _source_text(transition) + (f" of {path_text(path[:-1])}" if self.lands else "")
+        self.title = f"{title}: {broken}" if broken else title
 
 
 class _Drawing:
@@ -109,16 +148,38 @@ class _Drawing:
         self.machine = machine
         self.path = path
         self.states = distinct_states(machine)
+        names = resolve(program) if program else None
+        self.spawned: dict[str, list[SpawnedMachine]] = {name: [] for name in self.states}
+        for each in spawned_machines(names, path) if names else ():
+            self.spawned.setdefault(each.state, []).append(each)
+        self.lines = {name: _lines(spawned) for name, spawned in self.spawned.items() if name in self.states}
         self.insides = {
             name: nested
             for name, state in self.states.items()
-            if (nested := beside_each_other([inside[at] for at in self._nested_in(state) if at in inside]))
+            if (
+                nested := beside_each_other(
+                    [inside[at] for at in self._nested_in(state) if at in inside],
+                    LINE * len(self.lines[name]),
+                )
+            )
         }
         self.starts: Sequence[str] = start_states(program).get(path, ()) if program else ()
         events = events_in_scope(program, path) if program else None
         outer = outer_states(program, path) if program else None
+        # their labels are the largest: they are placed first
         self.edges = [
-            _Edge(id_, label, transition, source, self._broken(transition, source, events, outer))
+            _Edge(
+                each.arrow.element.path,
+                each.arrow.label,
+                each.arrow.noun,
+                each.state,
+                each.broken,
+                each.inside,
+            )
+            for each in (landings(names, path) if names else ())
+        ]
+        self.edges += [
+            _Edge((*path, id_), label, transition, source, self._broken(transition, source, events, outer))
             for id_, label, transition in zip(machine.ids, machine.labels, machine.transitions, strict=True)
             for source in ([ANY] if transition.wildcard else dict.fromkeys(map(str, transition.sources)))
         ]
@@ -149,12 +210,22 @@ class _Drawing:
         if any(edge.source == ANY for edge in self.edges):
             sizes[ANY] = (HEIGHT, HEIGHT)
         for name, state in self.states.items():
-            sizes[name] = _state_size(name, state, self.insides.get(name))
+            sizes[name] = _state_size(
+                name, self._nested_text(state), self.insides.get(name), self.lines[name]
+            )
         for edge in self.edges:
             for name in (edge.source, edge.target)[: 1 if edge.outward else 2]:
                 if name not in sizes:
-                    sizes[name] = _state_size(name, None, None)
+                    sizes[name] = _state_size(name, "", None, ())
         return sizes
+
+    def _nested_text(self, state: State | None) -> str:
+        if state is None:
+            return ""
+        name = str(state.name)
+        inside = {str(each.machine.name): each.text for each in self.spawned[name] if not each.elsewhere}
+        words = [inside.get(inner.name, str(inner.name)) for inner in state.machines]
+        return shorten(", ".join(words), LABEL_FONT, WIDEST_NAME)
 
     def draw(
         self, previous: Layout | None, moved: Mapping[str, Sequence[float]], now: float, panel: Size | None
@@ -163,7 +234,7 @@ class _Drawing:
         links = [(edge.source, edge.target) for edge in inner]
         insides = {name: nested.centre for name, nested in self.insides.items()}
         places = keep_positions(
-            self.sizes, list(self.states), links, self.starts, previous, moved, now, panel, insides
+            self._roomy(), list(self.states), links, self.starts, previous, moved, now, panel, insides
         )
         boxes = {name: Rect(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
         starts = {name: _start(boxes[name]) for name in self.starts if name in boxes}
@@ -191,6 +262,15 @@ class _Drawing:
             ports=ports,
             places=places,
         )
+
+    def _roomy(self) -> dict[str, Size]:
+        """Return the sizes with room for the large labels of arrows that land."""
+        sizes: dict[str, Size] = dict(self.sizes)
+        for edge in self.edges:
+            if edge.lands:
+                width, height = sizes[edge.target]
+                sizes[edge.target] = max(width, edge.size[0] + GAP_X / 2), height
+        return sizes
 
     def _title_width(self) -> float:
         outer = path_text(self.path[:-1])
@@ -270,6 +350,9 @@ class _Drawing:
         title = {"any": "every state", "missing": f"{name}: There is no such state."}.get(kind, name)
         if machines:
             title += f", with {'machine' if len(machines) == 1 else 'machines'} " + ", ".join(machines)
+        lines = self.lines.get(name, [])
+        if lines:
+            title += ", spawns " + ", ".join(line["title"] for line in lines)
         return StateShape(
             id=path_text((*self.path, name)),
             name=name,
@@ -279,17 +362,17 @@ class _Drawing:
             width=round(box.width, 1),
             height=round(box.height, 1),
             label=shorten(name, STATE_FONT, WIDEST_NAME),
-            nested="" if name in self.insides else _nested_text(state),
+            nested="" if name in self.insides else self._nested_text(state),
             machines=machines,
             inside=self.insides[name].placed(box) if name in self.insides else [],
+            spawns=[SpawnedLine(**{**line, "y": round(box.height / 2 + line["y"], 1)}) for line in lines],
             title=title,
             start=start,
         )
 
     def _transition_shape(self, edge: _Edge, route: Route, box: Rect) -> TransitionShape:
-        title = _source_text(edge.transition)
         return TransitionShape(
-            id=f"{path_text(self.path)}:{edge.id}",
+            id=edge.id,
             name=edge.label,
             kind=edge.transition.kind,
             style=edge.transition.style,
@@ -301,25 +384,48 @@ class _Drawing:
             label=Label(
                 text=edge.text, x=box.x, y=box.y, width=round(box.width, 1), height=round(box.height, 1)
             ),
-            title=f"{title}: {edge.broken}" if edge.broken else title,
+            title=edge.title,
             broken=edge.broken,
+            lands=edge.lands,
         )
 
 
-def _nested_text(state: State | None) -> str:
-    if state is None or not state.machines:
-        return ""
-    return shorten(", ".join(str(inner.name) for inner in state.machines), LABEL_FONT, WIDEST_NAME)
+def _lines(spawned: Iterable[SpawnedMachine]) -> list[SpawnedLine]:
+    """Return the lines for machines that are defined elsewhere; `y` is from the bottom of the state."""
+    shown = [each for each in spawned if each.elsewhere]
+    lines = []
+    for index, each in enumerate(shown):
+        name = shorten(each.machine.path[-1], LABEL_FONT, WIDEST_NAME)
+        width = ICON + text_width(name, LABEL_FONT)
+        settings = shorten(each.settings, LABEL_FONT, max(WIDEST_LINE - width, WIDEST_LINE / 3))
+        if settings:
+            width += SETTINGS + text_width(settings, LABEL_FONT)
+        lines.append(
+            SpawnedLine(
+                machine=path_text(each.machine.path),
+                name=name,
+                settings=settings,
+                title=f"{each.machine.path[-1]} ({each.settings})"
+                if each.settings
+                else each.machine.path[-1],
+                x=round(-width / 2, 1),
+                y=LINE * (index - len(shown)),
+                width=round(width, 1),
+            )
+        )
+    return lines
 
 
-def _state_size(name: str, state: State | None, nested_in: Nested | None) -> tuple[float, float]:
+def _state_size(
+    name: str, nested: str, nested_in: Nested | None, lines: Sequence[SpawnedLine]
+) -> tuple[float, float]:
     width = text_width(shorten(name, STATE_FONT, WIDEST_NAME), STATE_FONT) + 26.0
+    width = max([width, *(line["width"] + 28.0 for line in lines)])
     if nested_in is not None:
         return round(max(width, nested_in.width), 1), round(nested_in.height, 1)
-    nested = _nested_text(state)
     if nested:
         width = max(width, text_width(nested, LABEL_FONT) + 44.0)
-    return round(max(width, 64.0), 1), NESTED_HEIGHT if nested else HEIGHT
+    return round(max(width, 64.0), 1), HEIGHT + LINE * (len(lines) + bool(nested))
 
 
 def _source_text(transition: Transition) -> str:

@@ -19,7 +19,7 @@ class Position(TypedDict):
 
 
 class Label(TypedDict):
-    """A text and the box around it; `x`, `y` is its centre."""
+    """A text of one or more lines and the box around it; `x`, `y` is its centre."""
 
     text: str
     x: float
@@ -46,6 +46,21 @@ class Inside(TypedDict):
     y: float
 
 
+class SpawnedLine(TypedDict):
+    """The line in a state's box for a machine that it spawns and that is defined elsewhere: at `machine`.
+
+    `x`, `y`: the left end of the line and the middle of its height, from the centre of the state.
+    """
+
+    machine: str
+    name: str
+    settings: str  # the values that it gives to variables: `side 1, keep 0.25`
+    title: str
+    x: float
+    y: float
+    width: float
+
+
 class StateShape(TypedDict):
     """One state; `x`, `y` is its centre, in px."""
 
@@ -60,6 +75,7 @@ class StateShape(TypedDict):
     nested: str  # the text below its name for the nested machines
     machines: list[str]  # the names of these
     inside: list[Inside]  # those that are drawn inside instead
+    spawns: list[SpawnedLine]
     title: str
     start: Start | None
 
@@ -67,6 +83,7 @@ class StateShape(TypedDict):
 class TransitionShape(TypedDict):
     """One arrow. A transition with several sources has an arrow for each, with the same `id`.
 
+    An ``exit`` has one more wherever it lands.
     `id` is the machine's path and the transition's id, which survives an edit of its condition or delay,
     unlike its label `name`.
     """
@@ -83,6 +100,7 @@ class TransitionShape(TypedDict):
     label: Label
     title: str
     broken: str | None  # why it can never fire
+    lands: bool  # an `exit` of a machine that the source spawns
 
 
 class Port(TypedDict):

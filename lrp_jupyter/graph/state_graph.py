@@ -13,9 +13,12 @@ Paper: §3.1 (kinds of transitions, the fictional state ``*``).
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterable
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
+from lrp_jupyter.graph.labels import LABEL_FONT, WIDEST_LABEL, arrow_text, shorten
 from lrp_jupyter.language.lookup import definition_of, find
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, resolve
@@ -89,7 +92,7 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
                         kind=noun.kind,
                         label=arrow.label,
                         condition=noun.trigger_text,
-                        text=noun.arrow_text,
+                        text=arrow_text(noun),
                         style=noun.style,
                         wildcard=noun.wildcard,
                         order=order,
@@ -170,7 +173,7 @@ def events_in_scope(program: Program, path: Path) -> frozenset[str]:
 
 
 def why_dangling(
-    transition: Transition, *, source_exists: bool, target_exists: bool, events: frozenset[str] | None
+    transition: Transition, *, source_exists: bool, target_exists: bool, events: Container[str] | None
 ) -> str | None:
     """Return why a transition can never fire, or None; `events` in scope are None where they are unknown."""
     if not target_exists:
@@ -235,3 +238,24 @@ class DefinedPaths:
         """Return the paths of all active states, outer ones included, as text, each once, in order."""
         every = (path[:end] for path in innermost for end in range(2, len(path) + 1, 2))
         return list(dict.fromkeys(path_text(self.member(path)) for path in every))
+
+    def users(self, innermost: Iterable[Path]) -> dict[str, str]:
+        """Return in which states a machine runs that runs in several, by the paths of its active states.
+
+        As the text of a tag: without the names that the paths of all these states begin with.
+        """
+        running: dict[Path, dict[Path, str]] = {}  # by machine, by the path as spawned: the active state
+        for path in innermost:
+            for end in range(2, len(path) + 1, 2):
+                spawned = path[: end - 1]
+                running.setdefault(self.machine(spawned), {})[spawned] = path[end - 1]
+        users: dict[str, str] = {}
+        for machine, instances in running.items():
+            if len(instances) == 1:
+                continue
+            together = zip(*(spawned[:-1] for spawned in instances), strict=False)
+            shared = sum(1 for _ in takewhile(lambda names: len(set(names)) == 1, together))
+            for spawned, state in instances.items():
+                user, at = path_text(spawned[shared:-1]) or "top level", path_text((*machine, state))
+                users[at] = f"{users[at]}, {user}" if at in users else user
+        return {at: shorten(text, LABEL_FONT, WIDEST_LABEL) for at, text in users.items()}

@@ -133,7 +133,8 @@ def _retyped(previous: Layout, states: Sequence[str]) -> dict[str, str]:
 
 def _retyped_end(previous: Layout, states: Sequence[str], links: Sequence[Link]) -> dict[str, str]:
     """Return the missing end of an arrow whose name is being edited, the only one that differs."""
-    arrows = [(a["source"], a["destination"]) for a in previous["transitions"] if a["kind"] != "exit"]
+    drawn = (arrow for arrow in previous["transitions"] if arrow["kind"] != "exit" or arrow["lands"])
+    arrows = [(arrow["source"], arrow["destination"]) for arrow in drawn]
     if len(arrows) != len(links):
         return {}
     pairs = zip(arrows, links, strict=True)

@@ -15,9 +15,9 @@ from typing import Literal
 
 from lrp_jupyter.graph.exports import tree
 from lrp_jupyter.graph.inside import NAME
-from lrp_jupyter.graph.labels import text_width
-from lrp_jupyter.graph.layout import LABEL_FONT, STATE_FONT, layout
-from lrp_jupyter.graph.layout_parts import Label, Layout, Port, StateShape, TransitionShape
+from lrp_jupyter.graph.labels import LABEL_FONT, LABEL_LINE, STATE_FONT, text_width
+from lrp_jupyter.graph.layout import HEIGHT, ICON, SETTINGS, layout
+from lrp_jupyter.graph.layout_parts import Label, Layout, Port, SpawnedLine, StateShape, TransitionShape
 from lrp_jupyter.graph.routes import number
 from lrp_jupyter.graph.state_graph import DefinedPaths, find_machine
 from lrp_jupyter.language.lookup import find
@@ -106,11 +106,13 @@ def svg(
                 machine, program=subject, path=path, inside=drawn if nested else None
             )
         drawings = list(drawn.values())[::-1]
+    users: Mapping[str, str] = {}
     if isinstance(subject, Program):  # active paths are as spawned, drawn paths as defined
-        defined = DefinedPaths(subject).active_states(tuple(map(tuple, active)))
-        active = [path.split("/") for path in defined]
+        paths, spawned = DefinedPaths(subject), tuple(map(tuple, active))
+        users = paths.users(spawned)
+        active = [path.split("/") for path in paths.active_states(spawned)]
     marks = {fired} if isinstance(fired, str) else set(fired or ())
-    return draw(drawings, active, marks, theme=theme, legend=legend)
+    return draw(drawings, active, marks, users, theme=theme, legend=legend)
 
 
 def _machines(program: Program) -> list[tuple[Path, Machine]]:
@@ -129,12 +131,17 @@ def draw(
     drawings: Sequence[Layout],
     active: Iterable[Sequence[str]] = (),
     fired: Iterable[str] = (),
+    users: Mapping[str, str] | None = None,
     *,
     theme: Theme = "auto",
     legend: bool = True,
 ) -> str:
-    """Return a picture of layouts, side by side and below each other; the same input gives the same text."""
-    on = {path_text(tuple(path[:end])) for path in active for end in range(2, len(path) + 1, 2)}
+    """Return a picture of layouts, side by side and below each other; the same input gives the same text.
+
+    `users`: in which states a machine runs that runs in several, by its active states.
+    """
+    paths = (path_text(tuple(path[:end])) for path in active for end in range(2, len(path) + 1, 2))
+    on = {path: (users or {}).get(path, "") for path in paths}
     marks = set(fired)
     panels: list[str] = []
     width, bottom = 120.0, SPACE
@@ -177,7 +184,7 @@ def draw(
     )
 
 
-def _panel(drawing: Layout, active: set[str], fired: set[str], others: Mapping[str, Layout]) -> str:
+def _panel(drawing: Layout, active: Mapping[str, str], fired: set[str], others: Mapping[str, Layout]) -> str:
     left, top, width, height = drawing["frame"]
     frame = f'<rect class="lrp-frame" {_rect(left, top, width, height)} rx="8"/>'
     outer = drawing["machine"].rpartition("/")[0]
@@ -191,7 +198,7 @@ def _panel(drawing: Layout, active: set[str], fired: set[str], others: Mapping[s
     arrows = "".join(_transition(shape, shape["id"] in fired) for shape in drawing["transitions"])
     ports = "".join(map(_port, drawing["ports"]))
     states = "".join(
-        _state(shape, shape["id"] in active, _inside(shape, active, fired, others))
+        _state(shape, active.get(shape["id"]), _inside(shape, active, fired, others))
         for shape in drawing["states"]
     )
     # labels last, and their halos before all of them: no halo covers another label
@@ -209,7 +216,9 @@ def _panel(drawing: Layout, active: set[str], fired: set[str], others: Mapping[s
     )
 
 
-def _inside(shape: StateShape, active: set[str], fired: set[str], others: Mapping[str, Layout]) -> str:
+def _inside(
+    shape: StateShape, active: Mapping[str, str], fired: set[str], others: Mapping[str, Layout]
+) -> str:
     drawn = ""
     for inner in shape["inside"]:
         at = f"translate({number(shape['x'] + inner['x'])} {number(shape['y'] + inner['y'])})"
@@ -231,31 +240,51 @@ def _transition(shape: TransitionShape, fired: bool) -> str:
     )
 
 
-def _state(shape: StateShape, active: bool, inside: str) -> str:
+def _state(shape: StateShape, user: str | None, inside: str) -> str:
+    """Draw a state; `user`: None if it is not active."""
     x, y, width, height = shape["x"], shape["y"], shape["width"], shape["height"]
     left, top = x - width / 2, y - height / 2
     radius = height / 2 if shape["kind"] == "any" else 9.0
     body = f'<rect class="lrp-box" {_rect(left, top, width, height)} rx="{number(radius)}"/>'
     if shape["nested"]:
         body += f'<rect class="lrp-inner" {_rect(left + 3.5, top + 3.5, width - 7, height - 7)} rx="6"/>'
-        body += _text("lrp-name", x, y - 2.5, shape["label"])
         first = x - text_width(shape["nested"], LABEL_FONT) / 2 - 7.0
-        body += f'<path class="lrp-icon" d="{_icon(first + 4.0, y + 10.0)}"/>'
-        body += _text("lrp-nested", first + 16.0, y + 14.0, shape["nested"], "start")
-    elif inside:
+        line = top + HEIGHT
+        body += f'<path class="lrp-icon" d="{_icon(first + 4.0, line)}"/>'
+        body += _text("lrp-nested", first + ICON, line + 4.0, shape["nested"], "start")
+    if inside:
         body += _text("lrp-name", x, top + NAME / 2 + STATE_FONT * 0.35, shape["label"]) + inside
     else:
-        body += _text("lrp-name", x, y + STATE_FONT * 0.35, shape["label"])
+        below = shape["nested"] or shape["spawns"]
+        name = top + HEIGHT / 2 + (5.5 if below else STATE_FONT * 0.35)
+        body += _text("lrp-name", x, name, shape["label"])
+    body += "".join(_spawned(line, x, y) for line in shape["spawns"])
     if (start := shape["start"]) is not None:
         body += (
             f'<g class="lrp-start"><circle cx="{number(start["x"])}" cy="{number(start["y"])}"'
             f' r="{number(start["radius"])}"/><path class="lrp-start-shaft" d="{start["d"]}"/>'
             f'<path d="{start["head"]}"/></g>'
         )
-    mine = f'data-lrp-state="{escape(shape["id"])}"' + (' data-active=""' if active else "")
+    if user:
+        body += _text("lrp-user", left + 10.0, top - 4.0, user, "start")
+    mine = f'data-lrp-state="{escape(shape["id"])}"' + (' data-active=""' if user is not None else "")
     title = f"<title>{escape(shape['title'])}</title>"
     kind = f"lrp-{shape['kind']}" + (" lrp-open" if inside else "")
     return f'<g class="lrp-state {kind}" {mine}>{title}{body}</g>'
+
+
+def _spawned(line: SpawnedLine, x: float, y: float) -> str:
+    left, middle = x + line["x"], y + line["y"]
+    settings = (
+        f'<tspan dx="{number(SETTINGS)}">{escape(line["settings"])}</tspan>' if line["settings"] else ""
+    )
+    return (
+        f'<g data-lrp-spawns="{escape(line["machine"])}"><title>{escape(line["title"])}</title>'
+        f'<path class="lrp-icon" d="M{number(left)} {number(middle - 5)}h7v7h-7z'
+        f'M{number(left + 3)} {number(middle - 2)}h7v7h-7z"/>'
+        f'<text class="lrp-nested" x="{number(left + ICON)}" y="{number(middle + 4)}" text-anchor="start">'
+        f"{escape(line['name'])}{settings}</text></g>"
+    )
 
 
 def _icon(x: float, y: float) -> str:
@@ -282,7 +311,15 @@ def _text(kind: str, x: float, y: float, text: str, anchor: str = "middle") -> s
 
 
 def _label(kind: str, label: Label) -> str:
-    return _text(kind, label["x"], label["y"] + LABEL_FONT * 0.35, label["text"])
+    lines = label["text"].split("\n")
+    x, first = label["x"], label["y"] + LABEL_FONT * 0.35 - LABEL_LINE * (len(lines) - 1) / 2
+    if len(lines) == 1:
+        return _text(kind, x, first, lines[0])
+    spans = " ".join(
+        f'<tspan x="{number(x)}" y="{number(first + LABEL_LINE * index)}">{escape(line)}</tspan>'
+        for index, line in enumerate(lines)
+    )
+    return f'<text class="{kind}">{spans}</text>'
 
 
 def _legend(styles: Collection[str], top: float) -> tuple[str, float]:
@@ -300,19 +337,21 @@ def _legend(styles: Collection[str], top: float) -> tuple[str, float]:
     return f'<g class="lrp-legend" aria-hidden="true">{"".join(parts)}</g>', x
 
 
-def _description(drawing: Layout, active: set[str], fired: set[str]) -> str:
+def _description(drawing: Layout, active: Mapping[str, str], fired: set[str]) -> str:
     words = [f"{drawing['name']}:"]
     states = [shape for shape in drawing["states"] if shape["kind"] == "state"]
     words.append(f"{len(states)} state" + ("" if len(states) == 1 else "s") + ".")
     for shape in states:
         if shape["start"] is not None:
             words.append(f"It starts in {shape['name']}.")
+        words += [f"{shape['name']} spawns {line['title']}." for line in shape["spawns"]]
         if shape["id"] in active:
-            words.append(f"{shape['name']} is active.")
+            user = active[shape["id"]]
+            words.append(f"{shape['name']} is active{f' in {user}' if user else ''}.")
     for arrow in drawing["transitions"]:
         source = "any state" if arrow["source"] == "*" else arrow["source"]
-        where = "leaves to" if arrow["kind"] == "exit" else "to"
-        text = "at once" if arrow["kind"] == "eps" else arrow["label"]["text"]
+        where = "leaves to" if arrow["kind"] == "exit" and not arrow["lands"] else "to"
+        text = "at once" if arrow["kind"] == "eps" else " ".join(arrow["label"]["text"].split())
         broken = f" It is broken: {arrow['broken']}" if arrow["broken"] else ""
         last = " It fired last." if arrow["id"] in fired else ""
         words.append(f"From {source} {where} {arrow['destination']}, {text}.{last}{broken}")
@@ -326,6 +365,7 @@ def _css(theme: Theme) -> str:
         f".lrp-nested,.lrp-key{{font-size:{LABEL_FONT}px}}"
         f".lrp-label,.lrp-halo,.lrp-outside,.lrp-faint{{font-size:{LABEL_FONT}px}}"
         ".lrp-still text[text-anchor=start]{text-anchor:start}"
+        f".lrp-user{{font-size:{LABEL_FONT}px;font-weight:600}}"
         f".lrp-machine{{font-size:{STATE_FONT}px;font-weight:600}}"
         f".lrp-within{{font-size:{LABEL_FONT}px;font-weight:400}}"
         ".lrp-halo{stroke-width:4;stroke-linejoin:round}"
@@ -351,7 +391,7 @@ def _css(theme: Theme) -> str:
 def _colours(c: Mapping[str, str]) -> str:
     rules = [
         f".lrp-paper,.lrp-port{{fill:{c['paper']}}}",
-        f".lrp-name,.lrp-machine,.lrp-label,.lrp-outside{{fill:{c['ink']}}}",
+        f".lrp-name,.lrp-machine,.lrp-label,.lrp-outside,.lrp-user{{fill:{c['ink']}}}",
         f".lrp-nested,.lrp-key,.lrp-faint,.lrp-off,.lrp-within,.lrp-missing .lrp-name{{fill:{c['faint']}}}",
         f".lrp-halo{{fill:{c['paper']};stroke:{c['paper']}}}",
         f".lrp-halo.lrp-fired{{stroke:{c['fired']}}}"
@@ -361,9 +401,11 @@ def _colours(c: Mapping[str, str]) -> str:
         f".lrp-any .lrp-box{{fill:{c['paper']};stroke:{c['wildcard']}}}",
         f".lrp-start{{fill:{c['ink']}}}.lrp-start-shaft,.lrp-port{{stroke:{c['ink']}}}",
         f"[data-active]>.lrp-box{{fill:{c['ink']}}}",
-        f"[data-active]>.lrp-name,[data-active]>.lrp-nested{{fill:{c['paper']}}}",
-        f"[data-active]>.lrp-inner,[data-active]>.lrp-icon{{stroke:{c['paper']}}}",
+        f"[data-active]>.lrp-name,[data-active]>.lrp-nested,[data-active]>g>.lrp-nested{{fill:{c['paper']}}}",
+        f"[data-active]>.lrp-inner,[data-active]>.lrp-icon,[data-active]>g>.lrp-icon{{stroke:{c['paper']}}}",
         f".lrp-open>.lrp-box{{fill:{c['paper']}}}.lrp-open[data-active]>.lrp-name{{fill:{c['ink']}}}",
+        f".lrp-open[data-active]>g>.lrp-nested{{fill:{c['faint']}}}",
+        f".lrp-open[data-active]>g>.lrp-icon{{stroke:{c['faint']}}}",
     ]
     for kind in _WORDS:
         colour = c["on"] if kind == "exit" else c[kind]

@@ -2,17 +2,23 @@
 
 A block writes variables with instructions in its code, so they are known without running it. A function
 defined inside a block, however, may be called at any time by any code, so the variables that it writes are
-compared after every tick instead.
+compared after every tick instead. So are all variables for an observer, and what it sees of a list that is
+changed in place are the parts that :func:`parts_of` returns.
 """
 
 from __future__ import annotations
 
 import dis
+from array import array
+from collections import Counter, OrderedDict, defaultdict, deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 from math import inf
-from types import CellType, CodeType
-from typing import ClassVar, NamedTuple
+from operator import is_
+from types import CellType, CodeType, NoneType
+from typing import Any, ClassVar, NamedTuple
 
 from lrp_jupyter.interpreter.trace_events import UNSET
 
@@ -30,6 +36,7 @@ class Slot:
 
     cell: CellType
     last: object = UNSET  # up to date only if it is compared: it is leaked, or the run has observers
+    parts: list[object] | None = None  # those of `last`, if it can change in place
     leaked: bool = False  # whether a function defined in a block can write it, even after that block's end
     captured: tuple[Slot, ...] = ()
     computed: tuple[float, int] = NEVER
@@ -39,6 +46,10 @@ class Slot:
     def is_computed(self) -> bool:
         """Whether its initialiser has ever run without a fault."""
         return self.computed != Slot.NEVER
+
+    def keep(self, value: object) -> None:
+        """Store a value for the next comparison."""
+        self.last, self.parts = value, parts_of(value)
 
     def forget(self, now: float) -> None:
         """Forget assignments and computations later than `now`, because they were undone."""
@@ -64,10 +75,77 @@ def put(cell: CellType, value: object) -> None:
 
 
 @lru_cache(maxsize=20_000)
-def captures_of(code: CodeType) -> frozenset[str]:
+def captures_of(code: CodeType) -> tuple[str, ...]:
     """Return the free variables to which functions, classes and comprehensions inside a code object refer."""
     inside = [each.co_freevars for each in code.co_consts if isinstance(each, CodeType)]
-    return frozenset(code.co_freevars).intersection(*[frozenset().union(*inside)])
+    names = frozenset[str]().union(*inside)
+    return tuple([name for name in code.co_freevars if name in names])
+
+
+def same(old: object, new: object) -> bool:
+    """Return whether two values are equal scalars of one type; runs no foreign code."""
+    return type(old) is type(new) and id(type(new)) in _SCALARS and old == new
+
+
+def same_parts(old: list[object] | None, new: list[object] | None) -> bool:
+    """Return whether the parts of a value are the same objects as before, or equal scalars."""
+    if old is None or new is None:
+        return old is new
+    return len(old) == len(new) and (all(map(is_, old, new)) or all(map(_is_or_same, old, new)))
+
+
+def _is_or_same(old: object, new: object) -> bool:
+    return old is new or same(old, new)
+
+
+def parts_of(value: object) -> list[object] | None:
+    """Return what is compared of a value that can change in place: its size, its first items and theirs.
+
+    None for a value of any other type than those of Python's collections. The work is bounded, and runs no
+    foreign code.
+    """
+    if id(type(value)) not in _READERS:
+        return None
+    parts: list[object] = []
+    return parts if _collect(value, parts, _DEEPEST) else None
+
+
+def _collect(value: object, parts: list[object], depth: int) -> bool:
+    """Add the parts of a collection; return whether it can change in place."""
+    kind = type(value)
+    can_change = kind is not tuple
+    items = _READERS[id(kind)](value)
+    parts.append(len(value))  # type: ignore[arg-type]
+    parts += items
+    if depth and kind is not set and not _SCALARS.issuperset(map(id, map(type, items))):
+        for item in items:
+            if len(parts) >= _MOST:
+                break
+            if id(type(item)) in _READERS and _collect(item, parts, depth - 1):
+                can_change = True
+    return can_change
+
+
+def _first(value: Any) -> list[object]:
+    return [*islice(value, _MOST)]
+
+
+def _of_dict(value: Any) -> list[object]:
+    return [*islice(value, _MOST), *islice(dict.values(value), _MOST)]
+
+
+def _of_set(value: Any) -> list[object]:
+    return sorted(value, key=id) if len(value) <= _MOST else []  # the order of a set may be any
+
+
+_MOST, _DEEPEST = 200, 2
+_SCALARS = frozenset(map(id, (int, float, bool, str, bytes, complex, NoneType)))
+_READERS: dict[int, Callable[[Any], list[object]]] = {
+    **dict.fromkeys(map(id, (list, tuple, deque, bytearray, array)), _first),
+    **dict.fromkeys(map(id, (dict, OrderedDict, defaultdict, Counter)), _of_dict),
+    id(set): _of_set,
+}
+"""How to read collections, by the id of their type: a metaclass may define `==`."""
 
 
 class Writes(NamedTuple):

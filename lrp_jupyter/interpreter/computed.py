@@ -43,7 +43,7 @@ class _Home(Protocol):
     def place(self) -> Path: ...
 
 
-class _Host(Protocol):
+class _UsedRun(Protocol):
     """What the names use of a run."""
 
     namespace: dict[str, Any]
@@ -78,7 +78,7 @@ class ComputedName:
     __slots__ = ("_bound", "at", "cell", "home", "leaving", "name", "run")
 
     def __init__(
-        self, run: _Host, cell: str, home: _Home | None, at: _Home | None, leaving: bool = False
+        self, run: _UsedRun, cell: str, home: _Home | None, at: _Home | None, leaving: bool = False
     ) -> None:
         self.run, self.cell, self.home, self.at, self.leaving = run, cell, home, at, leaving
         self.name = name_of_cell(cell)
@@ -108,7 +108,7 @@ class ComputedName:
         if name == "elapsed":
             since = attrgetter("before" if self.leaving else "entered")
             return lambda: round(run.now - since(at), _DIGITS)
-        raise NameError(f"name '{name}' is not defined")  # an edit has removed the event
+        raise NameError(f"`{name}` is not defined.", name=name)  # an edit has removed the event
 
 
 def nearest(home: _Home, roots: Sequence[_Home], machines: Sequence[Path]) -> _Home | None:
@@ -130,7 +130,7 @@ class MachineValue(NotAValue):
 
     __slots__ = ("_home", "_known", "_name", "_run")
 
-    def __init__(self, run: _Host, name: str, home: _Home) -> None:
+    def __init__(self, run: _UsedRun, name: str, home: _Home) -> None:
         self._run, self._name, self._home = run, name, home
         self._known: tuple[Program, tuple[Path, ...]] | None = None
 

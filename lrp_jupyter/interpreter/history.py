@@ -14,11 +14,13 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from operator import itemgetter
 from types import CellType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.countdowns import Countdown, countdowns
 from lrp_jupyter.interpreter.facts import Commanded, Fact
 from lrp_jupyter.interpreter.journal import Log, SavedState, note, undo_attribute, undo_write, values_of
 from lrp_jupyter.interpreter.run import Run, undo_change, undo_fired
@@ -45,6 +47,7 @@ class PastMachine:
     path: Path  # as spawned
     state: Path  # that was active, by path of definition
     entered: float  # s: when the active state was entered
+    holding: Mapping[str, float]  # s: since when the triggers of transitions hold, by id
     cells: dict[str, CellType]  # the variables that its blocks can access
     own: tuple[str, ...]  # its own variables among them
     inside: tuple[PastMachine, ...]  # what the active state had spawned, in order
@@ -74,6 +77,17 @@ class PastState:
         """Return the value that a cell had, or UNSET."""
         return self.values.get(id(cell), UNSET)
 
+    def machine(self, defined: Path, instance: Path | None = None) -> PastMachine | None:
+        """Return a machine that ran, by path of definition, and by path as spawned if there were several."""
+        return next(
+            (
+                each
+                for each in self.walk()
+                if each.state[:-1] == defined and (instance is None or each.path == instance)
+            ),
+            None,
+        )
+
     def walk(self) -> Iterator[PastMachine]:
         """Yield all machines in the order of a tick."""
         for root in self.machines:
@@ -83,6 +97,18 @@ class PastState:
     def active(self) -> tuple[Path, ...]:
         """The paths of the innermost active states, as spawned."""
         return tuple(machine.full_path for machine in self.walk() if not machine.inside)
+
+    @property
+    def countdowns(self) -> dict[Path, Countdown]:
+        """The transitions that waited for a time, by path as spawned: that of the machine, then the id."""
+        found: dict[Path, Countdown] = {}
+        for each in self.walk():
+            value = partial(self._value, each)
+            found.update(countdowns(self.program, each.path, each.state, each.entered, each.holding, value))
+        return found
+
+    def _value(self, machine: PastMachine, name: str) -> object:
+        return self.value(machine.cells[name]) if name in machine.cells else None
 
     @property
     def variables(self) -> dict[Path, object]:
@@ -234,14 +260,15 @@ class History:
             yield tick, {path: value for path, value in found.items() if value is not UNSET}
 
     def scopes_before(
-        self, tick: int, machine_at: Callable[[int], Path]
+        self, tick: int, is_home: Callable[[int, Path], bool]
     ) -> Iterator[tuple[int, Mapping[str, CellType], Callable[[CellType], object]]]:
         """Yield the earlier ticks at whose beginning a machine was running, newest first.
 
         With each tick come the variables that the blocks of the machine could access, and a function that
         returns the value that a cell held.
 
-        `machine_at`: returns the path of definition of the machine in a tick; empty for the top level.
+        `is_home`: returns whether a path as spawned was that of the machine in a tick; it is empty for the
+            top level.
         """
         view = _View()
         cells: Mapping[str, CellType] | None = None
@@ -251,7 +278,7 @@ class History:
                 continue
             if view.is_other:
                 view.is_other = False
-                cells = self._visible(view, machine_at(number))
+                cells = self._visible(view, partial(is_home, number))
             if cells is not None:
                 yield number, cells, view.value
 
@@ -264,10 +291,10 @@ class History:
             yield act
             waiting += view.get(act, "children")
 
-    def _visible(self, view: _View, machine: Path) -> dict[str, CellType] | None:
+    def _visible(self, view: _View, is_home: Callable[[Path], bool]) -> dict[str, CellType] | None:
         """Return the variables in the scope of a machine, or of the top level; None if it did not run."""
         for each in self._environments(view):
-            if (view.get(each, "place")[:-1] if isinstance(each, Activation) else ()) == machine:
+            if is_home(view.get(each, "path")):
                 return {name: slot.cell for name, slot in view.get(each, "visible").items()}
         return None
 
@@ -287,6 +314,7 @@ class History:
             view.get(act, "path"),
             view.get(act, "place"),
             view.get(act, "entered"),
+            view.get(act, "holding"),
             {name: slot.cell for name, slot in visible.items()},
             tuple(view.get(act, "own")),
             tuple(self._machine(view, child) for child in view.get(act, "children")),

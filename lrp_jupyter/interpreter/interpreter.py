@@ -38,7 +38,8 @@ from typing import Any, Literal
 
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.interpreter.cells import Slot
+from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.countdowns import Countdown, countdowns
 from lrp_jupyter.interpreter.debugging import scoped_traceback
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.forcing import How, find_edge, find_state, force
@@ -50,7 +51,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Count, Edge, Scope, bind_block, chained
+from lrp_jupyter.interpreter.tree import Activation, Context, Count, Edge, bind_block, chained
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
 from lrp_jupyter.language.blocks.expressions import Evaluation
@@ -262,6 +263,21 @@ class Interpreter:
         """The result of each event's last test, by path of definition; see :meth:`watch_events`."""
         return self._run.event_values or {}
 
+    @property
+    def countdowns(self) -> dict[Path, Countdown]:
+        """The transitions that wait for a time, by path as spawned: that of the machine, then the id."""
+        found: dict[Path, Countdown] = {}
+        for act in self._run.walk():
+            if act.state.waits:
+                value = partial(self._content, act)
+                found.update(countdowns(self.program, act.path, act.place, act.entered, act.holding, value))
+        return found
+
+    @staticmethod
+    def _content(act: Activation, name: str) -> object:
+        slot = act.visible.get(name)
+        return None if slot is None else content(slot.cell)
+
     def watch_events(self) -> None:
         """Start recording the result of each event's test, for views; this has a small cost."""
         if self._run.event_values is None:
@@ -272,14 +288,18 @@ class Interpreter:
         """Return whether a block is True now; raises the same exceptions as :meth:`BlockTest.holds`."""
         return test.holds(self._run)
 
-    def watch_test(self, element: Element, seen: Callable[[Evaluation | Exception], object]) -> None:
+    def watch_test(
+        self, element: Element, machine: Path, seen: Callable[[Evaluation | Exception], object]
+    ) -> None:
         """Evaluate the test of a transition part by part in the next tick, and call `seen` with each result.
 
         A test is watched only if it is a single expression.
+
+        `machine`: the machine of the transition, by path as spawned.
         """
         for act in self._run.walk():
             for edge in chained(act.row.edge):
-                if edge.plan.site.element == element:
+                if edge.plan.site.element == element and act.path == machine:
                     watch(self._run, edge, seen)
 
     def observe(self, callback: Observer) -> Callable[[], None]:
@@ -318,9 +338,10 @@ class Interpreter:
         """
         # Not split into functions: in Python a call costs as much as a block of a program.
         run = self._run
-        if not now >= run.now:
+        before = run.now
+        if not now >= before:
             self._advance(now)
-        run.before = run.now
+        run.before = before
         run.now = now
         run.ticks += 1
         log = run.log
@@ -751,7 +772,7 @@ class Interpreter:
     def _between(self, blocks: tuple[BlockPlan, ...]) -> None:
         run = self._run
         for block in blocks if run.roots else ():
-            run.attempt(bind_block(run, block, Scope.of(run.globals)), block.site, run.globals)
+            run.attempt(bind_block(run, block, Context.of(run.globals)), block.site, run.globals)
 
     def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
         """Log that a command was applied, unless the previous one was the same."""

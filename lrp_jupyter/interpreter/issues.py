@@ -94,7 +94,7 @@ class IssueLog(Sequence[Issue]):
 
     def __init__(self) -> None:
         self._all: dict[Key, Issue] = {}
-        self._open: dict[tuple[Element, int], set[object]] = {}
+        self.open_blocks: dict[tuple[Element, int], set[object]] = {}
         """The open blocks, each with the instances in which it fails; none if they are unknown."""
         self._last: dict[Key, tuple[str, int]] = {}  # message and line of the last occurrence, in this text
         self._raised: dict[Key, Any] = {}
@@ -133,7 +133,7 @@ class IssueLog(Sequence[Issue]):
         self._raised[key] = raised
         known, last = self._all.get(key), self._last.get(key)
         self._last[key] = message, line
-        self._open.setdefault(key[:2], set()).add(instance)
+        self.open_blocks.setdefault(key[:2], set()).add(instance)
         if known is not None and not known.resolved and last == (message, line):
             self._all[key] = replace(known, last_tick=tick, count=known.count + 1)
             return None
@@ -147,25 +147,25 @@ class IssueLog(Sequence[Issue]):
 
     def is_open(self, block: tuple[Element, int], instance: object) -> bool:
         """Return whether a block has an open issue, and fails in this instance as far as is known."""
-        instances = self._open.get(block)
+        instances = self.open_blocks.get(block)
         return instances is not None and (not instances or instance in instances)
 
     def recovered(self, block: tuple[Element, int], instance: object) -> bool:
         """Note that an instance has run a block without a fault; return whether it fails in no other."""
-        instances = self._open.get(block, set())
+        instances = self.open_blocks.get(block, set())
         instances.discard(instance)
         return not instances
 
     def forget(self, instance: object) -> bool:
         """Forget where an instance fails, because it is gone; return whether it failed anywhere."""
-        failing = [instances for instances in self._open.values() if instance in instances]
+        failing = [instances for instances in self.open_blocks.values() if instance in instances]
         for instances in failing:
             instances.discard(instance)
         return bool(failing)
 
     def forget_instances(self) -> None:
         """Forget in which instances blocks fail: any that runs without a fault resolves an issue."""
-        self._open = {block: set() for block in self._open}
+        self.open_blocks = {block: set() for block in self.open_blocks}
 
     def resolve(self, which: Callable[[Key, Issue], bool]) -> None:
         """Resolve the open issues for which `which` is true."""
@@ -176,7 +176,7 @@ class IssueLog(Sequence[Issue]):
 
     def _keep_open(self) -> None:
         open_blocks = {key[:2] for key, issue in self._all.items() if not issue.resolved}
-        self._open = {block: self._open.get(block, set()) for block in open_blocks}
+        self.open_blocks = {block: self.open_blocks.get(block, set()) for block in open_blocks}
 
     def raised(self, issue: Issue) -> Any:
         """Return the data that was `raised` at the last occurrence of an issue, or None."""
@@ -204,14 +204,16 @@ class IssueLog(Sequence[Issue]):
                 moved[element, ordinal, kind] = issue
                 self._raised[element, ordinal, kind] = raised[old, ordinal, kind]
         self._all = moved
-        self._open = {(successors.of(old) or old, ordinal): at for (old, ordinal), at in self._open.items()}
+        self.open_blocks = {
+            (successors.of(old) or old, ordinal): at for (old, ordinal), at in self.open_blocks.items()
+        }
         self._keep_open()
 
     def copy(self) -> IssueLog:
         """Return an independent copy; issues are frozen."""
         log = IssueLog()
         log._all, log._last = dict(self._all), dict(self._last)
-        log._open = {block: set() for block in self._open}
+        log.open_blocks = {block: set() for block in self.open_blocks}
         log._raised = dict.fromkeys(self._all)
         return log
 
@@ -220,4 +222,4 @@ class IssueLog(Sequence[Issue]):
         self._all.clear()
         self._last.clear()
         self._raised.clear()
-        self._open.clear()
+        self.open_blocks.clear()

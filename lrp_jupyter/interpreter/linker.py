@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from types import CodeType
 from typing import NamedTuple
 
+from lrp_jupyter.interpreter.cells import captures_of
 from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.language.blocks.block import compile_block, words_of
 from lrp_jupyter.language.blocks.builtin_names import TIMES
@@ -32,6 +33,7 @@ from lrp_jupyter.language.program import (
 )
 from lrp_jupyter.language.python.scanner import LINE_END
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
+from lrp_jupyter.language.triggers import Delay
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +72,13 @@ class VariablePlan:
     name: str
     noun: Variable
     initial: BlockPlan
+    captures: tuple[str, ...] = field(init=False)
+    """The names to which functions in its initialiser refer."""
+
+    def __post_init__(self) -> None:
+        code = self.initial.code
+        captures = () if isinstance(code, Broken) else captures_of(code)
+        object.__setattr__(self, "captures", captures)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,6 +146,8 @@ class StatePlan:
     running: tuple[BlockPlan, ...] = ()
     onexit: tuple[BlockPlan, ...] = ()
     edges: tuple[EdgePlan, ...] = ()
+    waits: bool = False
+    """Whether a transition that leaves it waits for a time."""
     departs: bool = False
     """Whether leaving it needs more than its onexit: it has times to end, or to remember."""
 
@@ -252,7 +263,9 @@ class _Linker:
             if noun.onexit:
                 state.onexit = self._blocks(Element("onexit", path))
             state.edges = tuple(leaving[name])
-            state.departs = any(edge.noun.hold for edge in state.edges) or any(
+            holds = any(edge.noun.hold for edge in state.edges)
+            state.waits = holds or any(isinstance(edge.noun.trigger, Delay) for edge in state.edges)
+            state.departs = holds or any(
                 name.endswith(value_cell("")) for block in state.onexit for name in block.reads
             )
 

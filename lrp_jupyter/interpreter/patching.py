@@ -19,7 +19,7 @@ from typing import Literal
 from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan, link
-from lrp_jupyter.interpreter.run import Run, captured
+from lrp_jupyter.interpreter.run import Run, meant
 from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.diff import ChangeSet, unset
@@ -124,7 +124,9 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
         before, state, here = act.machine, act.state, act.place
         there = successors.path("state", here) or here
         act.machine = machine = plan.machines[there[:-1]]
-        added += ((act, spawn) for spawn in _added_spawns(state, machine.states[there[-1]]))
+        spawned = {child.defined for child in act.children}  # it may have lost its spawn earlier
+        new = _added_spawns(state, machine.states[there[-1]])
+        added += ((act, spawn) for spawn in new if spawn.target not in spawned)
         act.place = there
         act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
         if act.spawn is not None:
@@ -140,8 +142,7 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
     run.rebind()
     if not renamed:
         for act, spawn in added:
-            if all(child.defined != spawn.target for child in act.children):
-                run.spawn(act, spawn)
+            run.spawn(act, spawn)
         _spawn_added(run, old, plan)
 
 
@@ -197,7 +198,7 @@ class _Carrier:
             path = self.successors.path("variable", variable.initial.site.element.path)
             slot = environment.own[variable.name]
             if path is None:
-                environment.lost[variable.name] = slot
+                environment.lost = {**environment.lost, variable.name: slot}
             else:
                 kept[path[-1]] = _source(variable, settings_before.get(variable.name)), slot
         environment.own, environment.visible = {}, dict(outer)
@@ -220,14 +221,16 @@ class _Carrier:
         slot: Slot,
     ) -> bool:
         """Return whether a variable is to be initialised, again or for the first time."""
-        initial = (setting or variable).initial
         home = environment if setting is None else environment.parent or self.run.globals
-        missing = content(slot.cell) is UNSET and not slot.is_computed
-        if any(each not in slot.captured for each in captured(initial, home.visible, is_unset=missing)):
+        plan = setting or variable
+        reads = plan.initial.reads
+        is_missing = content(slot.cell) is UNSET and not slot.is_computed
+        needed = reads if is_missing else plan.captures
+        if any(each not in slot.captured for each in meant(needed, home.visible)):
             return True  # what its functions refer to has been declared, or hidden, since
         return not self.renamed and (
             source != _source(variable, setting)
-            or any(home.visible.get(name) in self.reinitialised for name in initial.reads)
+            or any(home.visible.get(name) in self.reinitialised for name in reads)
         )
 
 
@@ -241,7 +244,8 @@ def _source(variable: VariablePlan, setting: VariablePlan | None) -> _Source:
 
 def _returned(environment: Environment, name: str) -> Slot:
     """Return an empty variable: the one that was removed, if any, because functions may refer to it."""
-    slot = environment.lost.pop(name, None) or Slot(CellType())
+    slot = environment.lost.get(name) or Slot(CellType())
+    environment.lost = {other: lost for other, lost in environment.lost.items() if other != name}
     put(slot.cell, UNSET)
     slot.last, slot.computed = UNSET, Slot.NEVER
     return slot

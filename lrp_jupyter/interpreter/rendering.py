@@ -2,7 +2,8 @@
 
 Values of built-in types are written without calling foreign code, and only the items and characters that are
 shown are read. Any other value has its own ``__repr__``, which may take any time and raise any exception; the
-caller decides how to call it.
+caller decides how to call it. Functions, classes and their objects are written without module, address and
+the block that defines them: ``pid(e)``, ``class Pid``, ``Pid.out(e)``, ``<Pid object>``, ``Light.RED``.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ import array
 import sys
 from collections import Counter, OrderedDict, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
+from enum import Enum, EnumType
+from inspect import CO_VARARGS, CO_VARKEYWORDS
 from itertools import islice
-from types import NoneType
+from types import CodeType, FunctionType, MethodType, NoneType
 from typing import Any
 
 from lrp_jupyter.errors import name_of
@@ -40,7 +43,7 @@ def render(value: object, foreign: Foreign = repr) -> str:
     except BaseException as error:
         return f"<{name_of(type(value))}: no text, {name_of(type(error))}>"
     text = "".join(writer.parts)
-    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 40]}…{text[-39:]}"  # its end tells how many
 
 
 def of_type(value: object) -> str:
@@ -95,7 +98,7 @@ class _Writer:
                 write(self, value, depth)
                 return
         try:
-            text = str.__getitem__(self._foreign(value), slice(None))  # exactly a str, not a subclass
+            text = _exactly(self._foreign(value)).replace(_IN_BLOCK, "")
         except KeyboardInterrupt:
             raise
         except BaseException as error:
@@ -116,11 +119,15 @@ class _Writer:
         if depth <= 0 and count:
             self.put("...")
         else:
-            for number, item in enumerate(islice(items, _ITEMS)):
-                self.put(", " if number else "")
+            shown = 0
+            for item in islice(items, _ITEMS):
+                if self._left <= 0:
+                    break
+                self.put(", " if shown else "")
                 write(self, item, depth - 1)
-            if count > _ITEMS:
-                self.put(", ...")
+                shown += 1
+            if count > shown:
+                self.put(f", ... {count - shown} more")
         self.put(closing)
 
     def mapping(self, opening: str, mapping: dict[Any, Any], closing: str, depth: int) -> None:
@@ -131,6 +138,11 @@ class _Writer:
         self.write(pair[0], depth)
         self.put(": ")
         self.write(pair[1], depth)
+
+
+def _exactly(text: str) -> str:
+    """Return a text as exactly a str, not a subclass."""
+    return str.__getitem__(text, slice(None))
 
 
 def _cut(text: str, most: int) -> str:
@@ -191,13 +203,13 @@ def _frozenset(writer: _Writer, value: frozenset[Any], depth: int) -> None:
 
 
 def _sorted(items: Iterator[Any], count: int) -> Iterable[Any]:
-    """Return the items of a set, sorted if this is quick and runs no foreign code."""
+    """Return the items of a set, sorted if this is quick: Python's order may differ in every process."""
     if count > 200:
         return items
     every = list(items)
     kind = type(every[0])
     comparable = is_scalar(every[0]) and all(type(item) is kind for item in every)
-    return sorted(every) if comparable else every
+    return sorted(every) if comparable else sorted(every, key=lambda item: render(item, of_type))
 
 
 def _dict(writer: _Writer, value: dict[Any, Any], depth: int) -> None:
@@ -218,6 +230,52 @@ def _array(writer: _Writer, value: array.array[Any], depth: int) -> None:
     writer.items(f"array({value.typecode!r}, [", first, count, "])", depth)
 
 
+def _function(writer: _Writer, value: FunctionType, depth: int) -> None:
+    parameters = ", ".join(_parameters(value.__code__))
+    name = _exactly(value.__name__)
+    text = f"lambda {parameters}".rstrip() + ": …" if name == "<lambda>" else f"{name}({parameters})"
+    writer.put(_cut(text, _STRING))
+
+
+def _method(writer: _Writer, value: MethodType, depth: int) -> None:
+    function, owner = value.__func__, value.__self__
+    kind: Any = owner if issubclass(type(owner), type) else type(owner)
+    if type(function) is FunctionType:
+        text = f"{_exactly(function.__name__)}({', '.join(_parameters(function.__code__)[1:])})"
+    else:
+        text = f"{name_of(type(function))}(…)"
+    writer.put(_cut(f"{name_of(kind)}.{text}", _STRING))
+
+
+def _parameters(code: CodeType) -> list[str]:
+    """Return the parameters of a function as they are written in its head, without default values."""
+    rest = iter(code.co_varnames)
+    parameters = [*islice(rest, code.co_argcount)]
+    named = [*islice(rest, code.co_kwonlyargcount)]
+    if code.co_flags & CO_VARARGS:
+        parameters.append(f"*{next(rest)}")
+    elif named:
+        parameters.append("*")
+    parameters += named
+    if code.co_flags & CO_VARKEYWORDS:
+        parameters.append(f"**{next(rest)}")
+    return parameters
+
+
+def _class(writer: _Writer, value: type, depth: int) -> None:
+    writer.put(_cut(f"class {name_of(value)}", _STRING))
+
+
+def _object(writer: _Writer, value: object, depth: int) -> None:
+    writer.put(_cut(f"<{name_of(type(value))} object>", _STRING))
+
+
+def _member(writer: _Writer, value: Enum, depth: int) -> None:
+    writer.put(_cut(f"{name_of(type(value))}.{object.__getattribute__(value, '_name_')}", _STRING))
+
+
+_IN_BLOCK = "block.<locals>."  # what Python puts before the name of a class that a block defines
+
 _WRITERS: list[tuple[object, Callable[[_Writer, Any, int], None]]] = [
     (float.__repr__, lambda writer, value, depth: writer.put(float.__repr__(value))),
     (int.__repr__, _int),
@@ -237,5 +295,11 @@ _WRITERS: list[tuple[object, Callable[[_Writer, Any, int], None]]] = [
     (defaultdict.__repr__, _named_dict),
     (Counter.__repr__, _named_dict),
     (array.array.__repr__, _array),
+    (FunctionType.__repr__, _function),
+    (MethodType.__repr__, _method),
+    (type.__repr__, _class),
+    (EnumType.__repr__, _class),
+    (Enum.__repr__, _member),
+    (object.__repr__, _object),
 ]
 """Writers by the ``__repr__`` that a type has or inherits; comparison by identity runs no foreign code."""

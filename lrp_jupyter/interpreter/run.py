@@ -16,14 +16,13 @@ from types import CellType, MappingProxyType
 from typing import Any
 
 from lrp_jupyter.errors import NoDataYet
-from lrp_jupyter.interpreter.cells import Slot, captures_of, content
+from lrp_jupyter.interpreter.cells import Slot, content, parts_of, same, same_parts
 from lrp_jupyter.interpreter.debugging import Raised
 from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Faulted, Fired, Spawned
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, IssueLog
 from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, note, undo_attribute, undo_write, undoes
 from lrp_jupyter.interpreter.linker import (
-    BlockPlan,
     Broken,
     EventPlan,
     MachinePlan,
@@ -38,11 +37,11 @@ from lrp_jupyter.interpreter.tree import (
     Action,
     Activation,
     Call,
+    Context,
     Count,
     Edge,
     Environment,
     Row,
-    Scope,
     bind_actions,
     bind_block,
     bind_row,
@@ -180,7 +179,7 @@ class Run:
         if self.issues.is_open(edge.site[:2], act):
             self.recovered(edge.site, act, True)
         old, new, element = edge.home.row, self.row(edge.home, edge.target), plan.site.element
-        edge.leaving = bind_actions(self, act, plan.effect, old.departing)
+        edge.leaving = bind_actions(self, act, plan.effect, Context.of(act), old.departing)
         label, source = edge.plan.label, edge.source
         edge.fact = Fired(element, label, edge.path, source.name, new.place, new.path)
         edge.enabled = Enabled(element, label, edge.path, source.path)
@@ -203,14 +202,13 @@ class Run:
 
     def bind_event(self, event: EventPlan, owner: Environment, at: Environment, leaving: bool) -> Call:
         """Bind the block of an event, for its value in a block of another machine or state."""
-        return bind_block(self, event.block, Scope(owner, owner.visible, at, leaving))
+        return bind_block(self, event.block, Context(owner, owner.visible, at, leaving))
 
     def hold(self, act: Activation, name: str, since: float | None) -> None:
         """Note since when the trigger of a transition holds, or that it does not."""
         self.log_attributes(act, "holding")
-        act.holding = {key: value for key, value in act.holding.items() if key != name}
-        if since is not None:
-            act.holding[name] = since
+        others = {key: value for key, value in act.holding.items() if key != name}
+        act.holding = others if since is None else {**others, name: since}
 
     def depart(self, act: Activation) -> None:
         """Prepare to leave the active state: end the times for which triggers hold, and remember its own."""
@@ -273,7 +271,8 @@ class Run:
                             self.log += (slot.last, slot.cell, undo_write)
                 self.settle((child,))
             del self.live[child.path]
-            self.stale = self.issues.forget(child) or self.stale
+            if self.issues.open_blocks and self.issues.forget(child):
+                self.stale = True
             self.note(Discarded(child.path, child.machine.path))
             self.emit("discarded", child.path)
             child.retire()
@@ -303,7 +302,7 @@ class Run:
                 plan.site, "already running", f"The machine `{machine.name}` is already running.", home
             )
         else:
-            if self.issues.is_open(plan.site[:2], home):
+            if self.issues.open_blocks and self.issues.is_open(plan.site[:2], home):
                 self.recovered(plan.site, home, None)
             act = self.create(machine, parent, plan, start)
             (enter or self.enter)(act, self.row(act, start))
@@ -364,15 +363,16 @@ class Run:
         self, environment: Environment, setting: VariablePlan | None, variable: VariablePlan, slot: Slot
     ) -> bool:
         """Run an initialiser, or a setting instead; if it fails, the variable keeps its value."""
-        initial = (setting or variable).initial
         home = environment if setting is None else environment.parent or self.globals
+        source = setting or variable
+        initial = source.initial
         try:
-            slot.cell.cell_contents = bind_block(self, initial, Scope.of(home))()
+            slot.cell.cell_contents = bind_block(self, initial, Context(home, home.visible, home))()
         except BaseException as error:
             self.fault(initial.site, error, home)
-            slot.captured = captured(initial, home.visible, is_unset=True)
+            slot.captured = meant(initial.reads, home.visible)
             return False
-        slot.captured = captured(initial, home.visible)
+        slot.captured = meant(source.captures, home.visible) if source.captures else ()
         slot.computed = self.now, self.assigned
         return True
 
@@ -640,12 +640,15 @@ class Run:
                     value = slot.cell.cell_contents
                 except ValueError:
                     value = UNSET
-                old = slot.last
-                if value is not old:
-                    slot.last = value
-                    if slot.leaked and self.log is not None:
-                        self.log += (old, slot.cell, undo_write)
-                    if self.observers and not _same(old, value):
+                old, parts = slot.last, slot.parts
+                if value is old and (parts is None or not self.observers):
+                    continue
+                slot.last = value
+                if value is not old and slot.leaked and self.log is not None:
+                    self.log += (old, slot.cell, undo_write)
+                if self.observers and not same(old, value):
+                    slot.parts = parts_of(value)
+                    if value is not old or not same_parts(parts, slot.parts):
                         self.emit("changed", (*environment.path, name), value)
 
 
@@ -666,13 +669,6 @@ def undo_fired(log: Log) -> None:
     log.pop()
 
 
-def captured(initial: BlockPlan, visible: Mapping[str, Slot], *, is_unset: bool = False) -> tuple[Slot, ...]:
-    """Return the variables to which functions in an initialiser refer; all that it reads if it failed."""
-    if isinstance(initial.code, Broken):
-        return ()
-    names = initial.reads if is_unset else captures_of(initial.code)
+def meant(names: Iterable[str], visible: Mapping[str, Slot]) -> tuple[Slot, ...]:
+    """Return the variables that are meant by names in a scope."""
     return tuple([visible[name] for name in names if name in visible])
-
-
-def _same(old: object, new: object) -> bool:
-    return type(old) is type(new) and type(new) in (int, float, str, bytes, complex) and old == new

@@ -56,18 +56,34 @@ class Cause:
     fact: Fired | Entered | Faulted | None = None
 
 
-def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause:
-    """Return why a transition, by path of definition, fired in a tick that began in `state`, or did not."""
+def cause_in(
+    state: PastState,
+    facts: Sequence[Fact],
+    element: Element,
+    instance: Path | None = None,
+    *,
+    holds: bool = False,
+) -> Cause:
+    """Return why a transition, by path of definition, fired in a tick that began in `state`, or did not.
+
+    `instance`: its machine, by path as spawned, if that may have run several times.
+    `holds`: whether its trigger was true at the end of the tick, but has to hold for longer.
+    """
     names = resolve(state.program)
     arrow = names.arrow(element)
     if arrow is None:
         return Cause("not-in-program")
     noun, arrows = arrow.noun, [each.element for each in names.arrows[arrow.scope]]
     order, home = list(state.walk()), element.path[:-1]
-    machine = next((each for each in order if each.state[:-1] == home), None)
+    machine = state.machine(home, instance)
     if machine is None or not noun.leaves(machine.state[-1]):
         for fact in facts:
-            if isinstance(fact, (Fired, Entered)) and fact.state[:-1] == home and noun.leaves(fact.state[-1]):
+            if (
+                isinstance(fact, (Fired, Entered))
+                and fact.state[:-1] == home
+                and instance in (None, fact.path[:-1])
+                and noun.leaves(fact.state[-1])
+            ):
                 return Cause("just-entered", machine, fact)
         return Cause("machine-not-running" if machine is None else "source-inactive", machine)
     before = [each.path for each in order[: order.index(machine)]]
@@ -85,7 +101,8 @@ def cause_in(state: PastState, facts: Sequence[Fact], element: Element) -> Cause
     for fault in facts:
         if isinstance(fault, Faulted) and (fault.transition, fault.machine) == (element, machine.path):
             return Cause(_OF_FAULTS.get(fault.kind, "raised"), machine, fault)
-    return Cause("delay-not-over" if isinstance(noun.trigger, Delay) else "condition-false", machine)
+    waits = holds or isinstance(noun.trigger, Delay)
+    return Cause("delay-not-over" if waits else "condition-false", machine)
 
 
 def _is_inside(path: Path, outer: Path) -> bool:

@@ -43,9 +43,10 @@ class TraceEvent(NamedTuple):
         whole.
     `tick`: the tick in which it happened; the first is 1. Between two ticks, the last one.
     `now`: seconds.
-    `data`: fired: a ``Fired`` fact; changed: the new value or :data:`UNSET`; issue: the :class:`Issue`;
-        patched: the :class:`Patch`; restarted: the reason, a sentence; forced: ``"transition"``,
-        ``"teleport"`` or ``"fire"``; commanded: the command of the robot; printed: the text; else None.
+    `data`: fired: a ``Fired`` fact; changed: the new value, which is not a copy, or :data:`UNSET`; issue: the
+        :class:`Issue`; patched: the :class:`Patch`; restarted: the reason, a sentence; forced:
+        ``"transition"``, ``"teleport"`` or ``"fire"``; commanded: the command of the robot; printed: the
+        text; else None.
     """
 
     kind: str

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from numbers import Real
 from types import CellType, CodeType
@@ -57,6 +57,10 @@ class Count:
     tick: int = 0
 
 
+_NONE: Mapping[str, Any] = {}
+"""Shared, because each object that a spawn makes is one for the garbage collector."""
+
+
 class Environment:
     """Variables by name: `own` are those of its machine, `visible` are all that its blocks can access."""
 
@@ -80,7 +84,7 @@ class Environment:
         self.entered = 0.0  # when that was entered; at the top level, when the program started
         self.children: tuple[Activation, ...] = ()
         self.own: dict[str, Slot] = {}
-        self.lost: dict[str, Slot] = {}  # of removed variables: functions may still refer to their cells
+        self.lost: Mapping[str, Slot] = _NONE  # removed variables: functions may still refer to their cells
 
     @property
     def defined(self) -> Path:
@@ -104,7 +108,7 @@ class Environment:
     def sync(self) -> None:
         """Store the present values for the next comparison."""
         for slot in self.own.values():
-            slot.last = content(slot.cell)
+            slot.keep(content(slot.cell))
 
 
 @weightless
@@ -128,9 +132,7 @@ class Activation(Environment):
         self.row: Row
         self.rows: dict[str, Row] = {}
         self.before = 0.0  # when the state that was left last had been entered
-        self.holding: dict[
-            str, float
-        ] = {}  # since when the triggers of transitions hold, by id; never mutated
+        self.holding: Mapping[str, float] = _NONE  # since when the triggers of transitions hold, by id
         self.next: Activation | None = None  # the next activation in the order of a tick
 
     @property
@@ -331,7 +333,7 @@ def broken(reason: Broken) -> Call:
 
 
 @dataclass(slots=True, eq=False)
-class Scope:
+class Context:
     """Where a block runs: the machine in whose scope, and the variables that it can access.
 
     `at`: the machine from whose state `elapsed` counts. `leaving`: whether that state is being left.
@@ -343,17 +345,17 @@ class Scope:
     leaving: bool = False
 
     @classmethod
-    def of(cls, home: Environment) -> Scope:
+    def of(cls, home: Environment) -> Context:
         """Return the scope of a machine's own blocks."""
         return cls(home, home.visible, home)
 
 
-def bind_code(run: _Host, code: CodeType, scope: Scope) -> Call:
+def bind_code(run: _Host, code: CodeType, scope: Context) -> Call:
     """Bind a compiled block to variables; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind(run, code, scope))
 
 
-def _bind(run: _Host, code: CodeType, scope: Scope) -> tuple[Call, CellType | None]:
+def _bind(run: _Host, code: CodeType, scope: Context) -> tuple[Call, CellType | None]:
     """Bind a compiled block to variables; return it, and a cell that it writes without logging it."""
     visible = scope.visible
     cells = {name: visible[name].cell for name in code.co_freevars if name in visible}
@@ -377,14 +379,14 @@ def _bind(run: _Host, code: CodeType, scope: Scope) -> tuple[Call, CellType | No
     return call, cell
 
 
-def _provided(run: _Host, name: str, scope: Scope) -> CellType:
+def _provided(run: _Host, name: str, scope: Context) -> CellType:
     """Return the cell of a free variable that is no variable of the program."""
     if not name_of_cell(name):
         return CellType()
     return CellType(ComputedName(run, name, scope.home, scope.at, scope.leaving))
 
 
-def provided(run: _Host, name: str, scope: Scope) -> Call | None:
+def provided(run: _Host, name: str, scope: Context) -> Call | None:
     """Return the function that computes what a name means in a scope; None if it is no such name."""
     if name in TIMES or owner_of_event(run.plan, scope.home, name) is not None:
         return ComputedName(run, value_cell(name), scope.home, scope.at, scope.leaving)
@@ -414,12 +416,12 @@ def _logged(run: _Host, call: Call, cell: CellType | None) -> Call:
     return block
 
 
-def bind_block(run: _Host, plan: BlockPlan, scope: Scope) -> Call:
+def bind_block(run: _Host, plan: BlockPlan, scope: Context) -> Call:
     """Bind a block outside a state's actions; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind_block(run, plan, scope))
 
 
-def _bind_block(run: _Host, plan: BlockPlan, scope: Scope) -> tuple[Call, CellType | None]:
+def _bind_block(run: _Host, plan: BlockPlan, scope: Context) -> tuple[Call, CellType | None]:
     """Bind a block to variables; if it has an open issue, the next run without a fault resolves it."""
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
@@ -431,12 +433,11 @@ def bind_actions(
     run: _Host,
     act: Activation,
     plans: tuple[BlockPlan | SpawnPlan, ...],
+    scope: Context,
     following: Action | None = None,
-    *,
-    leaving: bool = False,
 ) -> Action | None:
     """Bind actions to an activation, in order before those that follow."""
-    first, scope = following, Scope(act, act.visible, act, leaving)
+    first = following
     for plan in reversed(plans):
         if isinstance(plan, SpawnPlan):
             first = Action(partial(run.spawn, act, plan), plan.site, act, None, first)
@@ -448,7 +449,7 @@ def bind_actions(
 
 def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
     """Wrap a call if its site has an open issue of this instance: a run without a fault resolves it."""
-    if not run.issues.is_open(site[:2], home):
+    if not run.issues.open_blocks or not run.issues.is_open(site[:2], home):
         return call
 
     def again() -> object:
@@ -461,7 +462,7 @@ def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
 
 def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
     """Bind the blocks and transitions of `state` to `act`."""
-    edge = None
+    edge, scope = None, Context(act, act.visible, act)
     for plan in reversed(state.edges):
         edge = Edge(run, act, state, plan, edge)
     departing = None
@@ -474,9 +475,9 @@ def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
         (*act.path, state.name),
         run.count(Element("state", state.path)),
         edge,
-        bind_actions(run, act, state.onentry),
-        bind_actions(run, act, state.running),
-        bind_actions(run, act, state.onexit, leaving=True),
+        bind_actions(run, act, state.onentry, scope),
+        bind_actions(run, act, state.running, scope),
+        bind_actions(run, act, state.onexit, replace(scope, leaving=True) if state.departs else scope),
         departing,
     )
 
@@ -505,14 +506,14 @@ def _occurs(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Ca
     assert isinstance(edge.test, EventPlan)
     event = edge.test
     owner = act.around(event.owner)
-    call = bind_block(run, event.block, Scope(owner, owner.visible, act))
+    call = bind_block(run, event.block, Context(owner, owner.visible, act))
     values = run.event_values
     return call if values is None else noted(values, event.block.site.element.path, call)
 
 
 def _holds(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, BlockPlan)
-    return bind_block(run, edge.test, Scope.of(act))
+    return bind_block(run, edge.test, Context.of(act))
 
 
 def _is_in_state(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
@@ -532,9 +533,11 @@ def _is_in_state(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) 
 def _is_due(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     trigger = edge.noun.trigger
     assert isinstance(trigger, Delay)
+    if isinstance(trigger.amount, int):
+        milliseconds = trigger.amount
+        return lambda: (run.now - act.entered) * 1000.0 + TOLERANCE >= milliseconds
     is_over = _over(run, act, trigger, edge.test)
-    call = lambda: is_over(act.entered)  # noqa: E731
-    return call if isinstance(trigger.amount, int) else watched(run, edge.site, act, call)
+    return watched(run, edge.site, act, lambda: is_over(act.entered))
 
 
 def _over(
@@ -553,7 +556,7 @@ def _over(
         read = broken(plan)
     elif isinstance(plan, BlockPlan):
         read = (
-            broken(plan.code) if isinstance(plan.code, Broken) else bind_code(run, plan.code, Scope.of(act))
+            broken(plan.code) if isinstance(plan.code, Broken) else bind_code(run, plan.code, Context.of(act))
         )
     else:
         read = _reader(str(amount), act.visible[str(amount)].cell)

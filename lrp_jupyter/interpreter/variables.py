@@ -13,8 +13,8 @@ from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import (
     Activation,
     Call,
+    Context,
     Environment,
-    Scope,
     bind_code,
     is_boolean,
     not_boolean,
@@ -161,7 +161,7 @@ def _bound(run: Run, block: Block, environment: Environment, filename: str, name
         frozenset([word for word in words & events if word in TIMES or scope.owner("event", word)]),
         frozenset([word for word in words & machines if scope.machines_called(word)]),
     )
-    return bind_code(run, code, Scope.of(environment))
+    return bind_code(run, code, Context.of(environment))
 
 
 class BlockTest:
@@ -169,32 +169,48 @@ class BlockTest:
 
     It is compiled and bound again when the program or the variables of that scope change.
 
-    `machine`: the machine, by path as spawned; empty for the top level.
+    `machine`: the machine, by path of definition; empty for the top level.
+    `inside`: the states around its instance that is meant, by path of definition; None for any instance.
     `filename`: the file name in tracebacks.
     """
 
-    def __init__(self, block: Block, machine: Path = (), filename: str = EXPRESSION) -> None:
+    def __init__(
+        self,
+        block: Block,
+        machine: Path = (),
+        inside: tuple[Path, ...] | None = None,
+        filename: str = EXPRESSION,
+    ) -> None:
         self._block = block
         self._machine = machine
+        self._inside = inside
         self._filename = filename
-        self._bound: tuple[Program, dict[str, Slot], Call] | None = None
+        self._bound: dict[Path, tuple[Program, dict[str, Slot], Call]] = {}
 
     def holds(self, run: Run) -> bool:
-        """Return whether it is True now; False while the machine does not run.
+        """Return whether it is True now in an instance; False while the machine does not run.
 
         Raises SyntaxError: a variable that it declares `nonlocal` is missing.
         Raises LRPError: its value is not a boolean.
         Raises Exception: the block raised it.
         """
-        environment = run.live.get(self._machine)
-        scope = environment or run.globals
-        bound = self._bound
-        if bound is None or bound[0] is not run.program or bound[1] is not scope.visible:
-            call = _bound(run, self._block, scope, self._filename, "condition")
-            self._bound = bound = run.program, scope.visible, call
-        if environment is None or not run.started:
-            return False
-        value = bound[2]()
+        found = [each for each in run.live.values() if each.defined == self._machine]
+        if self._inside is not None:
+            around = resolve(run.program).around
+            found = [each for each in found if around(each.path) == self._inside]
+        if not found:
+            self._test(run, run.globals)
+        return run.started and any(self._is_true(self._test(run, each)) for each in found)
+
+    def _test(self, run: Run, environment: Environment) -> Call:
+        bound = self._bound.get(environment.path)
+        if bound is None or bound[0] is not run.program or bound[1] is not environment.visible:
+            call = _bound(run, self._block, environment, self._filename, "condition")
+            self._bound[environment.path] = bound = run.program, environment.visible, call
+        return bound[2]
+
+    def _is_true(self, test: Call) -> bool:
+        value = test()
         if not is_boolean(value):
             raise LRPError(not_boolean(value))
         return bool(value)

@@ -11,7 +11,7 @@ from lrp_jupyter.interpreter.cells import content
 from lrp_jupyter.interpreter.rendering import is_scalar, scalar_of, short
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
-from lrp_jupyter.interpreter.tree import Edge, Scope, held, provided
+from lrp_jupyter.interpreter.tree import Context, Edge, held, provided
 from lrp_jupyter.language.blocks.builtin_names import builtin
 from lrp_jupyter.language.blocks.expressions import Evaluation, evaluate, expression_of
 from lrp_jupyter.language.resolution import resolve
@@ -45,7 +45,7 @@ def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]
     if expression is None:
         return
     home = edge.act.around(scope.path)
-    at, visible, test = Scope(home, home.visible, edge.act), home.visible, edge.test
+    at, visible, test = Context(home, home.visible, edge.act), home.visible, edge.test
     is_delay = arrow.noun.trigger.keyword == "ontime"
 
     def lookup(name: str) -> Any:

@@ -96,7 +96,8 @@ def _corrected(text: str, found: list[Diagnosis], rounds: int = _ROUNDS) -> list
         return found
     reader = _Reader(corrected.text, "")
     reader.read()
-    left = [corrected.moved(each) for each in _corrected(corrected.text, reader.findings, rounds - 1)]
+    rounds = rounds - 1 if corrected.text != text else 0
+    left = [corrected.moved(each) for each in _corrected(corrected.text, reader.findings, rounds)]
     done = corrected.found
     return done + [
         each for each in left if not any(each.start < one.end and one.start < each.end for one in done)
@@ -219,7 +220,7 @@ class _Reader:
     def _integer(self, word: str, start: int, end: int, form: _Form) -> int:
         if word.isascii() and word.isdecimal() and len(word) < 16:
             return int(word)
-        if form.keyword != "ontime":
+        if form.keyword != "ontime" and form.types[-1] != "FOR":
             return 0  # no number belongs there: that is the error
         remedy = f"Write digits only, or a block: `[{word}]`."
         self.report(start, end, "LRP108", f"`{word}` is not a whole number of milliseconds. {remedy}")
@@ -366,7 +367,8 @@ class _Reader:
         homes = [_where(home) for home, legal in LEGAL.items() if keyword in legal]
         start = self.text.index(keyword, form.tokens[index][1])
         message = f"`{keyword}` is not allowed {_where(around)}. Put it {' or '.join(homes)}."
-        edits = self._relocated(keyword, form, index, end) if len(self.findings) <= _MANY else ()
+        is_right = form.parts[index] is not None  # else it may be meant for another form
+        edits = self._relocated(keyword, form, index, end) if is_right and len(self.findings) <= _MANY else ()
         self.strays.append(Stray(len(self.findings), form.parts[index], *form.tokens[index][1:]))
         self.report(start, start + len(keyword), "LRP107", message, *edits)
 

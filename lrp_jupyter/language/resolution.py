@@ -455,6 +455,11 @@ class Resolution:
                 outer = self._places(spawner[:-1], (*inside, machine))
                 yield from ((*place, spawner[-1], machine[-1]) for place in outer)
 
+    def around(self, spawned: Path) -> tuple[Path, ...]:
+        """Return the states around a machine, whose path is as spawned, by their paths of definition."""
+        ends = range(1, len(spawned) - 1, 2)
+        return tuple([(*self.defined(spawned[:end]), spawned[end]) for end in ends])
+
     def defined(self, spawned: Path) -> Path:
         """Return where the machine with a path *as spawned* is defined; its own path if it is not defined."""
         found = self._defined.get(spawned)

@@ -12,15 +12,16 @@ OTHERS: dict[str, tuple[str, ...]] = {
         "var": "let variable const def define set int float global param parameter constant assign",
         "event": "condition trigger sensor guard signal",
         "machine": "statemachine fsm automaton sm",
-        "state": "node mode",
-        "spawn": "launch instantiate",
+        "state": "node mode final",
+        "spawn": "launch instantiate invoke call",
         "onentry": "entry enter onenter onstart init entryaction",
         "onexit": "leave onleave exitaction",
-        "running": "doactivity during always whilerunning action",
+        "running": "doactivity during whilerunning action",
         "ontime": "after timeout wait delay timer ontimeout every sleep timed",
         "onpause": "pause",
         "onresume": "resume",
-        "eps": "epsilon immediate",
+        "eps": "epsilon immediate immediately otherwise else default auto automatic true",
+        "running eps": "always",
         "exit": "return break",
         "on eps": "transition trans goto arrow edge go move",
         "on": "when if event",
@@ -31,13 +32,60 @@ OTHERS: dict[str, tuple[str, ...]] = {
     for word in words.split()
 }
 """The keywords that correspond to those of other languages, by their words in lower case and without `_`."""
+_EPSILON = "A transition without a condition is an `eps`, and the order of the text decides. Write `eps`."
+NOT_SENT = "Events are not sent: they are conditions, tested at every tick. Set a variable, and test it."
+_PARALLEL = "Machines that one `onentry` spawns run side by side. Write a `spawn` for each."
+_CHOICE = "A state chooses between its own transitions, in the order of the text. Write them there."
+_MOVE = "A state is left by a transition of its machine. Write `(on event source -> destination)`."
+_DONE = "The machine outside can ask for any state, as in `(on machine.state a -> b)`. Write `state`."
+REMARKS = {
+    word: remark
+    for remark, words in {
+        _EPSILON: "always otherwise else default auto automatic immediately true",
+        NOT_SENT: "emit raise send dispatch broadcast fire notify post publish",
+        _PARALLEL: "parallel region regions orthogonal fork concurrent concurrence",
+        _CHOICE: "choice junction decision",
+        _MOVE: "goto jump go",
+        _DONE: "final outcome outcomes done",
+        "The `spawn` of a machine names its first state. Remove this.": "initial initialstate",
+        "There are no history states. Keep where to resume in a variable outside the machine.": "history",
+        'Ask both machines, as in `(on [m.state == "done" and n.state == "done"] a -> b)`.': "join",
+    }.items()
+    for word in words.split()
+}
+"""What to write in place of a concept of other languages, by its words in lower case and without `_`."""
+NO_EVENTS = {
+    **dict.fromkeys(["always", "otherwise", "else", "true"], _EPSILON),
+    **dict.fromkeys(
+        ["timeout", "after"], "A delay is an `ontime`. Write `(ontime milliseconds source -> destination)`."
+    ),
+}
+"""What to write in place of an event that has such a name and is not defined."""
+LAST = frozenset({"otherwise", "else", "default"})
+"""What comes last wherever it stands."""
 MODULES = frozenset({"import", "export", "from", "include", "require", "use", "using", "module"})
-FOLLOWERS = {"onentry": ("entry", "enter", "start"), "onexit": ("exit", "leave", "end"), "ontime": ("time",)}
-FOLLOWERS |= {"onpause": ("pause",), "onresume": ("resume",)}
+FOLLOWERS: dict[str, tuple[str, ...]] = {
+    "onentry": ("entry", "enter", "start"),
+    "onexit": ("exit", "leave", "end"),
+    "ontime": ("time", "after", "timeout"),
+    "onpause": ("pause",),
+    "onresume": ("resume",),
+}
 ARROWS = "→⇒⟶⟹➔➜➝➞←⇐"
 SIGN = re.compile(rf"[=:<>~\-{ARROWS}]+")
 ARROW_WORDS = frozenset({"to", "into", "then", "goto", "zu", "nach"})
 ANY_WORDS = frozenset({"any", "all", "every", "anything", "everything", "anywhere"})
+JOINING = {
+    **dict.fromkeys(["and", "&&", "&", "if", "when", "where", "with", "provided"], "and"),
+    **dict.fromkeys(["or", "||", "|"], "or"),
+    **dict.fromkeys(["not", "!"], "not"),
+    ",": ",",
+    "unless": "and not",
+}
+"""What stands between conditions, as Python writes it; a comma means one thing here and another there."""
+GUARD_WORDS = frozenset({"guard", "cond", "condition", "if", "when", "where", "given"})
+ASKING = frozenset({"in", "In", "in_state", "instate", "inState", "is_in", "isIn", "done", "final"})
+EFFECT_WORDS = frozenset({"/", "do", "then", "effect", "effects", "action", "actions", "execute", "assign"})
 ASSIGN_WORDS = frozenset({"is", "be", "equals", "becomes", "to"})
 UNITS = {
     "": 0,

@@ -93,14 +93,14 @@ def answer(session: Runner, question: Question, name: str | Path, at: Moment) ->
     return session._value(question, answer)
 
 
-def test_again(session: Runner, tick: int, element: Element) -> Evaluation | Exception | None:
-    """Run a tick again in a fork, and return what the test of a transition was there."""
+def test_again(session: Runner, tick: int, element: Element, machine: Path) -> Evaluation | Exception | None:
+    """Run a tick again in a fork, and return what the test of a transition of a machine was there."""
     try:
         start = fork_start(session._loop, tick - 1)
         if isinstance(start.bridge, RecordedBridge):
             return None
         with _forked(session, start) as copy, copy.driving(REPEATING):
-            return tested_again(copy._loop, copy._script, element)
+            return tested_again(copy._loop, copy._script, element, machine)
     except (ValueError, BridgeError, SessionTimeoutError):
         return None
 

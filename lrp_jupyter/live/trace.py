@@ -18,9 +18,11 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the
      "block":"looking.running","line":12}
     {"tick":9,"time":0.8,"event":"printed","text":"found it\n"}
 
-``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable that has lost
-its value has no ``value``. Values without a JSON type are written as text, without addresses, so equal
-runs have equal traces.
+``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable has changed if its value is
+another one, or is a list, dict, set, deque, bytearray or array that was changed in place: of these the number
+of items and the first 200 values are compared, three levels deep. A change inside any other object is not
+seen. A variable that has lost its value has no ``value``. Values without a JSON type are written as text,
+without addresses, so equal runs have equal traces.
 
 In a recording (``recording.py``), the same lines are the effects of its ticks and inputs.
 """

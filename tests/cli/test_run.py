@@ -76,6 +76,29 @@ def test_a_trace_has_a_line_for_every_event_and_stdout_has_nothing_else(lrp, pro
     assert result.stderr.splitlines()[0] == "two at 3"
 
 
+QUEUE = """(var q := [list(range(11))])
+(machine m
+  (state filling (running [q.append(len(q))]))
+  (state full)
+  (on [len(q) == 14] filling -> full))
+(spawn m filling)
+"""
+
+
+def test_a_trace_shows_a_list_that_is_changed_in_place_as_it_was_in_each_tick(lrp, program, tmp_path):
+    log = tmp_path / "run.lrplog"
+    result = lrp("run", program(QUEUE), "--speed", "max", "--for", "1", "--trace", "-", "--record", log)
+    first = ", ".join(map(str, range(12)))
+    assert [(line["tick"], line["value"]) for line in trace_of(result) if line["event"] == "changed"] == [
+        (1, f"[{first}]"),
+        (2, f"[{first}, ... 1 more]"),
+        (3, f"[{first}, ... 2 more]"),
+    ]
+    assert lrp("replay", log).exit_code == 0
+    other = lrp("replay", log, "--program", program(QUEUE.replace("len(q))", "0)")))
+    assert "`q` became" in other.stdout
+
+
 def test_a_trace_goes_into_a_file_as_well(lrp, program, tmp_path):
     path = tmp_path / "trace.jsonl"
     lrp("run", program(COUNT), "--speed", "max", "--for", "1", "--trace", path)

@@ -81,6 +81,23 @@ LONG = """
 """
 
 
+SHARED = """
+(machine patrol
+  (state left (onentry (spawn move go)))
+  (state right (onentry (spawn move turn)))
+  (state rest)
+  (ontime 4000 left -> right)
+  (ontime 4000 right -> left))
+(machine move
+  (event near [robot.distance.data < 0.1])
+  (state go) (state turn)
+  (on [robot.distance.data < 0.1 and robot.light.data < 3] go -> turn finished)
+  (exit [robot.distance.data > 0.1 and robot.light.data < 3] go -> rest found)
+  (exit near turn -> rest))
+(spawn patrol left)
+"""
+
+
 def _figure_3() -> str:
     names = ["one", "two", "three", "four", "five"]
     forms = [f"(on never {a} -> {b})" for a in names for b in names if a != b]
@@ -113,6 +130,7 @@ TEXTS = {
     "figure 3": _figure_3(),
     "kinds": KINDS,
     "long names": LONG,
+    "shared": SHARED,
     "forty states": _forty(),
     "ring of forty": _ring(),
     "one state": "(machine single (state alone) (event e [True]) (on e alone -> alone)) (spawn single alone)",

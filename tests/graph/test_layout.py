@@ -6,6 +6,7 @@ from itertools import chain, combinations, pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.settings import with_settings
 from support.tables import every
 
 from lrp_jupyter import programs
@@ -18,6 +19,7 @@ from lrp_jupyter.graph.routes import SAMPLES, arc, bends, detour, obstacles, str
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.graph.state_places import RESERVED
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Transition
 
 THREE = "(machine m (event e [True]) (state a) (state b) (state c) {more}) (spawn m a)"
 
@@ -71,7 +73,7 @@ def test_arrows_begin_and_end_at_the_borders_of_their_states(drawings):
         for arrow in drawing["transitions"]:
             start = numbers(arrow["d"])[:2]
             assert _on_border(start, shapes[arrow["source"]])
-            if arrow["head"] and arrow["kind"] != "exit":
+            if arrow["head"] and (arrow["lands"] or arrow["kind"] != "exit"):
                 assert _on_border(numbers(arrow["head"])[:2], shapes[arrow["destination"]])
 
 
@@ -99,7 +101,8 @@ def runs_through_a_state(drawing):
     """Return the arrows that do, each with the state."""
     found = set()
     for arrow in drawing["transitions"]:
-        if arrow["source"] == arrow["destination"] or arrow["kind"] == "exit" or arrow["broken"]:
+        leaves = arrow["kind"] == "exit" and not arrow["lands"]
+        if arrow["source"] == arrow["destination"] or leaves or arrow["broken"]:
             continue
         x0, y0, cx, cy, x1, y1 = numbers(arrow["d"])
         for i in range(101):
@@ -336,6 +339,158 @@ def test_an_exit_ends_in_a_port_on_the_frame(drawn):
     assert [port["name"] for port in drawing["ports"]] == ["drive", "drive", "nowhere"]
     assert {port["x"] for port in drawing["ports"]} == {round(left + width, 1)}
     assert [port["missing"] for port in drawing["ports"]] == [False, False, True]
+
+
+# -- machines that are left by an exit, or spawned elsewhere than where they are defined ----------------
+
+
+def landed(drawing):
+    return {
+        (arrow["source"], arrow["destination"]): arrow["label"]["text"]
+        for arrow in drawing["transitions"]
+        if arrow["lands"]
+    }
+
+
+def test_an_exit_is_an_arrow_of_the_machine_in_which_it_lands(drawn):
+    outer, inner = drawn["kinds"]
+    assert landed(outer) == {
+        ("docking", "drive"): "[robot.charged]\n(from locked)",
+        ("docking", "nowhere"): "near\n(from approach)",
+    }
+    (arrow,) = [arrow for arrow in outer["transitions"] if arrow["name"] == "giveup"]
+    (begin,) = [arrow for arrow in inner["transitions"] if arrow["name"] == "giveup"]
+    assert arrow["id"] == begin["id"] == "kinds/docking/dock:giveup"
+    assert arrow["title"] == "(exit near align -> drive giveup) of kinds/docking/dock"
+    assert (begin["lands"], begin["source"], arrow["source"]) == (False, "align", "docking")
+    broken = {arrow["destination"]: arrow["broken"] for arrow in outer["transitions"] if arrow["lands"]}
+    assert broken == {"drive": None, "nowhere": "There is no state `nowhere`."}
+
+
+def test_an_exit_lands_once_for_each_state_that_spawns_its_machine(drawn):
+    patrol, move = drawn["shared"]
+    texts = Counter(
+        (arrow["source"], arrow["label"]["text"]) for arrow in patrol["transitions"] if arrow["lands"]
+    )
+    assert texts == dict.fromkeys(
+        (
+            ("left", "found\n(from go)"),
+            ("left", "near\n(from turn)"),
+            ("right", "found\n(from go)"),
+            ("right", "near\n(from turn)"),
+        ),
+        1,
+    )
+    assert not landed(move)
+
+
+@every("name", ["exit", "box-pusher"])
+def test_the_pictures_of_the_programs_with_an_exit_are_connected(name):
+    program = parse(programs.load(name))
+    drawing = layout(program.machines[0], program=program)
+    reached, links = {drawing["states"][0]["name"]}, drawing["transitions"]
+    for _ in links:
+        reached |= {arrow["destination"] for arrow in links if arrow["source"] in reached}
+        reached |= {arrow["source"] for arrow in links if arrow["destination"] in reached}
+    assert reached == {shape["name"] for shape in drawing["states"]}
+
+
+@every("panel", [None, (560, 330)])
+def test_the_label_of_an_exit_is_nearer_to_its_arrow_than_to_others(panel):
+    program = parse(programs.load("exit"))
+    drawing = layout(program.machines[0], program=program, panel=panel)
+    middles = {}
+    for arrow in drawing["transitions"]:
+        x0, y0, cx, cy, x1, y1 = numbers(arrow["d"])
+        middles[arrow["name"]] = [
+            (
+                (1 - t) ** 2 * x0 + 2 * t * (1 - t) * cx + t * t * x1,
+                (1 - t) ** 2 * y0 + 2 * t * (1 - t) * cy + t * t * y1,
+            )
+            for t in (i / 20 for i in range(21))
+        ]
+    for arrow in drawing["transitions"]:
+        label = box(arrow["label"])
+
+        def away(points, label=label):
+            return min(
+                max(abs(x - label.x) - label.width / 2, 0.0) + max(abs(y - label.y) - label.height / 2, 0.0)
+                for x, y in points
+            )
+
+        if arrow["lands"]:
+            assert min(middles, key=lambda name: away(middles[name])) == arrow["name"]
+
+
+def test_a_landing_whose_end_is_being_typed_moves_nothing():
+    inner = "(machine i (state x) (exit [True] x -> {}))"
+    text = f"(machine m (state a {inner} (onentry (spawn i x))) (state b)) (spawn m a)"
+    before = lay(text.format("som"))
+    after = lay(text.format("some"), before)
+    assert positions(after)["some"] == positions(before)["som"]
+
+
+def test_a_state_shows_what_it_spawns_from_elsewhere(drawn):
+    patrol, _ = drawn["shared"]
+    left = shape_of(patrol, "left")
+    (line,) = left["spawns"]
+    assert (line["machine"], line["name"], line["settings"]) == ("move", "move", "")
+    assert left["title"] == "left, spawns move"
+    assert (left["nested"], left["machines"], left["height"]) == ("", [], 52)
+    assert -left["width"] / 2 < line["x"] < 0 < line["y"] < left["height"] / 2
+    assert shape_of(drawn["follower"][0], "looking")["spawns"] == []
+
+
+def test_a_state_shows_the_values_that_it_gives_to_the_variables_of_a_machine(programs):
+    text = "(machine m (state a (machine i (state x)) (onentry (spawn i x)))) (spawn m a)"
+    for program, shown in ((programs["shared"], "move"), (parse(text), "i")):
+        program = with_settings(
+            program, shown, side=" -1 ", keep="[robot.distance.data,\n robot.light.data, 0.25]"
+        )
+        machine = program.machines[0]
+        shape = layout(machine, program=program)["states"][0]
+        assert shape["width"] < 260
+        if shape["spawns"]:
+            assert shape["spawns"][0]["settings"].startswith("side \N{MINUS SIGN}1, kee")
+            assert "…" in shape["spawns"][0]["settings"]
+            assert (
+                "(side \N{MINUS SIGN}1, keep [robot.distance.data, robot.light.data, 0.25])" in shape["title"]
+            )
+        else:
+            assert shape["nested"].startswith("i side \N{MINUS SIGN}1")
+
+
+def test_an_open_state_has_room_for_what_it_spawns_from_elsewhere():
+    program = parse(
+        "(machine m (state a (machine i (state x)) (onentry (spawn i x) (spawn j y))) (state b) (eps a -> b))"
+        "(machine j (state y)) (spawn m a)"
+    )
+    inside = {"m/a/i": layout(find_machine(program, "m/a/i"), program=program, path=("m", "a", "i"))}
+    without = parse(
+        "(machine m (state a (machine i (state x)) (onentry (spawn i x))) (state b) (eps a -> b)) (spawn m a)"
+    )
+    shape, plain = (
+        shape_of(layout(each.machines[0], program=each, inside=inside), "a") for each in (program, without)
+    )
+    (line,), (place,) = shape["spawns"], shape["inside"]
+    _, top, _, height = inside["m/a/i"]["view"]
+    assert shape["height"] == plain["height"] + 16
+    assert place["y"] + top + height < line["y"] < shape["height"] / 2
+
+
+def test_an_arrow_with_a_long_condition_has_the_name_of_its_transition(drawn):
+    (arrow,) = (arrow for arrow in drawn["shared"][1]["transitions"] if arrow["name"] == "finished")
+    assert arrow["label"]["text"] == "finished"
+    assert "robot.light.data < 3" in arrow["title"]
+    kept = lay("(machine m (state a) (on [x > 2] a -> a short))")
+    assert kept["transitions"][0]["label"]["text"] == "[x > 2]"
+
+
+def test_the_sign_of_an_effect_stays_at_the_end_of_a_name(monkeypatch):
+    monkeypatch.setattr(Transition, "arrow_text", f"[{'x > 2 and ' * 9}] /")
+    named, plain = lay("(machine m (state a) (on e a -> a found) (on e a -> a))")["transitions"]
+    assert named["label"]["text"] == "found /"
+    assert re.fullmatch(r"\[x > .*….* /", plain["label"]["text"])
 
 
 def test_without_its_program_a_machine_knows_of_no_missing_events(follower):
@@ -671,7 +826,7 @@ def test_a_chain_that_is_longer_than_its_panel_turns_back_in_it(count):
 
 
 def test_a_column_that_turns_back_stands_beside_the_widest_row_of_the_one_before():
-    program = parse(programs.load("box-pusher"))
+    program = parse(re.sub(r"\(exit .*-> done\)", "", programs.load("box-pusher")))
     drawing = layout(program.machines[0], program=program, panel=(560, 330))
     done, backing = (box(shape_of(drawing, name)) for name in ("done", "backing"))
     assert 0 < (backing.x - backing.width / 2) - (done.x + done.width / 2) < 150

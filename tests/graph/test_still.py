@@ -4,9 +4,11 @@ import subprocess
 import xml.etree.ElementTree as ET
 
 import pytest
+from support.settings import with_settings
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.exports import dot, mermaid, tree
+from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.parser import parse
 
@@ -178,6 +180,78 @@ def test_a_machine_spawned_from_elsewhere_shows_its_active_state():
     picture = svg(program, active=[("m", "a", "helper", "h")])
     lit = re.findall(r'data-lrp-state="([^"]*)" data-active', picture)
     assert sorted(lit) == ["helper/h", "m/a"]
+
+
+SHARED = (
+    "(machine m (state a (onentry (spawn helper h)))) (machine n (state b (onentry (spawn helper i))))"
+    "(machine helper (state h) (state i)) (spawn m a) (spawn n b)"
+)
+
+
+def test_of_a_machine_that_runs_in_several_states_each_active_state_names_the_one_it_runs_in():
+    program = parse(SHARED)
+    root = picture(program, active=[("m", "a", "helper", "h"), ("n", "b", "helper", "i")])
+    tags = {
+        g.get("data-lrp-state"): text.text
+        for g in root.iter(f"{NS}g")
+        for text in g.findall(f"{NS}text[@class='lrp-user']")
+    }
+    assert tags == {"helper/h": "m/a", "helper/i": "n/b"}
+    assert "h is active in m/a." in root.find(f"{NS}desc").text
+    assert 'lrp-user"' not in svg(program, active=[("m", "a", "helper", "h"), ("n", "b")])
+
+
+def test_several_users_of_one_active_state_share_a_tag_that_leaves_out_what_they_have_in_common():
+    paths = DefinedPaths(parse(SHARED))
+    every = [("m", "a", "helper", "h"), ("m", "c", "helper", "h"), ("helper", "i")]
+    assert paths.users(every[:2]) == {"helper/h": "a, c"}
+    assert paths.users(every) == {"helper/h": "m/a, m/c", "helper/i": "top level"}
+    assert paths.users(every[:1]) == {}
+
+
+def test_a_state_shows_and_describes_what_it_spawns_from_elsewhere(programs):
+    root = picture(programs["shared"])
+    lines = [g for g in root.iter(f"{NS}g") if g.get("data-lrp-spawns")]
+    assert [(g.get("data-lrp-spawns"), g.find(f"{NS}text").text) for g in lines] == [("move", "move")] * 2
+    described = root.find(f"{NS}desc").text
+    assert "left spawns move." in described
+    assert "From left to rest, found (from go)." in described
+    assert "From go leaves to rest, found." in described
+
+
+def test_dot_draws_an_exit_in_its_machine_and_where_it_lands(programs):
+    lines = [line.strip() for line in dot(programs["shared"]).splitlines()]
+    assert '"patrol/left" [label="left ⧉ move"];' in lines
+    assert (
+        '"patrol/right" -> "patrol/rest" [label="near (from turn)", color="#1F78B4", style="bold"];' in lines
+    )
+    assert '"move/go" -> "move/exit rest" [label="found", color="#1F78B4", style="bold"];' in lines
+    assert not [line for line in lines if "move/go" in line and "patrol/rest" in line]
+
+
+def test_mermaid_draws_an_exit_in_its_machine_and_where_it_lands(programs):
+    lines = [line.strip() for line in mermaid(programs["shared"]).splitlines()]
+    assert 'state "left #10697; move" as s1' in lines
+    assert lines.count("s1 --> s3 : found (from go)") == 1
+    assert "s4 --> [*] : found → rest" in lines
+
+
+def test_one_machine_of_a_program_is_written_as_the_program_means_it(programs):
+    program, path = programs["kinds"], ("kinds", "docking", "dock")
+    assert '"kinds/docking/dock/locked" -> "kinds/docking/dock/exit drive"' in dot(program, path)
+    assert "near → drive" in mermaid(program, path)
+    for text, cross in ((dot(program, path), "✗"), (mermaid(program, path), "#10007;")):
+        assert text.count(cross) == 1  # of the one that leads nowhere
+        assert "rest" not in text
+
+
+def test_the_tree_names_what_a_state_spawns_from_elsewhere(programs):
+    program = with_settings(programs["shared"], "move", side="-1")
+    assert tree(program).splitlines()[:3] == [
+        "machine patrol",
+        "├─ left ⧉ move side \N{MINUS SIGN}1",
+        "├─ right ⧉ move side \N{MINUS SIGN}1",
+    ]
 
 
 def test_nested_machines_are_drawn_inside_their_states_if_wanted(follower):

@@ -533,6 +533,111 @@ def test_a_variable_has_changed_if_its_value_or_type_is_another(before, after, i
     assert seen.count("changed") == is_a_change
 
 
+COLLECTIONS = """
+from array import array
+from collections import Counter, OrderedDict, defaultdict, deque
+from types import SimpleNamespace
+"""
+
+
+def changes(initial, action, ticks=1, **options):
+    """How often an observer hears of a change of `v` when a state does something to it, in each tick."""
+    text = f"(var v := [{COLLECTIONS}{initial}\n]) (machine m (state a (running [{action}]))) (spawn m a)"
+    i = Interpreter(parse(text), **options)
+    i.step(0.0)
+    seen = []
+    i.observe(seen.append)
+    for tick in range(ticks):
+        i.step(tick + 1.0)
+    assert not i.issues
+    assert {event.path for event in seen} <= {("v",)}
+    return len(seen)
+
+
+@every(
+    ("initial", "action"),
+    [
+        ("[]", "v.append(1)"),
+        ("[1, 2]", "v[0] += 1"),
+        ("[1, 2]", "v.reverse()"),
+        ("[1, True]", "v[0], v[1] = v[1], v[0]"),
+        ("list(range(1000))", "v[100] += 1"),
+        ("list(range(1000))", "v.append(1)"),
+        ("{}", "v[len(v)] = 1"),
+        ("{'a': 1}", "v['a'] += 1"),
+        ("OrderedDict(a=1, b=2)", "v.move_to_end(next(iter(v)))"),
+        ("defaultdict(int)", "v['a'] += 1"),
+        ("Counter()", "v.update('a')"),
+        ("set()", "v.add(len(v))"),
+        ("{1}", "v.add(v.pop() + 1)"),
+        ("set(range(1000))", "v.pop()"),
+        ("bytearray(3)", "v[0] += 1"),
+        ("deque([1, 2], maxlen=2)", "v.rotate()"),
+        ("array('d', [0])", "v[0] += 1"),
+        ("[[0] * 10 for _ in range(10)]", "v[9][9] += 1"),
+        ("[[[1]]]", "v[0][0][0] += 1"),
+        ("{'a': {'b': [0]}}", "v['a']['b'][0] += 1"),
+        ("(1, ([], 2))", "v[1][0].append(1)"),
+        ("[SimpleNamespace()]", "v[0] = type(v[0])()"),
+        ("[[1]]", "v[0] = [1]"),
+        ("[]", "v.append(v)"),
+    ],
+)
+def test_a_change_in_place_is_a_change(initial, action):
+    assert changes(initial, action, ticks=3) == 3
+
+
+@every(
+    ("initial", "action"),
+    [
+        ("[0.5]", "v[0] = 0.25 * 2"),
+        ("[1]", "v.append(v.pop())"),
+        ("{1, 2}", "v.add(1)"),
+        ("([], 1)", "v[0].clear()"),
+        ("SimpleNamespace(n=1)", "v.n += 1"),
+        ("[SimpleNamespace(n=1)]", "v[0].n += 1"),
+        ("list(range(1000))", "v[900] += 1"),
+        ("[[[[1]]]]", "v[0][0][0][0] += 1"),
+    ],
+)
+def test_what_is_equal_or_inside_an_object_or_far_back_or_deep_is_not_seen_to_change(initial, action):
+    assert changes(initial, action, ticks=3) == 0
+
+
+def test_a_collection_is_compared_without_running_foreign_code():
+    def fail(*_):
+        raise AssertionError("This must not run.")
+
+    strange = type("Kind", (type,), {"__eq__": fail, "__hash__": fail})
+    value = strange("Value", (list,), {"__eq__": fail, "__hash__": fail, "__len__": fail, "__repr__": fail})()
+    names = {"make": lambda: value}
+    assert changes("[make(), (make(), 1)]", "v[0] = v[1][0]", namespace=names) == 0
+    assert changes("[make()]", "v.insert(0, 1)", namespace=names) == 1
+    assert changes("[1]", "v.insert(0, make())", namespace=names) == 1
+    assert changes("make()", "v = make() if v is None else None", ticks=2, namespace=names) == 2
+
+
+def test_an_observer_hears_of_a_change_in_place_again_after_a_rewind():
+    i = Interpreter(parse("(var v := [[]]) (machine m (state a (running [v.append(1)]))) (spawn m a)"))
+    for tick in range(3):
+        i.step(float(tick))
+    seen = []
+    i.observe(seen.append)
+    i.rewind(1)
+    assert i.variables["v"] == [1, 1, 1], "a list is not undone"
+    i.step(2.0)
+    assert [(event.kind, event.tick, event.path) for event in seen] == [("changed", 3, ("v",))]
+
+
+def test_no_collection_is_read_without_an_observer(monkeypatch):
+    def read(value):
+        raise AssertionError("The parts were read.")
+
+    monkeypatch.setattr("lrp_jupyter.interpreter.run.parts_of", read)
+    leaking = "def add():\n nonlocal v\n v = [*v, 1]\nadd()"
+    started(f"(var v := [[]]) (machine m (state a (running [v.append(1)] [{leaking}]))) (spawn m a)", 3)
+
+
 def test_an_observer_sees_changes_of_state_that_were_bound_before_it_came_and_after_others_left():
     i = Interpreter(parse("(machine m (state a) (state b) (eps a -> b t) (eps b -> a u))(spawn m a)"))
     for tick in range(4):

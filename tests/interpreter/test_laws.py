@@ -141,7 +141,8 @@ def test_watching_every_test_changes_nothing(text, ticks):
     elements = [arrow.element for arrows in resolve(plain.program).arrows.values() for arrow in arrows]
     for tick in range(ticks):
         for element in elements:
-            watched.watch_test(element, lambda _: None)
+            for machine in [act.path for act in watched._run.walk()]:
+                watched.watch_test(element, machine, lambda _: None)
         steps(runs, tick, tick + 1)
         assert moment(watched) == moment(plain)
 

@@ -113,7 +113,7 @@ def test_a_watched_condition_has_to_hold_as_long(condition):
     i, seen = started(HELD.format(condition), 1), []
     for tick in range(1, 4):
         assert active(i) == ["m/a/n/x"]
-        i.watch_test(Element("transition", ("m", "late")), seen.append)
+        i.watch_test(Element("transition", ("m", "late")), ("m",), seen.append)
         i.step(tick * PERIOD)
     assert active(i) == ["m/b"]
     assert [each.value for each in seen] == [True] * 3

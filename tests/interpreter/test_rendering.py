@@ -46,12 +46,18 @@ def test_a_short_value_of_pythons_own_types_is_shown_as_its_repr(value):
         (Counter("aab"), "Counter({'a': 2, 'b': 1})"),
         (array.array("i", [1, 2]), "array('i', [1, 2])"),
         (bytearray(b"ab"), "bytearray(b'ab')"),
-        ([1] * 13, "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, ...]"),
+        ([1] * 13, "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, ... 1 more]"),
         ([[[[1]]]], "[[[[...]]]]"),
+        ({(2, "b"), (1, "c"), None}, "{(1, 'c'), (2, 'b'), None}"),
     ],
 )
 def test_collections_are_shown_by_their_first_items(value, text):
     assert render(value) == text
+
+
+def test_the_text_of_a_long_collection_says_how_much_more_there_is():
+    assert render(["x" * 150] * 20).endswith(", ... 17 more]")
+    assert len(render([["x" * 150] * 20] * 20)) == LONGEST
 
 
 @every(
@@ -131,6 +137,48 @@ class Stranger(type):
 
 def never(*_):
     raise SystemExit
+
+
+BLOCK = """
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+def pid(e, k=1, *rest, least, **more): return e
+class Pid:
+    def out(self, e): return e
+    @classmethod
+    def make(cls, k): return cls()
+@dataclass
+class Pose:
+    x: float = 0
+class Light(Enum):
+    RED = 1
+class Level(IntEnum):
+    LOW = 1
+VALUE
+"""
+
+
+@every(
+    ("value", "text"),
+    [
+        ("pid", "pid(e, k, *rest, least, **more)"),
+        ("lambda: 1", "lambda: …"),
+        ("lambda a, *, b: 1", "lambda a, *, b: …"),
+        ("Pid", "class Pid"),
+        ("Light", "class Light"),
+        ("[Light.RED, Level.LOW]", "[Light.RED, Level.LOW]"),
+        ("Pid()", "<Pid object>"),
+        ("Pid().out", "Pid.out(e)"),
+        ("Pid.make", "Pid.make(k)"),
+        ("Pose(1)", "Pose(x=1)"),
+        ("__import__('types').MethodType(len, [1])", "list.builtin_function_or_method(…)"),
+    ],
+)
+def test_what_a_block_defines_is_shown_as_its_text_names_it(value, text):
+    i = Interpreter(parse(f"(var v := [{BLOCK.replace('VALUE', value)}]) (machine m (state a)) (spawn m a)"))
+    i.step(0.0)
+    assert not i.issues
+    assert render(i.variables["v"]) == text
 
 
 STRANGE = {

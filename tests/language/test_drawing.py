@@ -20,10 +20,19 @@ from lrp_jupyter.errors import LRPError, edited
 from lrp_jupyter.language.edits import drawing, nesting
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
-from lrp_jupyter.language.program import Machine, Name, Path, Program, Spawn, State, Transition
+from lrp_jupyter.language.program import (
+    Block,
+    Machine,
+    Name,
+    Path,
+    Program,
+    State,
+    Transition,
+    Variable,
+)
 from lrp_jupyter.language.reading.tokens import tokenize
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.language.triggers import Delay, Epsilon, Occurrence
+from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence
 
 GAPS = [" ", "\n", "\r\n  ", "\n\t", " ; a comment ) of (state a)\n", "\n\n # [another\n      ", "   "]
 
@@ -220,7 +229,7 @@ def without_state(program: Program, path: Path, machine: Machine, name: str) -> 
     expected = program
     for spawning in names.spawns:
         if spawning.machine is scope and spawning.noun.state == name:
-            new = Spawn(spawning.noun.machine, Name(others[0])) if others else None
+            new = replace(spawning.noun, state=Name(others[0])) if others else None
             expected = changed(expected, spawning.noun, new)
     for arrows in names.arrows.values():
         for arrow in arrows:
@@ -284,6 +293,50 @@ def a_reversed_transition_reversed_again_is_the_same_text(text: str, data: st.Da
     assert turned is not None
     if not text[slice(*old.span)].count("{"):  # the brackets of a group with one name go
         assert applied(result, drawing.reverse(result, (*path, turned.ids[index]))) == text
+
+
+@law
+def a_transition_gets_another_trigger_a_time_to_hold_and_an_effect(text: str, data: st.DataObject) -> None:
+    program = parse(text)
+    path, machine, index = draw_transition(data, program)
+    old = machine.transitions[index]
+    bump, block, two = Occurrence(Name("bump")), parse("(var x := [y = 1])").variables[0].initial, Delay(2000)
+    cases: list[tuple[Callable[..., Any], str, Transition]] = [
+        (drawing.set_trigger, "on bump", replace(old, trigger=bump, hold=None)),
+        (drawing.set_trigger, "x > 3 for 2 s", replace(old, trigger=Condition(Block("x > 3")), hold=two)),
+        (drawing.set_hold, "2 s", replace(old, hold=two)),
+        (drawing.set_hold, "", replace(old, hold=None)),
+        (drawing.set_effect, "y = 1", replace(old, effect=(block,))),
+        (drawing.set_effect, "", replace(old, effect=())),
+    ]
+    act, written, new = data.draw(st.sampled_from(cases))
+    result = after(act, text, (*path, machine.ids[index]), written)
+    if result is None:
+        assert act is drawing.set_hold or old.outward
+        return
+    assert parse(result) == changed(program, old, new)
+
+
+@law
+def a_setting_is_added_changed_and_removed(text: str, data: st.DataObject) -> None:
+    program = parse(text)
+    first = {(each.spawner, each.noun.machine): each for each in reversed(resolve(program).spawns)}
+    assume(first)
+    spawning = data.draw(st.sampled_from([*first.values()]))
+    old = spawning.noun
+    name = data.draw(st.sampled_from(["fresh", *(str(setting.name) for setting in old.settings)]))
+    edits = drawing.set_setting(text, spawning.spawner, str(old.machine), name, "1 + 1")
+    changed_text = applied(text, edits)
+    new = Variable(Name(name), Block("1 + 1"))
+    at = next((index for index, each in enumerate(old.settings) if each.name == name), len(old.settings))
+    assert parse(changed_text) == changed(
+        program, old, replace(old, settings=(*old.settings[:at], new, *old.settings[at + 1 :]))
+    )
+    without = applied(
+        changed_text, drawing.set_setting(changed_text, spawning.spawner, str(old.machine), name, "")
+    )
+    left = (*old.settings[:at], *old.settings[at + 1 :])
+    assert parse(without) == changed(program, old, replace(old, settings=left))
 
 
 @law

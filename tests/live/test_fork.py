@@ -341,8 +341,8 @@ def test_a_block_that_does_not_return_is_not_repeated_for_ever(monkeypatch):
             with pytest.raises(SessionTimeoutError, match=r"^Tick 5 cannot be repeated: a block did not"):
                 ask(6)
         late = Element("transition", ("m", "late"))
-        assert session.call(lambda: questions.test_again(session, 5, late)) is None
-        assert session.call(lambda: questions.test_again(session, 8, late)) is None
+        assert session.call(lambda: questions.test_again(session, 5, late, ("m",))) is None
+        assert session.call(lambda: questions.test_again(session, 8, late, ("m",))) is None
 
 
 def test_a_fork_that_fails_is_closed(monkeypatch):

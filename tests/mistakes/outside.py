@@ -646,6 +646,69 @@ def _(source: Source) -> Iterator[Slip]:
         yield slip(tops[0].start, tops[0].end, "", 0, tops[0].start)
 
 
+# Other notations: the right text has what is meant
+
+
+def _instead(source: Source, start: int, end: int, right: str, wrong: str) -> Slip:
+    text = f"{source.text[:start]}{right}{source.text[end:]}"
+    return Slip(((start, start + len(right), wrong),), (start,), text)
+
+
+def _events(name: str, right: str, wrong: str) -> None:
+    @kind(name)
+    def _(source: Source) -> Iterator[Slip]:
+        for form in source.all("on", "exit"):
+            kind_of, start, end = form.tokens[1]
+            event = source.text[start:end]
+            if kind_of == "NAME" and form.types[2] == "NAME":
+                yield _instead(source, start, end, right.format(event), wrong.format(event))
+
+
+_events("notation: guard", "[{} and 1 < 2]", "{} [1 < 2]")
+_events("notation: guard without brackets", "[{} and 1 < 2]", "{} if 1 < 2")
+_events("notation: guard in round brackets", "[{} and (1 < 2 or 3)]", "{} (1 < 2 or 3)")
+_events("notation: `!`", "[not {}]", "!{}")
+_events("notation: two events", "[{0} or {0}]", "{0} || {0}")
+
+
+def _effects(name: str, wrong: str) -> None:
+    @kind(name)
+    def _(source: Source) -> Iterator[Slip]:
+        for form in source.all(*TRANSITIONS):
+            if "EFFECT_FORM" not in form.types:
+                yield _instead(source, form.last, form.last, " (effect [print(1)])", wrong)
+
+
+_effects("notation: `/` before an effect", " / print(1)")
+_effects("notation: `do` for an effect", " (do [print(1)])")
+_effects("notation: `actions` for an effect", " (actions [print(1)])")
+
+
+@kind("notation: transition as a drawing")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all("on", "eps"):
+        if form.types in (
+            ("OPEN", "NAME", "NAME", "ARROW", "NAME", "CLOSE"),
+            ("OPEN", "NAME", "ARROW", "NAME", "CLOSE"),
+        ):
+            *event, first, _, last = map(source.word, form.tokens[1:-1])
+            after = source.text[form.end :].partition("\n")[0].strip(" )")
+            if form.column >= 0 and not after:
+                yield slip(form.start, form.end, " : ".join([f"{first} --> {last}", *event]))
+
+
+@kind("notation: `entry /`")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all("onentry", "onexit"):
+        yield slip(*_keyword(form, source), f"{form.keyword[2:]} /")
+
+
+@kind("notation: `always` for `eps`")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all("eps"):
+        yield slip(*_keyword(form, source), "always")
+
+
 # References and definitions
 
 

@@ -129,6 +129,18 @@ def moved(page):
     return [(element["kind"], element["old"], element["new"]) for element in every]
 
 
+def test_an_edit_of_what_a_machine_spawns_is_drawn_in_it(bench):
+    text = """(machine m (state a (onentry (spawn n x))) (state b))
+        (machine n (state x) (exit [1 > 2] x -> b)) (machine k (state y)) (spawn m a)"""
+    page = bench(text).page()
+    page.type(text.replace("1 > 2", "3 > 4"))
+    arrow = page.merged("layouts")["m"]["transitions"][0]
+    assert (arrow["label"]["text"], arrow["broken"]) == ("[3 > 4]\n(from x)", None)
+    page.type(text.replace("(spawn n x)", "(spawn k y)"))
+    (state, _), arrows = page.merged("layouts")["m"]["states"], page.merged("layouts")["m"]["transitions"]
+    assert ([line["machine"] for line in state["spawns"]], arrows) == (["k"], [])
+
+
 def test_an_edited_delay_leaves_the_transition_what_it_was(bench):
     lab = bench(NESTED)
     page = lab.page()

@@ -52,6 +52,18 @@ def test_a_view_state_has_all_fields_of_its_type(bench):
     }
 
 
+def test_a_machine_that_runs_in_several_states_is_reported_with_these(bench, monkeypatch):
+    lab = bench(
+        "(machine m (state a (onentry (spawn k x)))) (machine n (state b (onentry (spawn k y))))"
+        "(machine k (state x) (state y)) (spawn m a) (spawn n b)"
+    )
+    page = lab.page()
+    active = (("m", "a", "k", "x"), ("n", "b", "k", "y"))
+    monkeypatch.setattr(type(lab.session), "frame", replace(lab.session.frame, active=active))
+    lab.publish()
+    assert page.latest("users") == {"k/x": "m/a", "k/y": "n/b"}
+
+
 def test_an_entry_is_reported_with_its_own_tick_however_late_a_view_gets_it(bench):
     lab = bench(COUNT)
     page = lab.page()

@@ -195,9 +195,19 @@ export class Acts {
   }
 
   ofTransition(path: string, at: Point): MenuItem[] {
-    const names = this.statesOf(path.slice(0, path.indexOf(":")));
+    const machine = path.slice(0, path.indexOf(":"));
+    const homes = Object.values(this.lab.store.state.layouts).filter(({ transitions }) =>
+      transitions.some(({ id, lands }) => lands && id === path),
+    );
+    const ends = homes.length ? homes.map((home) => home.machine) : [machine];
+    const names = {
+      source: this.statesOf(machine),
+      destination: ends.flatMap((each) => this.statesOf(each)),
+    };
     const lead = (act: "source" | "destination", label: string) =>
-      item(`${label}…`, `draw-${act}`, () => this.other(at, label, { act, kind: "transition", path }, names));
+      item(`${label}…`, `draw-${act}`, () =>
+        this.other(at, label, { act, kind: "transition", path }, names[act]),
+      );
     return [
       item("Edit…", "draw-change", () => this.change(at, path), { hint: "F2" }),
       lead("source", "From another state"),

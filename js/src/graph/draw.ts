@@ -4,13 +4,18 @@
  */
 
 import { parentOf } from "../language/paths";
-import type { Inside, Label, Layout, Port, StateShape, TransitionShape } from "../protocol";
+import type { Inside, Label, Layout, Port, SpawnedLine, StateShape, TransitionShape } from "../protocol";
 import { reconcile, s, setAttribute, setText } from "../ui/dom";
+import { machinesIn } from "./inside";
 
 const STATE_FONT = 13;
 const LABEL_FONT = 11.5;
+const LABEL_LINE = 13.5; // px from one line of a label to the next
 const NAME_ABOVE = 26; // px: a name above the machines inside the state
 const NESTED_LETTER = 6.3; // px, about
+const NAMED = 36; // px: height of a state with its name only
+const LINE = 16; // px: height of a line below a name, and width of what is before it
+const SETTINGS = 6; // px between a machine and the values that it gets
 const LIFT = 0.35; // of the font size: from the middle of a letter to its base line
 
 export interface Layers {
@@ -104,6 +109,7 @@ function updateArrow(element: Element, shape: TransitionShape): void {
   const broken = shape.broken ? " lrp-broken" : "";
   setAttribute(element, "class", `lrp-transition lrp-${shape.style}${broken}`);
   setAttribute(element, "data-broken", shape.broken);
+  setAttribute(element, "data-lands", shape.lands);
   setAttribute(element, "data-lrp-transition", `${shape.id.split(":")[0]}:${shape.name}`);
   const words = `transition ${shape.name} from ${shape.source === "*" ? "any state" : shape.source} to ${shape.destination}`;
   setAttribute(element, "aria-label", shape.broken ? `${words}, broken: ${shape.broken}` : words);
@@ -124,7 +130,8 @@ function updateState(element: Element, shape: StateShape, layouts: Record<string
   const open = shape.inside.length ? " lrp-open" : "";
   setAttribute(element, "class", `lrp-state lrp-${shape.kind}${open}`);
   if (shape.kind === "state") {
-    const shown = [shape.label, shape.nested].filter(Boolean).join(" "); // a name begins with what is seen
+    const lines = shape.spawns.map(({ name, settings }) => `${name} ${settings}`.trim());
+    const shown = [shape.label, shape.nested, ...lines].filter(Boolean).join(" "); // a name begins with what is seen
     setAttribute(element, "aria-label", `${shown}: state ${shape.title}`);
     setAttribute(element, "role", shape.inside.length ? "group" : "button");
   }
@@ -168,7 +175,7 @@ export function drawMachines(
   drawings.set(parent, now);
 }
 
-/** Join each machine with the state that contains it, where both are drawn: as if seen through a lens. */
+/** Join each machine with the states in which it runs, where both are drawn: as if seen through a lens. */
 export function drawCones(
   layer: Element,
   places: readonly Inside[],
@@ -177,21 +184,22 @@ export function drawCones(
 ): void {
   const cones = places.slice(1).flatMap(({ machine, x, y }, index) => {
     const around = places[index]!;
-    const shape = layouts[around.machine]?.states.find(({ id }) => id === parentOf(machine));
+    const users = layouts[around.machine]?.states.filter((shape) => machinesIn(shape).includes(machine));
     const [left = 0, top = 0, width = 0, height = 0] = layouts[machine]?.frame ?? [];
-    if (!shape) return [];
-    const state = { x: around.x + shape.x, y: around.y + shape.y };
-    const [right, low] = [state.x + shape.width / 2, state.y + shape.height / 2];
-    const d = isRow
-      ? `M${x + left} ${y + top}L${right} ${low - shape.height}V${low}L${x + left} ${y + top + height}`
-      : `M${x + left} ${y + top}L${right - shape.width} ${low}H${right}L${x + left + width} ${y + top}`;
-    return [{ machine, d }];
+    return (users ?? []).map((shape) => {
+      const state = { x: around.x + shape.x, y: around.y + shape.y };
+      const [right, low] = [state.x + shape.width / 2, state.y + shape.height / 2];
+      const d = isRow
+        ? `M${x + left} ${y + top}L${right} ${low - shape.height}V${low}L${x + left} ${y + top + height}`
+        : `M${x + left} ${y + top}L${right - shape.width} ${low}H${right}L${x + left + width} ${y + top}`;
+      return { key: `${shape.id} ${machine}`, d };
+    });
   });
   const make = () => s("path", { class: "lrp-cone" });
   reconcile(
     layer,
     cones,
-    ({ machine }) => machine,
+    ({ key }) => key,
     make,
     (cone, { d }) => setAttribute(cone, "d", d),
   );
@@ -218,15 +226,16 @@ function stateBody(shape: StateShape): SVGElement[] {
   ];
   if (shape.nested) {
     const inner = { x: left + 3.5, y: top + 3.5, width: width - 7, height: height - 7, rx: 6 };
-    parts.push(s("rect", { class: "lrp-inner", ...inner }), text("lrp-name", 0, -2.5, shape.label));
+    const line = top + NAMED;
     const half = shape.nested.length * NESTED_LETTER * 0.5;
-    const symbol = nestedIcon();
-    symbol.setAttribute("transform", `translate(${-half - 4} 10)`);
-    parts.push(s("g", { class: "lrp-nested" }, " ", symbol, text("", 7, 14, shape.nested)));
-  } else {
-    const middle = shape.inside.length ? top + NAME_ABOVE / 2 : 0;
-    parts.push(text("lrp-name", 0, middle + STATE_FONT * LIFT, shape.label));
+    const symbol = icon(NESTED, -half - 4, line);
+    parts.push(s("rect", { class: "lrp-inner", ...inner }));
+    parts.push(s("g", { class: "lrp-nested" }, " ", symbol, text("", 7, line + 4, shape.nested)));
   }
+  const middle = top + (shape.inside.length ? NAME_ABOVE : NAMED) / 2;
+  const isAbove = shape.nested || (shape.spawns.length && !shape.inside.length);
+  parts.push(text("lrp-name", 0, middle + (isAbove ? 5.5 : STATE_FONT * LIFT), shape.label));
+  parts.push(...shape.spawns.map(spawnedLine));
   if (shape.start) {
     const { x, y, radius, d, head } = shape.start;
     parts.push(
@@ -242,9 +251,25 @@ function stateBody(shape: StateShape): SVGElement[] {
   return parts;
 }
 
-/** Two small states and an arrow: a nested machine. */
-function nestedIcon(): SVGPathElement {
-  return s("path", { class: "lrp-nested-icon", d: "M-6 -4h5v4h-5zM1 1h5v4h-5zM-3.5 0v3h4.5" });
+/** A machine that runs in a state and is defined elsewhere: a press shows it. */
+function spawnedLine({ machine, name, settings, title, x, y, width }: SpawnedLine): SVGGElement {
+  const hit = { x: x - 4, y: y - LINE / 2, width: width + 8, height: LINE };
+  return s(
+    "g",
+    { class: "lrp-nested lrp-spawned", "data-lrp-spawns": machine },
+    s("title", {}, title),
+    s("rect", { class: "lrp-spawned-hit", ...hit, rx: 4 }),
+    " ",
+    icon(JOINED, x + 5, y),
+    s("text", { x: x + LINE, y: y + 4 }, name, settings ? s("tspan", { dx: SETTINGS }, settings) : null),
+  );
+}
+
+const NESTED = "M-6 -4h5v4h-5zM1 1h5v4h-5zM-3.5 0v3h4.5"; // two small states and an arrow
+const JOINED = "M-5 -5h7v7h-7zM-2 -2h7v7h-7z"; // two squares, one behind the other
+
+function icon(d: string, x: number, y: number): SVGPathElement {
+  return s("path", { class: "lrp-nested-icon", d, transform: `translate(${x} ${y})` });
 }
 
 function makePort(): SVGGElement {
@@ -263,10 +288,18 @@ function makeText(): SVGTextElement {
 }
 
 function updateLabel(element: Element, label: Label, kind: string): void {
+  const lines = label.text.split("\n");
+  const first = label.y + LABEL_FONT * LIFT - (LABEL_LINE * (lines.length - 1)) / 2;
   setAttribute(element, "class", kind);
   setAttribute(element, "x", label.x);
-  setAttribute(element, "y", label.y + LABEL_FONT * LIFT);
-  setText(element, label.text);
+  setAttribute(element, "y", first);
+  if (lines.length === 1) setText(element, label.text);
+  else {
+    const spans = lines.map((line, index) =>
+      s("tspan", { x: label.x, y: first + index * LABEL_LINE }, index ? ` ${line}` : line),
+    );
+    element.replaceChildren(...spans);
+  }
 }
 
 function text(kind: string, x: number, y: number, content: string): SVGTextElement {

@@ -1,5 +1,6 @@
 /** States and transitions where they are drawn: which one an event is about, and what its menu offers. */
 
+import { nameOf } from "../language/paths";
 import { breakpointItems } from "../parts/breakpoints";
 import { askWhy } from "../parts/why";
 import type { Lab } from "../session/store";
@@ -19,10 +20,20 @@ export function drawnAt(target: EventTarget | null): Drawn | null {
   return path ? { kind: arrow ? "transition" : "state", path } : null;
 }
 
-/** `open` shows the machine in a state. */
-export function menuOf(lab: Lab, { kind, path }: Drawn, at: Point, open: () => void): (MenuItem | null)[] {
+/** `machines`: those that run in a state; `open` shows one. */
+export function menuOf(
+  lab: Lab,
+  { kind, path }: Drawn,
+  at: Point,
+  machines: readonly string[],
+  open: (machine: string) => void,
+): (MenuItem | null)[] {
   const isState = kind === "state";
-  const nested = lab.store.state.program.machines.some(({ parent }) => parent === path);
+  const opens = machines.map((machine, index) =>
+    index
+      ? item(`Open ${nameOf(machine)}`, `open-${index}`, () => open(machine))
+      : item(`Open ${nameOf(machine)}`, "open", () => open(machine), { hint: "⇧⏎" }),
+  );
   const forState = (item: MenuItem) => (isState ? [item] : []);
   return [
     ...(isState
@@ -34,7 +45,7 @@ export function menuOf(lab: Lab, { kind, path }: Drawn, at: Point, open: () => v
     item(isState ? "Why?" : "Why not?", "why", () => askWhy(lab, kind, path, at), { hint: "?" }),
     ...breakpointItems(lab, kind, path),
     null,
-    ...forState(item("Open nested machine", "open", open, { disabled: !nested, hint: "⇧⏎" })),
+    ...opens,
     item("Inspect", "inspect", () => lab.inspect(kind, path)),
     item("Go to source", "source", () => lab.goTo(kind, path), { hint: "⏎" }),
     ...forState(item("Rename…", "rename", () => lab.rename("state", path))),

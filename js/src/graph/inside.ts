@@ -1,7 +1,7 @@
 /** The machines of a drawing, and where they stand: nested ones inside their states, or beside the one around them. */
 
-import { parentOf } from "../language/paths";
-import type { Inside, Layout } from "../protocol";
+import { nameOf, parentOf } from "../language/paths";
+import type { Inside, Layout, StateShape } from "../protocol";
 import type { Box } from "./camera";
 
 type Layouts = Record<string, Layout>;
@@ -32,14 +32,41 @@ export function shapeFor(width: number, height: number, before: Shape): Shape {
   return isClear ? (width >= height ? "row" : "column") : before;
 }
 
-/** A machine with those around it and the first ones in it, the outermost first. */
-export function nestAround(machine: string, layouts: Layouts): string[] {
-  const nest: string[] = [];
-  for (let path = machine; layouts[path]; path = parentOf(parentOf(path))) nest.unshift(path);
-  const firstIn = (path: string) =>
-    layouts[path]?.states
-      .flatMap(({ id, machines }) => machines.map((name) => `${id}/${name}`))
-      .find((inner) => layouts[inner]);
+/** The machines that are defined in a state, and those that it spawns from elsewhere. */
+export function machinesIn({ id, machines, spawns }: StateShape): string[] {
+  return [...machines.map((name) => `${id}/${name}`), ...spawns.map(({ machine }) => machine)];
+}
+
+/** The states on a path as spawned, where they are defined; the outermost first. */
+export function statesOn(path: string, layouts: Layouts): string[] {
+  const [root = "", ...names] = path.split("/");
+  const states: string[] = [];
+  let machine = root;
+  for (let at = 0; at < names.length; at += 2) {
+    const id = `${machine}/${names[at]}`;
+    states.push(id);
+    const name = names[at + 1] ?? "";
+    const shape = layouts[machine]?.states.find((each) => each.id === id);
+    machine = (shape && machinesIn(shape).find((each) => nameOf(each) === name)) || `${id}/${name}`;
+  }
+  return states;
+}
+
+/**
+ * A machine with those around it and the first ones in it, the outermost first. Of several states in which it may
+ * run, the one in the last place of `likely` counts.
+ */
+export function nestAround(machine: string, layouts: Layouts, likely: readonly string[] = []): string[] {
+  const nest = [machine].filter((path) => layouts[path]);
+  const shapes = Object.values(layouts).flatMap(({ states }) => states);
+  const machineAround = (path: string) => {
+    const users = shapes.filter((shape) => machinesIn(shape).includes(path)).map(({ id }) => id);
+    const isUser = (id: string) => users.includes(id);
+    return parentOf(likely.findLast(isUser) ?? [parentOf(path), ...users].find(isUser) ?? "");
+  };
+  const isNew = (path: string) => layouts[path] && !nest.includes(path);
+  for (let outer = machineAround(machine); isNew(outer); outer = machineAround(outer)) nest.unshift(outer);
+  const firstIn = (path: string) => layouts[path]?.states.flatMap(machinesIn).find(isNew);
   for (let inner = firstIn(machine); inner; inner = firstIn(inner)) nest.push(inner);
   return nest.filter((path, index) => !nest.slice(0, index).some((outer) => isDrawnIn(path, outer, layouts)));
 }

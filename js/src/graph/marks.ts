@@ -3,11 +3,15 @@
  * good, and those before it for a while, fainter with each firing since.
  */
 
-import type { CountAndTick } from "../protocol";
+import { parentOf } from "../language/paths";
+import type { CountAndTick, Layout } from "../protocol";
 import { inGraph, type LabState } from "../session/state";
-import { setAttribute } from "../ui/dom";
+import { s, setAttribute, setText } from "../ui/dom";
 import { glow } from "../ui/timers";
 import type { Layers } from "./draw";
+import { statesOn } from "./inside";
+
+const [INSET, ABOVE] = [10, 4]; // px from the left side of a state, and from its top, to what is written above it
 
 type Counts = Record<string, CountAndTick>;
 
@@ -18,17 +22,20 @@ export function marking({ root }: Pick<Layers, "root">, state: LabState): () => 
   const grown = (now: CountAndTick | undefined, then: CountAndTick | undefined) =>
     then ? (now?.[0] ?? 0) > then[0] : (now?.[1] ?? 0) > before.tick;
   return () => {
-    const { machine, tick, chosen } = state;
-    const { lit, entered, fired } = inGraph(state);
+    const { machine, tick, chosen, layouts } = state;
+    const { active, lit, users, entered, fired } = inGraph(state);
     const fresh = machine !== before.machine; // another drawing: nothing that was before glows
     for (const node of root.querySelectorAll("[data-lrp-state]")) {
       const path = node.getAttribute("data-lrp-state") ?? "";
-      const active = lit.includes(path);
-      setAttribute(node, "data-active", active);
-      setAttribute(node, "aria-current", active ? "true" : null);
-      if (!fresh && !active && grown(entered[path], before.entered[path])) glow(node);
+      const isLit = lit.includes(path);
+      setAttribute(node, "data-active", isLit);
+      setAttribute(node, "aria-current", isLit ? "true" : null);
+      if (!fresh && !isLit && grown(entered[path], before.entered[path])) glow(node);
       setAttribute(node, "data-chosen", path === chosen);
+      setAttribute(node, "aria-description", users[path] ? `in ${users[path]}` : null);
+      tag(node, users[path] ?? "");
     }
+    nameUsers(root, active, layouts);
     const ages = agesOf(fired);
     for (const part of root.querySelectorAll("[data-of]")) {
       const id = part.getAttribute("data-of") ?? "";
@@ -42,6 +49,43 @@ export function marking({ root }: Pick<Layers, "root">, state: LabState): () => 
     }
     before = { entered, fired, machine, tick };
   };
+}
+
+/** Name the state in which the machine of an active state runs, above it, right of the mark of a start state. */
+function tag(node: Element, user: string): void {
+  const before = node.querySelector(":scope > .lrp-user");
+  const box = node.querySelector(":scope > .lrp-box");
+  if (!user || !box) {
+    before?.remove();
+    return;
+  }
+  const element = before ?? s("text", { class: "lrp-user" });
+  if (!before) node.append(element);
+  const at = (name: string) => Number(box.getAttribute(name));
+  setAttribute(element, "x", at("x") + INSET);
+  setAttribute(element, "y", at("y") - ABOVE);
+  setText(element, user);
+}
+
+/** Name the state in which a machine of the top level runs, beside its name: nested ones name it all the time. */
+function nameUsers(root: Element, active: readonly string[], layouts: Record<string, Layout>): void {
+  const users = new Map<string, Set<string>>();
+  for (const path of active) {
+    const states = statesOn(path, layouts);
+    states.slice(1).forEach((state, outer) => {
+      const machine = parentOf(state);
+      users.set(machine, (users.get(machine) ?? new Set()).add(states[outer]!));
+    });
+  }
+  for (const name of root.querySelectorAll("[data-drawing] > .lrp-layer-frame > .lrp-machine")) {
+    const machine = name.closest("[data-drawing]")!.getAttribute("data-drawing")!;
+    if (parentOf(machine)) continue;
+    const within = [...(users.get(machine) ?? [])].join(", ");
+    const before = name.querySelector(".lrp-within");
+    if (!within) before?.remove();
+    else if (before) setText(before, `in ${within}`);
+    else name.append(s("tspan", { class: "lrp-within", dx: 6 }, `in ${within}`));
+  }
 }
 
 /** How many other transitions of its machine have fired since each did: 0 for the last one. */

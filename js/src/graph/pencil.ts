@@ -116,13 +116,23 @@ export function attachPencil(
       const shaft = arrow.querySelector<SVGPathElement>(".lrp-shaft");
       if (!shaft?.getTotalLength) continue;
       const source = arrow.getAttribute("data-key")?.split(" ").at(-2) ?? "";
+      const at = (length: number) => {
+        const { x, y } = shaft.getPointAtLength(length);
+        return inside(client(x, y, shaft));
+      };
+      const points = { source: at(0), destination: at(shaft.getTotalLength()) };
       for (const end of ["source", "destination"] as const) {
-        const point = shaft.getPointAtLength(end === "source" ? 0 : shaft.getTotalLength());
-        const [cx, cy] = inside(client(point.x, point.y, shaft));
+        // the source of one that lands is in the machine that it leaves
+        if (end === "source" && arrow.hasAttribute("data-lands")) continue;
+        const [cx, cy] = points[end];
+        const fixed = points[end === "source" ? "destination" : "source"].join(" ");
         layer.append(
           s(
             "circle",
-            { class: "lrp-handle", r: HANDLE, cx, cy, "data-end": end, "data-source": source },
+            {
+              ...{ class: "lrp-handle", r: HANDLE, cx, cy },
+              ...{ "data-end": end, "data-source": source, "data-fixed": fixed },
+            },
             s("title", {}, end === "source" ? "Drag to another source" : "Drag to another destination"),
           ),
         );
@@ -197,8 +207,8 @@ export function attachPencil(
   const dragEnd = (event: PointerEvent, handle: Element) => {
     const end = handle.getAttribute("data-end") as "source" | "destination";
     const path = lab.store.state.chosen;
-    const other = (end === "source" ? handle.nextElementSibling : handle.previousElementSibling) ?? handle;
-    const fixed = client(Number(other.getAttribute("cx")), Number(other.getAttribute("cy")));
+    const [x = 0, y = 0] = (handle.getAttribute("data-fixed") ?? "").split(" ").map(Number);
+    const fixed = client(x, y);
     follow(
       event,
       (now) => {

@@ -14,7 +14,7 @@ import { iconButton } from "../ui/button";
 import { setHidden } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
 import { whenSteady } from "../ui/timers";
-import { isDrawnIn } from "./inside";
+import { isDrawnIn, statesOn } from "./inside";
 
 const STEADY = 1000; // ms
 
@@ -69,19 +69,25 @@ export function flipFollow(store: Store, what: Followed): void {
  */
 export function followRun(
   { store, closed }: Pick<Lab, "store" | "closed">,
-  isSeen: (machine: string) => boolean = (machine) =>
-    isDrawnIn(machine, store.state.machine, store.state.layouts),
+  areSeen: (machines: readonly string[]) => boolean = (machines) =>
+    isDrawnIn(machines.at(-1)!, store.state.machine, store.state.layouts),
   isBusy: () => boolean = () => false,
   reveal: () => void = () => {},
+  draw: (machine: string) => void = (machine) => store.set("machine", machine),
 ): void {
   const isWanted = () => store.state.follow === "active" && store.state.settings.graph === "live";
-  const innermost = () =>
-    besideGraph(store.state).lit.reduce((a, b) => (b.split("/").length > a.split("/").length ? b : a), "");
+  /** The innermost active state, and those in which it is. */
+  const active = () => {
+    const depth = (path: string) => path.split("/").length;
+    const innermost = besideGraph(store.state).active.reduce((a, b) => (depth(b) > depth(a) ? b : a), "");
+    return innermost ? statesOn(innermost, store.state.layouts) : [];
+  };
+  const machines = () => active().map(parentOf);
   const show = () => {
-    const machine = parentOf(innermost());
-    if (!machine || isSeen(machine) || !isWanted()) return true;
+    const shown = machines();
+    if (!shown.length || areSeen(shown) || !isWanted()) return true;
     if (isBusy()) return false;
-    store.set("machine", machine);
+    draw(shown.at(-1)!);
     return true;
   };
   const look = () => {
@@ -91,9 +97,8 @@ export function followRun(
   const shows = whenSteady(STEADY, closed, show);
   const looks = whenSteady(STEADY, closed, look);
   store.watch(["lit", "snapshot"], () => {
-    const state = innermost();
-    shows(parentOf(state));
-    looks(state);
+    shows(machines().join(" "));
+    looks(active().join(" "));
   });
   let before = store.state.follow;
   store.watch(["follow"], () => {

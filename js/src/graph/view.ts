@@ -21,7 +21,16 @@ import { Dragging } from "./drag";
 import { drawCones, drawMachines } from "./draw";
 import { type Drawn, drawnAt, menuOf } from "./elements";
 import { keepOneTabStop, walkWithArrows } from "./focus";
-import { boxAround, layoutsIn, nestAround, placesOf, type Shape, shapeFor, unionOf } from "./inside";
+import {
+  boxAround,
+  layoutsIn,
+  machinesIn,
+  nestAround,
+  placesOf,
+  type Shape,
+  shapeFor,
+  unionOf,
+} from "./inside";
 import { marking } from "./marks";
 import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
@@ -44,6 +53,7 @@ export function graphView(lab: Lab): HTMLElement {
   let drawn: Record<string, Layout> = {}; // the layouts of these, and of the machines inside their states
   const mode = () => store.state.settings.graph;
 
+  const mark = marking({ root }, store.state);
   const place = () => {
     setAttribute(root, "transform", camera.transform);
     scrollBars.update(camera, contents(), size());
@@ -110,7 +120,10 @@ export function graphView(lab: Lab): HTMLElement {
     root.removeAttribute("visibility");
     const { width, height } = size();
     const next = width && (force || !places.length) ? shapeFor(width, height, form) : form;
-    const nest = next === "one" ? [machine] : nestAround(machine, layouts);
+    const isKept = shown === machine && store.state.follow !== "active";
+    const [lit, before] = [inGraph(store.state).lit, [...spots().keys()]];
+    const likely = isKept ? [...lit, ...before] : [...before, ...lit];
+    const nest = next === "one" ? [machine] : nestAround(machine, layouts, likely);
     const other = next !== form || places[0]?.machine !== nest[0];
     const parts = nest.flatMap((each) => layoutsIn(each, layouts));
     const old = Object.values(drawn);
@@ -138,6 +151,7 @@ export function graphView(lab: Lab): HTMLElement {
     drawMachines(machines, places, layouts);
     drawDots(root, store.state);
     keepOneTabStop(svg);
+    mark();
     svg.setAttribute("aria-label", `State graph of ${nest.map((path) => layouts[path]!.name).join(", ")}`);
     if (other) {
       camera = store.state.cameras[nest[0]!] ??= new Camera();
@@ -256,15 +270,19 @@ export function graphView(lab: Lab): HTMLElement {
     before = mode();
   });
   store.watch(
-    ["lit", "entered", "fired", "machine", "layouts", "chosen", "settings"],
-    marking({ root }, store.state),
+    ["active", "lit", "users", "entered", "fired", "machine", "layouts", "chosen", "settings"],
+    mark,
   );
   store.watch(["breakpoints"], () => drawDots(root, store.state));
   followRun(
     lab,
-    (machine) => machine in drawn,
+    (running) => (form === "one" ? running.slice(-1) : running).every((machine) => machine in drawn),
     () => !fitting.isQuiet,
     () => fitting.suggest(focus),
+    (machine) => {
+      store.set("machine", machine);
+      redraw(); // also where only the state in which it runs is another one
+    },
   );
   new ResizeObserver(() => {
     fitting.resized(focus());
@@ -354,10 +372,14 @@ export function graphView(lab: Lab): HTMLElement {
 
   /* ---------------------------------------------------------------- choose, open, menu */
 
-  const open = ({ kind, path }: Drawn) => {
+  const machinesOf = ({ kind, path }: Drawn): string[] => {
     const shapes = Object.values(drawn).flatMap(({ states }) => states);
-    const inner = kind === "state" && shapes.find((shape) => shape.id === path)?.machines[0];
-    if (inner) showMachine(store, `${path}/${inner}`);
+    const shape = kind === "state" && shapes.find(({ id }) => id === path);
+    return shape ? machinesIn(shape) : [];
+  };
+  const open = (it: Drawn) => {
+    const [first] = machinesOf(it);
+    if (first) showMachine(store, first);
   };
   const choose = ({ kind, path }: Drawn) => {
     store.set("chosen", path);
@@ -366,7 +388,8 @@ export function graphView(lab: Lab): HTMLElement {
   const openMenuOf = (it: Drawn, at: Point) => {
     const drawing = acts?.of(it, at) ?? [];
     const title = `${it.kind === "state" ? "State" : "Transition"} ${it.path}`;
-    openMenu(lab.root, at, [...menuOf(lab, it, at, () => open(it)), null, ...drawing], title);
+    const items = menuOf(lab, it, at, machinesOf(it), (machine) => showMachine(store, machine));
+    openMenu(lab.root, at, [...items, null, ...drawing], title);
   };
   /** Let an event act on the state or transition that it is about. */
   const on = <K extends "click" | "dblclick" | "contextmenu" | "keydown">(
@@ -377,7 +400,11 @@ export function graphView(lab: Lab): HTMLElement {
       const it = drawnAt(event.target);
       if (it && act(it, event)) consume(event);
     });
-  on("click", choose);
+  on("click", (it, { target }) => {
+    const spawned = (target as Element).closest("[data-lrp-spawns]")?.getAttribute("data-lrp-spawns");
+    if (spawned) showMachine(store, spawned);
+    else choose(it);
+  });
   on("dblclick", open);
   on("contextmenu", (it, event) => {
     if (event.button !== 2 && event.detail === 0) return false; // by key: see below

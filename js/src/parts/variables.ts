@@ -146,7 +146,9 @@ class Row {
       if (focused) this.value.focus();
     };
     const name = `New value of ${nameOf(this.path)}, a Python expression`;
-    const { input, error } = editing(this.text ?? "", name, (text) => this.assign(text), close);
+    const shown = this.text ?? ""; // of a function `f()`, which would be called
+    const submit = async (text: string) => (text === shown ? null : this.assign(text));
+    const { input, error } = editing(shown, name, submit, close);
     input.addEventListener("blur", () => {
       if (!error.textContent) close();
     });

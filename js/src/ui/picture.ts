@@ -9,7 +9,7 @@ const SVG = "http://www.w3.org/2000/svg";
 /** The properties by which a stylesheet changes how SVG looks. */
 const STYLES = [
   ...["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin"],
-  ...["stroke-linecap", "stroke-opacity", "opacity", "visibility"],
+  ...["stroke-linecap", "stroke-opacity", "paint-order", "opacity", "visibility"],
   ...["font-family", "font-size", "font-weight", "text-anchor"],
 ];
 /** What is there for the pointer alone. */

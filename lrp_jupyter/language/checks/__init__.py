@@ -13,6 +13,7 @@ from lrp_jupyter.codes import FINDINGS as CODES
 from lrp_jupyter.codes import Code
 from lrp_jupyter.errors import MOST_FINDINGS, listed
 from lrp_jupyter.language.checks.acting import check_acting
+from lrp_jupyter.language.checks.clocks import check_clocks
 from lrp_jupyter.language.checks.defined_names import check_names
 from lrp_jupyter.language.checks.python_in_blocks import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
@@ -53,6 +54,7 @@ def check(
     check_reachability(report, resolution, check_references(report, resolution))
     check_python(report, resolution, robot)
     check_waiting(report, resolution)
+    check_clocks(report, resolution)
     check_acting(report, resolution)
     check_unseen(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]

@@ -59,4 +59,4 @@ def _places(block: ScannedBlock) -> Iterator[tuple[ast.expr | ast.alias, str, st
             for alias in node.names:
                 yield alias, whole_name(node, alias), ""
         elif isinstance(node, ast.Call):
-            yield node.func, *block.called(node)
+            yield node.func, *block.whole(node.func)

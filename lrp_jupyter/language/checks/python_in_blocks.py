@@ -12,6 +12,8 @@ from itertools import chain
 
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
 from lrp_jupyter.language.checks.block_facts import Facts, facts_of
+from lrp_jupyter.language.checks.called_forms import form_calls
+from lrp_jupyter.language.checks.clocks import unimported
 from lrp_jupyter.language.checks.creations import new_variable
 from lrp_jupyter.language.checks.defined_names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
@@ -93,8 +95,9 @@ class _Python:
         visible = place.visible
         stated = [each for each in facts.comparisons if place.purpose == "action" or not each.last]
         meant = {remark.name for remark in stated if remark.edit}  # `x == 1` for `x = 1`
+        explained = self._form_calls(place)
         for name, span, _ in facts.reads:
-            if name in meant:
+            if name in meant or any(start <= span.start < end for start, end in explained):
                 continue
             if name not in visible and name not in self.known and not name.startswith("__"):
                 problem = f"`{name}` is not defined where this block can see it"
@@ -122,6 +125,22 @@ class _Python:
                 if similar and name not in self._undefined:
                     problem = f"`{name}` is a name of this block only, and nothing reads it"
                     self._add("LRP530", place, span, f"{problem}. Did you mean `{similar}`?", similar)
+
+    def _form_calls(self, place: PlacedBlock) -> list[Span]:
+        """Report the calls of what only forms do; return their places."""
+        found = []
+        for call in form_calls(place.block.text):
+            if call.root in place.visible or call.root in self.known:
+                continue
+            found.append(call.whole)
+            is_onentry, fix = place.element.kind == "onentry", None
+            if is_onentry and call.is_alone and len(call.spawned) == 2:
+                machine, state = call.spawned
+                scope = place.scope.machine(place.element.path[-1], machine)
+                if scope is not None and state in scope.states:
+                    fix = replace(place.block.span, f"(spawn {machine} {state})")
+            self.report.add("LRP502", place.block.at(call.span), call.remedy(is_onentry), fix)
+        return found
 
     @cached_property
     def _undefined(self) -> set[str]:
@@ -157,7 +176,8 @@ class _Python:
             meant = f"robot.{name}"
             remedy = f"{problem}. Write `{meant}`."
         elif name in sys.stdlib_module_names and meant not in place.visible:
-            remedy, meant = f"`{name}` is not imported. Write `import {name}` before it.", None
+            remedy = f"`{name}` is not imported. Write `import {name}` before it."
+            remedy, meant = unimported(place.block.text, span.start) or remedy, None
             creatable = False
         elif meant:
             remedy = f"{problem}. Did you mean `{meant}`?"

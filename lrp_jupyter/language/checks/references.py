@@ -17,7 +17,7 @@ from lrp_jupyter.language.checks.creations import new_event, new_machine, new_st
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.program import Edit, Event, Fix, Name, Span, Spawn, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
-from lrp_jupyter.language.spellings import ANY_WORDS
+from lrp_jupyter.language.spellings import ANY_WORDS, NO_EVENTS
 
 _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 """Matches a form from its bracket to its keyword, across comments."""
@@ -189,7 +189,8 @@ class _References:
             message = f"`{name}` is a variable, not an event. Write `[{name}]` to test it."
             self.report.add("LRP301", name.span, message, replace(name.span, f"[{name}]"))
             return None
-        remedy = self._elsewhere(lambda other: name in other.events) or f"Define `(event {name} […])`"
+        remedy = NO_EVENTS.get(name.lower(), "").rstrip(".") or f"Define `(event {name} […])`"
+        remedy = self._elsewhere(lambda other: name in other.events) or remedy
         problem = f"There is no event `{name}` here"
         creates = new_event(self.report, scope.noun, name)
         meant = self.report.unknown("LRP301", name, problem, scope.visible_events, remedy, creates)

@@ -40,9 +40,9 @@ class ScannedBlock(Offsets):
                     found[alias.asname or alias.name] = whole_name(node, alias)
         return found
 
-    def called(self, call: ast.Call) -> tuple[str, str]:
-        """Return the whole name of what is called, and the name outside the block on which that depends."""
-        name = ast.unparse(call.func) if isinstance(call.func, ast.Name | ast.Attribute) else ""
+    def whole(self, node: ast.expr) -> tuple[str, str]:
+        """Return the whole name of a name or attribute, and the outside name on which it depends."""
+        name = ast.unparse(node) if isinstance(node, ast.Name | ast.Attribute) else ""
         root, dot, rest = name.partition(".")
         return self.imported.get(root, root) + dot + rest, "" if root in self.imported else root
 

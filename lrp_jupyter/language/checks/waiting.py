@@ -53,7 +53,8 @@ def check_waiting(report: Reporter, names: Resolution) -> None:
     """Report the blocks of a program that wait."""
     for place in names.all_blocks:
         for code, span, name in _waits(place.block.text):
-            if name not in place.visible:  # a variable of the program may have any value
+            is_unknown = code == "LRP542" and name and name not in report.names  # which is reported as such
+            if name not in place.visible and not is_unknown:  # a variable of the program may have any value
                 report.add(code, place.block.at(span), _MESSAGES[code])
 
 
@@ -118,7 +119,7 @@ class _Waits:
         return not any(not isinstance(node, ast.Name) or node.id in read for node in stored)
 
     def _call(self, call: ast.Call) -> Iterator[_Wait]:
-        whole, outside = self._block.called(call)
+        whole, outside = self._block.whole(call.func)
         if whole == "time.sleep":
             yield _Wait("LRP542", self._block.span(call.func), outside)
         elif whole == "input" and outside not in self._block.stored:

@@ -23,7 +23,7 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program, State, path_text
 from lrp_jupyter.language.python.scanner import block_end
 from lrp_jupyter.language.reading.forms import Shape, shape_of
-from lrp_jupyter.language.reading.tokens import LEGAL, tokenize
+from lrp_jupyter.language.reading.tokens import HELD, LEGAL, tokenize
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 from lrp_jupyter.language.triggers import FORMS
 
@@ -31,6 +31,7 @@ FIRST_MACHINE = "main"
 """The name of the machine that is made for the first state of an empty program."""
 
 _AMOUNT = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s)")
+_HELD = re.compile(r"(.*\S)\s+for\s+(\S.*)", re.DOTALL)
 _KEYWORD = re.compile(rf"({'|'.join(FORMS)})(?:\s+(?=\S)|(?=\[))")
 
 
@@ -202,8 +203,9 @@ def new_transition(text: str, machine: Path, source: str, destination: str, trig
 
     `source`: a state of the machine, or ``*``.
     `destination`: a state of the machine; created if it does not exist.
-    `trigger`: an event, a block, a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; anything
-        else becomes a condition. A keyword before it takes precedence: ``ontime [pause]``.
+    `trigger`: an event, a block or the state of a machine (``move.reached``), which may have to hold for some
+        time (``near for 2 s``), a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; anything else
+        becomes a condition. A keyword before it takes precedence: ``ontime [pause]``.
     Raises ValueError: it would not be a valid program.
     """
     drawing = DrawnProgram(text)
@@ -211,28 +213,46 @@ def new_transition(text: str, machine: Path, source: str, destination: str, trig
     destination = _new_name(destination)
     edits = [] if destination in scope.states else _state(drawing, scope, destination)
     keyword, condition = _trigger(scope, trigger.strip())
-    form = " ".join(filter(None, (keyword, condition, source, "->", destination)))
+    form = " ".join(filter(None, (keyword, *condition, source, "->", destination)))
     form = _only_form(f"({form})", "machine")
     edits.append(drawing.sheet.added(drawing.form_of(scope), form))
     return drawing.edits(edits)
 
 
-def _trigger(scope: Scope, trigger: str) -> tuple[str, str]:
-    """Return the keyword and the text of what was written as a trigger."""
+def _trigger(scope: Scope, trigger: str) -> tuple[str, tuple[str, ...]]:
+    """Return the keyword and the text of what was written as a trigger, and of its ``for``, if any."""
     if trigger in ("", "eps", "ε"):
-        return "eps", ""
+        return "eps", ()
     if found := _KEYWORD.match(trigger):
-        return found[1], _milliseconds(trigger[found.end() :])
+        return found[1], (_milliseconds(trigger[found.end() :]),)
     if _milliseconds(trigger).isdecimal():
-        return "ontime", _milliseconds(trigger)
+        return "ontime", (_milliseconds(trigger),)
     if trigger.isidentifier():
         name = normal(trigger)
         if scope.owner("event", name) is not None:
-            return "on", trigger
+            return "on", (trigger,)
         if name not in ("True", "False"):
-            return ("on" if scope.owner("variable", name) is None else "ontime"), trigger
-    is_block = trigger[0] == "[" and block_end(trigger, 0) == len(trigger) - 1
-    return "on", trigger if is_block else f"[{trigger}]"
+            return ("on" if scope.owner("variable", name) is None else "ontime"), (trigger,)
+    if _is_block(trigger):
+        return "on", (trigger,)
+    if (found := _HELD.fullmatch(trigger)) and (delay := _delay(found[2])):
+        keyword, condition = _trigger(scope, found[1])
+        if keyword in HELD:
+            return keyword, (*condition, "for", delay)
+    machine, _, state = map(normal, trigger.partition("."))
+    if any(state in each.states for each in scope.machines_called(machine)):
+        return "on", (trigger,)
+    return "on", (f"[{trigger}]",)
+
+
+def _is_block(text: str) -> bool:
+    return text[:1] == "[" and block_end(text, 0) == len(text) - 1
+
+
+def _delay(text: str) -> str:
+    """Return a delay as the language writes it; empty if the text is none."""
+    delay = _milliseconds(text.strip())
+    return delay if delay.isdecimal() or delay.isidentifier() or _is_block(delay) else ""
 
 
 def _milliseconds(text: str) -> str:
@@ -336,6 +356,88 @@ def change_transition(text: str, path: Path, form: str) -> list[Edit]:
     if Sheet(new).root.forms[0].keyword not in FORMS:
         raise ValueError(f"`{form.strip()}` is not a transition. Begin with {', '.join(FORMS)}.")
     return drawing.edits([Edit(old.start, old.end, new)])
+
+
+def set_trigger(text: str, path: Path, trigger: str) -> list[Edit]:
+    """Return the edits that change when a transition fires; `trigger` is written as for a new one.
+
+    Raises ValueError: it would not be a valid program.
+    """
+    drawing = DrawnProgram(text)
+    arrow = drawing.arrow(path)
+    written = drawing.written(arrow)
+    keyword, condition = _trigger(arrow.scope, trigger.strip())
+    if arrow.noun.outward and keyword == "on":
+        keyword = arrow.noun.kind
+    head, start = written.form.head, written.source[0]
+    new = " ".join((keyword, *condition))
+    return drawing.edits([Edit(head - len(arrow.noun.kind), start, f"{new} ")])
+
+
+def set_hold(text: str, path: Path, delay: str) -> list[Edit]:
+    """Return the edits that change for how long the trigger of a transition has to hold; empty: at once.
+
+    `delay`: as in the text, or with a unit (``2 s``).
+    Raises ValueError: it is not a delay, or the transition waits for a time already.
+    """
+    drawing = DrawnProgram(text)
+    arrow = drawing.arrow(path)
+    if arrow.noun.kind not in HELD:
+        raise ValueError(f"`{arrow.label}` waits for no condition that could hold for some time.")
+    written = drawing.written(arrow)
+    hold, last = written.shape.hold, written.shape.trigger[-1]
+    new = _delay(delay)
+    if delay.strip() and not new:
+        raise ValueError(f"`{delay.strip()}` is not a time. Write milliseconds, `2 s`, or a variable.")
+    if hold is None:
+        end = written.form.span(last)[1]
+        return drawing.edits([Edit(end, end, f" for {new}")] if new else [])
+    if new:
+        return drawing.edits([Edit(*written.form.span(hold), new)])
+    return drawing.edits([Edit(written.form.span(last)[1], written.form.span(hold)[1], "")])
+
+
+def set_effect(text: str, path: Path, code: str) -> list[Edit]:
+    """Return the edits that change what a transition does when it fires; empty: nothing.
+
+    `code`: Python, with or without its square brackets.
+    Raises ValueError: it is not valid.
+    """
+    drawing = DrawnProgram(text)
+    written = drawing.written(drawing.arrow(path))
+    code = code.strip()
+    form = f"(effect {code if _is_block(code) else f'[{code}]'})"
+    if written.shape.effect is None:
+        end = written.form.span(len(written.form.items))[1]
+        return drawing.edits([Edit(end, end, f" {form}")] if code else [])
+    old = written.form.items[written.shape.effect - 1]
+    assert isinstance(old, WrittenForm)
+    return drawing.edits([Edit(old.start, old.end, form)] if code else drawing.sheet.removed([old]))
+
+
+def set_setting(text: str, path: Path, machine: str, name: str, value: str) -> list[Edit]:
+    """Return the edits that change with which value a state spawns a machine; empty: with the machine's own.
+
+    `path`: the state; empty for the top level. `machine`, `name`: its machine, and the variable of that.
+    Raises ValueError: the state does not spawn the machine, or no valid program would result.
+    """
+    drawing = DrawnProgram(text)
+    spawner = find(drawing.program, "state", path).path if path else ()
+    spawns = (each.noun for each in drawing.names.spawns if each.spawner == spawner)
+    spawn = next((each for each in spawns if each.machine == machine), None)
+    if spawn is None:
+        raise ValueError(f"`{path[-1] if path else 'The program'}` spawns no machine `{machine}`.")
+    written = drawing.sheet.at(spawn.span.start)
+    value = value.strip()
+    form = f"(var {name} := {value if _is_block(value) else f'[{value}]'})"
+    old = next((each for each in spawn.settings if each.name == name), None)
+    if old is None:
+        end = written.span(len(written.items))[1]
+        return drawing.edits([Edit(end, end, f" {form}")] if value else [])
+    setting = drawing.sheet.at(old.span.start)
+    return drawing.edits(
+        [Edit(setting.start, setting.end, form)] if value else drawing.sheet.removed([setting])
+    )
 
 
 def retarget(

@@ -3,8 +3,9 @@
 The text is read as nested forms. Where the parts of a form are not those of its keyword, the rules propose
 what may be meant at the first part that does not fit: another sign, a bracket, a word in another order. The
 first guess after which the form is right, or right up to a later part, is the mistake; with its edits, the
-form is tried again. So one mistake is one error, and what would follow from it is not reported. The text with
-its corrections is parsed, which finds what is left, and what the corrections have uncovered.
+form is tried again. So one mistake is one error, and what would follow from it is not reported. A guess is
+certain only if its form is right in the end, and if it makes no name of something that does not exist. The
+text with its corrections is parsed, which finds what is left, and what the corrections have uncovered.
 """
 
 from __future__ import annotations
@@ -17,12 +18,13 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.mistakes import bare_python as python
 from lrp_jupyter.language.mistakes import foreign_words as words
 from lrp_jupyter.language.mistakes import form_order as order
-from lrp_jupyter.language.mistakes import keywords, unclosed, wrong_brackets
+from lrp_jupyter.language.mistakes import keywords, notations, unclosed, wrong_brackets
 from lrp_jupyter.language.mistakes.text_draft import (
     Correction,
     Corrections,
     DraftForm,
     Item,
+    Piece,
     TextDraft,
     first_wrong,
     given_up,
@@ -56,6 +58,7 @@ def _rule(
     return Rule(propose, frozenset(parts.split()), frozenset(forms.split()), is_later)
 
 
+CONTAINERS = frozenset({"program", "machine", "state"})
 _TRANSITIONS = " ".join(FORMS)
 _NAMING = f"var event machine state spawn {_TRANSITIONS}"
 _PYTHON = f"var event on exit ontime {' '.join(ACTIONS)}"
@@ -71,6 +74,11 @@ RULES = (
     _rule(unclosed.ends, "UNCLOSED"),
     _rule(wrong_brackets.lost, "NAME"),
     _rule(wrong_brackets.bare_form, "NAME"),
+    _rule(notations.guards_and_effects, "", _TRANSITIONS),
+    _rule(notations.asked_states, "", "on exit"),
+    _rule(notations.delays, "INTEGER AMOUNT", "on exit eps"),
+    _rule(notations.arrows, "NAME", "machine"),
+    _rule(notations.labels, "NAME", "state"),
     _rule(words.import_lines, "NAME", "program"),
     _rule(words.import_forms, "FORM", "program"),
     _rule(wrong_brackets.doubled, "FORM"),
@@ -80,7 +88,7 @@ RULES = (
     _rule(python.quoted, "", _PYTHON),
     _rule(python.bracketed, "", _PYTHON),
     _rule(python.bare, "", _PYTHON),
-    _rule(words.delays, "", "ontime"),
+    _rule(words.delays, "", "ontime on exit"),
     _rule(words.names, "NAME WORD INTEGER AMOUNT MINUS SIGN STRAY QUOTED"),
     _rule(order.wrong_arrow, "", _TRANSITIONS),
     _rule(order.no_arrow, "", _TRANSITIONS),
@@ -126,9 +134,11 @@ def correct(text: str) -> Corrected | None:
 def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
     """Correct a form, then those in it."""
     ignored: set[Item] = set()
+    found: list[Correction] = []
+    wrong: list[int] = []  # the offsets of what is still wrong in the end
     for rule in _KEYWORD_RULES if form.around else ():
         for guess in rule(draft, form):
-            guesses.append(guess)
+            found.append(guess)
             form.keyword, form.items = guess.keyword, list(guess.items)
     for _ in range(_MOST):
         at = first_wrong(form.keyword, form.items, ignored)
@@ -138,7 +148,9 @@ def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
         if accepted is None and form.keyword in FORMS:
             accepted = _first_alone(draft, form, at)
         if accepted:
-            guesses.append(accepted)
+            blocks = [item for item in accepted.items if item.kind == "BLOCK"]
+            found = [guess for guess in found if not any(_is_in(guess, block) for block in blocks)]
+            found.append(accepted)
             form.items = list(accepted.items)
             form.keyword = accepted.keyword or form.keyword
             if accepted.hides:
@@ -146,13 +158,41 @@ def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
         elif at < len(form.items) and (instead := given_up(form.items[at])):
             form.items[at] = instead
         elif at == len(form.items) or form.keyword in FORMS:
+            wrong.append(form.part(form.items, at)[1])
             break
         else:
             ignored.add(form.items[at])
+            wrong += [form.items[at].start] if isinstance(form.items[at], Piece) else []
+    guesses += _doubted(form, found, wrong)
     for item in form.items:
         if isinstance(item, DraftForm):
-            item.around = form.keyword
+            item.around, item.row = form.keyword, form.items
             _mend(draft, item, guesses)
+
+
+def _is_in(guess: Correction, block: Item) -> bool:
+    """Return whether something was mistaken for a part of a form that is now known to be Python."""
+    return block.start <= guess.start and guess.end <= block.end
+
+
+def _doubted(form: DraftForm, found: list[Correction], wrong: list[int]) -> list[Correction]:
+    """Return guesses, without certainty where something stays wrong: then something else may be meant.
+
+    In a form that contains others, that holds for what no other form separates from it.
+    """
+    forms = [item.start for item in form.items if isinstance(item, DraftForm)]
+    separate = forms if form.keyword in CONTAINERS else []
+    rooms = {bisect_right(separate, offset) for offset in wrong}
+    guesses = []
+    for guess in found:
+        is_doubtful = bisect_right(separate, guess.start) in rooms and not (guess.alone or guess.hides)
+        if guess.code == "LRP106" and (is_doubtful or not guess.is_certain):
+            # of an unknown form, nothing else is known
+            return [guess._replace(edits=(), message=guess.doubt or guess.message)]
+        if is_doubtful:
+            guess = guess._replace(is_certain=False, message=guess.doubt or guess.message)
+        guesses.append(guess)
+    return guesses
 
 
 def _first_accepted(draft: TextDraft, form: DraftForm, at: int, ignored: set[Item]) -> Correction | None:

@@ -23,6 +23,7 @@ from lrp_jupyter.language.triggers import FORMS
 
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _HYPHENS = re.compile(r"\w+(?:-\w+)+")
+_TESTED = frozenset({"event", "on", "exit"})
 _DOES = re.compile(r"[=<>(\[]")
 
 
@@ -120,7 +121,8 @@ def bare(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
             end = start + len(python)
             message = "Python is written in square brackets. Write `[…]` around this."
             edits = Edit(start, start, "["), Edit(end, end, "]")
-            yield _block(form, first, _index(form, end), "LRP115", message, (start, end), edits)
+            block = _block(form, first, _index(form, end), "LRP115", message, (start, end), edits)
+            yield block._replace(is_certain=keyword not in _TESTED or draft.makes_sense(python))
 
 
 def _is_no_condition(draft: TextDraft, python: str) -> bool:

@@ -8,7 +8,8 @@ from keyword import iskeyword
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.mistakes.text_draft import Correction, Corrections, DraftForm, Piece, TextDraft
 from lrp_jupyter.language.python.scanner import LINE_END, line_end
-from lrp_jupyter.language.reading.forms import short
+from lrp_jupyter.language.reading.forms import USAGE, short
+from lrp_jupyter.language.reading.tokens import NAMED
 from lrp_jupyter.language.spellings import AMOUNT, MODULES, UNITS
 from lrp_jupyter.language.triggers import FORMS
 
@@ -55,9 +56,10 @@ def import_lines(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
 
 def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Delays with a unit or a point, or in quotation marks."""
-    if not form.items:
+    at = form.kinds.index("FOR") + 1 if "FOR" in form.kinds else 0
+    if len(form.items) <= at or (form.keyword != "ontime" and not at):
         return
-    item, *rest = form.items
+    item, *rest = form.items[at:]
     word, end = draft.word(item), item.end
     amount = AMOUNT.fullmatch(word)
     if item.kind == "QUOTED" and word[1:-1].strip().isdecimal():
@@ -78,7 +80,7 @@ def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
             return
         meant = str(round(number * factor))
         message = f"`{draft.text[item.start : end]}` is not a whole number of milliseconds. Write `{meant}`."
-    items = [Piece("INTEGER", item.start, end), *rest]
+    items = [*form.items[:at], Piece("INTEGER", item.start, end), *rest]
     yield Correction("LRP108", message, item.start, end, (Edit(item.start, end, meant),), items)
 
 
@@ -101,13 +103,21 @@ def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     if not name or (word.isdecimal() and form.keyword not in ("state", "machine")) or name == written:
         return
     parts = [Piece("NAME", start, end)]
+    defines = form.keyword in NAMED and not first
+    is_known = defines or name in draft.names or written in draft.definitions
     halves = re.split(r"\W+", word)
     machines = draft.defined["machine"]
     is_pair = len(halves) == 2 and halves[0] in machines and halves[1] in draft.states
     if form.keyword == "spawn" and is_pair:
         name = " ".join(halves)
         parts *= 2
+        is_known = True
         message = f"The machine and its state are two words. Write `{name}`."
+    elif not is_known and form.keyword in FORMS and _is_path(draft, halves):
+        remark = _path(draft, form, first, halves)
+        if not remark:
+            return
+        message = f"`{written}` is a path. {remark}"
     elif kind == "QUOTED":
         message = f"Names are written without quotation marks. Write `{name}`."
     elif word[0].isdigit():
@@ -115,7 +125,25 @@ def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     else:
         message = f"A name has letters, digits and `_`. Write `{name}`."
     edit = Edit(start, end, name)
-    yield Correction("LRP110", message, start, end, (edit,), form.replaced(first, last, *parts))
+    yield Correction("LRP110", message, start, end, (edit,), form.replaced(first, last, *parts), is_known)
+
+
+def _is_path(draft: TextDraft, names: list[str]) -> bool:
+    return len(names) > 1 and names[0] in draft.states | draft.defined["machine"]
+
+
+def _path(draft: TextDraft, form: DraftForm, at: int, names: list[str]) -> str:
+    """Return what to do instead of naming a state inside another; empty where no state is named."""
+    if "ARROW" not in form.kinds[at:]:
+        outer = f"`{names[0]}`" if names[0] in draft.states else f"the state that spawns `{names[0]}`"
+        return (
+            "A transition leads to a state of its own machine. "
+            f"Write {outer}, and name the state inside in its `spawn`."
+        )
+    if at or form.keyword == "eps":
+        what = "A transition leaves a state of its own machine"
+        return f"{what}. To leave `{names[0]}` from a state inside, write an `exit` there."
+    return ""
 
 
 def _joins(draft: TextDraft, form: DraftForm, index: int, begins: bool = False) -> bool:
@@ -129,8 +157,8 @@ def _joins(draft: TextDraft, form: DraftForm, index: int, begins: bool = False) 
     if item.kind == "MINUS":
         return form.keyword not in FORMS or "ARROW" in kinds or "SIGN" in kinds
     if item.kind == "SIGN":
-        return word == "~" or (word == ":" and form.keyword not in ("var", "event") and index == 1)
-    return item.kind in _WORDS or (item.kind == "STRAY" and word in _TOUCHING)
+        return word in ("~", "::") or (word == ":" and form.keyword not in ("var", "event") and index == 1)
+    return item.kind in _WORDS or (item.kind in ("STRAY", "DOT") and word in _TOUCHING)
 
 
 def _valid(draft: TextDraft, word: str) -> str:
@@ -162,6 +190,15 @@ def strays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     start, end = items[at].start, items[last].end
     word = short(draft.text[start : min(end, start + 40)])
     message = f"`{word}` is not part of the language. Remove it."
+    doubt = message.replace("Remove it", f"Write `{USAGE[form.keyword]}`") if form.keyword in USAGE else ""
     if word == "]":
         message = "Unmatched `]`: there is no open block here. Remove it."
-    yield Correction("LRP104", message, start, end, (Edit(start, end, ""),), form.replaced(at, last))
+        doubt = ""
+    edit, parts = Edit(start, end, ""), form.replaced(at, last)
+    sides = *items[max(at - 1, 0) : at], *items[last + 1 : last + 2]
+    if [(side.kind, side.end == start or side.start == end) for side in sides] == [("NAME", True)] * 2:
+        if "".join(map(draft.word, sides)) in draft.names:
+            parts = form.replaced(at - 1, last + 1, Piece("NAME", sides[0].start, sides[1].end))
+        else:
+            edit = edit._replace(text=" ")  # else the two would become one name
+    yield Correction("LRP104", message, start, end, (edit,), parts, doubt=doubt)

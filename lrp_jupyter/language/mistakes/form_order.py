@@ -51,7 +51,9 @@ def no_arrow(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         before, start, end = items[index - 1].end, items[index].start, items[index].end
         message = "The arrow `->` is missing before the destination. Insert it."
         parts = [*items[:index], Piece("ARROW", before, before), *items[index:]]
-        yield Correction("LRP108", message, start, end, (Edit(before, before, " ->"),), parts)
+        sources = {draft.word(item) for item in items[first:index] if item.kind == "NAME"}
+        is_certain = draft.states >= sources
+        yield Correction("LRP108", message, start, end, (Edit(before, before, " ->"),), parts, is_certain)
 
 
 def no_assignment(draft: TextDraft, form: DraftForm, at: int) -> Corrections:

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
 import re
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from keyword import kwlist
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.blocks.block import facts_of
-from lrp_jupyter.language.blocks.builtin_names import PROVIDED
+from lrp_jupyter.language.blocks.block import facts_of, read
+from lrp_jupyter.language.blocks.builtin_names import PROVIDED, TIMES
 from lrp_jupyter.language.reading.forms import Mistake, shape_of
 from lrp_jupyter.language.reading.tokens import HELD, KEYWORDS, LEGAL, NAMED, Token, keyword_of, tokenize
 from lrp_jupyter.language.spellings import ARROWS, SIGN
 
 _HYPHENED = re.compile(r"\(\s*event\s+(\w+(?:-\w+)+)")
 _WORD = re.compile(r"[^\W\d]\w*")
+_DEFINED = re.compile(rf"\(\s*(?:{'|'.join(sorted(NAMED))})\s+([^\s()\[\]]+)")
+_WHOLE = re.compile(r"[\s()\[\]{}:;=#]|\Z")
+"""What may stand after a name; another character is part of the word."""
 _ARROW = re.compile(f"[{ARROWS}]+")
 SIGNS = frozenset({"SIGN", "ASSIGN", "ARROW", "MINUS"})
 _AS_IF = {"INVALID": "BLOCK", "UNCLOSED": "BLOCK", "UNOPENED": "BLOCK", "WORD": "NAME", "AMOUNT": "INTEGER"}
@@ -37,7 +42,10 @@ class Piece(NamedTuple):
 
 
 class DraftForm:
-    """A form of a wrong text; `head` is the end of its keyword, `around` the keyword of the form around."""
+    """A form of a wrong text.
+
+    `head` is the end of its keyword, `around` the keyword of the form around, and `row` the parts of that.
+    """
 
     def __init__(self, keyword: str, start: int, head: int, around: str) -> None:
         self.keyword = keyword
@@ -45,6 +53,7 @@ class DraftForm:
         self.head = self.end = head
         self.around = around
         self.items: list[Item] = []
+        self.row: list[Item] = []
 
     @property
     def kind(self) -> str:
@@ -80,6 +89,7 @@ class Correction(NamedTuple):
     `is_prefix`: the error is a word with which a keyword begins.
     `keyword`: that of the form, if it is another one.
     `alone`: it is wrong even if the form stays wrong before or at it.
+    `doubt`: the message instead, if it turns out not to be certain.
     """
 
     code: str
@@ -93,6 +103,7 @@ class Correction(NamedTuple):
     is_prefix: bool = False
     keyword: str = ""
     alone: bool = False
+    doubt: str = ""
 
 
 Corrections = Iterator[Correction]
@@ -111,7 +122,7 @@ class TextDraft:
         for index, (kind, start, end) in enumerate(self.tokens):
             if kind == "NAME":
                 self.names.add(text[start:end])
-                if index and self.tokens[index - 1][0] == "OPEN":
+                if index and self.tokens[index - 1][0] == "OPEN" and _WHOLE.match(text, end):
                     keyword = keyword_of(text, self.tokens[index - 1]).lower()
                     self.defined.get(keyword, set()).add(text[start:end])
         self.hyphened = {word.replace("-", "_") for word in _HYPHENED.findall(text)}
@@ -128,6 +139,11 @@ class TextDraft:
         """The names of the states."""
         return self.defined["state"]
 
+    @cached_property
+    def definitions(self) -> set[str]:
+        """What forms define, as it is written, valid or not."""
+        return set(_DEFINED.findall(self.text))
+
     def word(self, item: Item | Token) -> str:
         """Return the text of a part."""
         start, end = (item.start, item.end) if isinstance(item, DraftForm) else item[1:]
@@ -142,6 +158,27 @@ class TextDraft:
             for word in _WORD.findall(self.word(token))
         }
         return words | self.names | set(kwlist) | set(dir(builtins)) | PROVIDED
+
+    def makes_sense(self, python: str) -> bool:
+        """Return whether Python reads only what there is, and of an event only its value."""
+        if not is_python(python):
+            return False
+        tree, _, _, uses = read(python)
+        block = uses.scope
+        reads = {use.name for use in uses.found if use.owner is block and use.name not in block.bound}
+        kinds = ast.Call | ast.Attribute | ast.Subscript
+        parts = [node for node in ast.walk(tree) if isinstance(node, kinds)]
+        wholes = [node.func if isinstance(node, ast.Call) else node.value for node in parts]
+        divided = {whole.id for whole in wholes if isinstance(whole, ast.Name)}
+        return reads <= self.values and not divided & self.events
+
+    @cached_property
+    def values(self) -> set[str]:
+        """The names that Python may read: what is defined or already read, and Python's own."""
+        blocks = [self.word(token) for token in self.tokens if token[0] == "BLOCK"]
+        words = {word for block in blocks for word in _WORD.findall(block)}
+        defined = self.defined["var"] | self.events | self.defined["machine"]
+        return words | defined | PROVIDED | TIMES | set(dir(builtins))
 
     def spaced(self, offset: int) -> bool:
         """Return whether what ends at an offset is followed by white space or a closing bracket."""

@@ -51,6 +51,7 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         fired=MappingProxyType({path: times for path, (times, _) in firings.items()}),
         fired_at=MappingProxyType({path: last for path, (_, last) in firings.items()}),
         events=MappingProxyType({}),
+        countdowns=MappingProxyType(state.countdowns),
         issues=tuple(_issues_at(history, tick, interpreter.issues)),
         program=state.program,
         readings=loop.record.readings_of(sensed),

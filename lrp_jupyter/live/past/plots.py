@@ -12,7 +12,7 @@ import operator
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, product
 from typing import Literal, NamedTuple
 
 from lrp_jupyter.language.blocks.expressions import UnknownValueError, evaluate, expression_of, names_in
@@ -283,17 +283,19 @@ class _Machines:
 
     def __init__(self, loop: Loop) -> None:
         self.defined = resolve(loop.interpreter.program).defined
-        every = (path[:end] for path in loop.frame.active for end in range(1, len(path), 2))
-        self._running = {self.defined(machine): machine for machine in every}
+        self._running: dict[Path, dict[Path, None]] = {}
+        for path in loop.frame.active:
+            for end in range(1, len(path), 2):
+                self._running.setdefault(self.defined(path[:end]), {})[path[:end]] = None
 
-    def path(self, scope: Scope) -> Path:
-        """Return the path of a machine that runs, or else where it is defined."""
-        return self._running.get(scope.path, scope.path)
+    def paths(self, scope: Scope) -> list[Path]:
+        """Return the paths of the instances of a machine that run, or else where it is defined."""
+        return list(self._running.get(scope.path, [scope.path]))
 
-    def path_inside(self, machine: Path, owner: Scope, scope: Scope) -> Path:
-        """Return the path of a machine in one whose variables it sees."""
-        found = self.path(scope)
-        return found if found[: len(machine)] == machine else (*machine, *scope.path[len(owner.path) :])
+    def paths_inside(self, machine: Path, owner: Scope, scope: Scope) -> list[Path]:
+        """Return the paths of the instances of a machine in one whose variables they see."""
+        found = [path for path in self.paths(scope) if path[: len(machine)] == machine]
+        return found or [(*machine, *scope.path[len(owner.path) :])]
 
     def variable(self, machine: Path, owner: Scope, name: str) -> Path:
         """Return the path of a variable that a machine sees."""
@@ -314,8 +316,8 @@ def _compared(conditions: Iterable[_Tested], name: str, machines: _Machines) -> 
         tree = expression_of(block.text)
         if tree is None or not (is_reading or (owner is not None and owner.path == defined)):
             continue
-        here = machines.path(scope) if owner is None else machines.path_inside(machine, owner, scope)
-        for other in _others(tree, written):
+        places = machines.paths(scope) if owner is None else machines.paths_inside(machine, owner, scope)
+        for here, other in product(places, _others(tree, written)):
             used = [each for each in names_in(other) if each in visible]
             variables = {each: machines.variable(here, visible[each], each) for each in used}
             key = ast.unparse(other), tuple(sorted(variables.items()))

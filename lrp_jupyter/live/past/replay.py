@@ -15,7 +15,7 @@ from lrp_jupyter.bridges.interventions import CommandsHeld, RobotArmed, RobotCom
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language.blocks.expressions import Evaluation
-from lrp_jupyter.language.program import Element
+from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.live.past.leftovers import leftover
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.running.commands import Rename, ReplaceProgram
@@ -121,15 +121,19 @@ def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
         )
 
 
-def tested_again(loop: Loop, script: deque[Entry], element: Element) -> Evaluation | Exception | None:
+def tested_again(
+    loop: Loop, script: deque[Entry], element: Element, machine: Path
+) -> Evaluation | Exception | None:
     """Repeat the entries up to the end of the next tick; return how a transition was tested in it, if it was.
 
     Return None also if its test is not a single expression.
+
+    `machine`: that of the transition, by path as spawned.
     """
     while script and not isinstance(script[0], Ticked):
         repeat(loop, script.popleft())
     seen: list[Evaluation | Exception] = []
-    loop.interpreter.watch_test(element, seen.append)
+    loop.interpreter.watch_test(element, machine, seen.append)
     if script:
         repeat(loop, script.popleft())
     return seen[-1] if seen else None

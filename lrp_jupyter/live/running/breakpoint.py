@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from lrp_jupyter.language.program import Element, Path
+from lrp_jupyter.language.program import Element, Path, path_text
+from lrp_jupyter.language.successors import Successors
 
 BreakpointKind = Literal["entered", "left", "fired", "event", "condition"]
 _WORDS = {  # when it pauses, and why it has paused
@@ -27,6 +28,8 @@ class Breakpoint:
     `expression`: the condition.
     `machine`: the machine in whose scope the condition is evaluated, by path of definition; empty for the top
         level.
+    `inside`: the states around the instance of its machine, by path of definition; None if any instance is
+        meant.
     `enabled`: whether it pauses; hits are counted in either case.
     `after`: the first hit at which it pauses.
     `once`: whether it is switched off after pausing once.
@@ -39,6 +42,7 @@ class Breakpoint:
     element: Element | None = None
     expression: str = ""
     machine: Path = ()
+    inside: tuple[Path, ...] | None = None
     enabled: bool = True
     hits: int = 0
     after: int = 1
@@ -51,14 +55,24 @@ class Breakpoint:
         """The element that it follows: its element, or the machine of its condition (or the top level)."""
         return self.element if self.element is not None else Element("machine", self.machine)
 
-    def moved_to(self, element: Element) -> Breakpoint:
-        """Return a copy that follows another element."""
-        return replace(self, machine=element.path) if self.element is None else replace(self, element=element)
+    def moved(self, successors: Successors) -> Breakpoint:
+        """Return a copy that follows its element, and the states around it, over an edit."""
+        element = successors.of(self.hangs_on) or self.hangs_on
+        inside = self.inside and tuple(successors.path("state", each) or each for each in self.inside)
+        if self.element is None:
+            return replace(self, machine=element.path, inside=inside)
+        return replace(self, element=element, inside=inside)
 
     @property
     def name(self) -> str:
-        """The name of its element, or its condition."""
-        return self.element.shown[-1] if self.element is not None else self.expression
+        """The name of its element, or its condition; in one instance of several, the path as spawned."""
+        if self.element is None:
+            return self.expression
+        name = self.element.shown[-1]
+        if not self.inside:
+            return name
+        around = [part for state in self.inside for part in state[-2:]]
+        return path_text((*around, self.element.path[-2], name))
 
     @property
     def what(self) -> str:

@@ -47,9 +47,18 @@ def breakpoint_of(
     if kind != "condition":
         noun, text = noun_of(kind), path_text(as_path(wanted))
         remedies = {each: f'Pass `{keyword}="{text}"`.' for each, keyword in _KEYWORDS.items()}
-        return Breakpoint(0, kind, find(program, noun, wanted, remedies), after=after, once=once)
+        element = find(program, noun, wanted, remedies)
+        inside = _inside(program, as_path(wanted)[:-1], element.path[:-1])
+        return Breakpoint(0, kind, element, inside=inside, after=after, once=once)
     home = find(program, "machine", machine).path if machine else ()
-    return Breakpoint(0, kind, None, check_expression(str(wanted)), home, after=after, once=once)
+    inside = _inside(program, as_path(machine), home) if machine else None
+    return Breakpoint(0, kind, None, check_expression(str(wanted)), home, inside, after=after, once=once)
+
+
+def _inside(program: Program, wanted: Path, machine: Path) -> tuple[Path, ...] | None:
+    """Return the states around the instance of a machine that is wanted by its path as spawned, if it is."""
+    names = resolve(program)
+    return names.around(wanted) if wanted != machine and names.defined(wanted) == machine else None
 
 
 class Breakpoints:
@@ -142,9 +151,14 @@ class Breakpoints:
                 self._all[each.number] = replace(self._all[each.number], problem=problem)
             return int(holds and not held)
         wanted = each.element.path if each.element is not None else ()
-        defined = resolve(self._interpreter.program).defined
+        names = resolve(self._interpreter.program)
         paths = [event.path for event in events if event.kind == each.kind]
-        return sum(path[-1] == wanted[-1] and defined(path[:-1]) == wanted[:-1] for path in paths)
+        return sum(
+            path[-1] == wanted[-1]
+            and names.defined(path[:-1]) == wanted[:-1]
+            and each.inside in (None, names.around(path[:-1]))
+            for path in paths
+        )
 
     def _holds(self, each: Breakpoint) -> tuple[bool, str]:
         """Return whether a condition holds now, and why it could not be evaluated, if so."""
@@ -161,12 +175,12 @@ class Breakpoints:
     def _condition(self, each: Breakpoint) -> BlockTest | None:
         """Return the condition of a breakpoint; None if its event is missing."""
         if each.element is None:
-            return BlockTest(Block(each.expression), each.machine)
+            return BlockTest(Block(each.expression), each.machine, each.inside)
         machine, name = each.element.path[:-1], each.element.path[-1]
         scope = resolve(self._interpreter.program).by_path.get(machine)
         event = scope.events.get(name) if scope is not None else None
         filename = self._interpreter.program.filename
-        return None if event is None else BlockTest(event.condition, machine, filename)
+        return None if event is None else BlockTest(event.condition, machine, each.inside, filename)
 
     def _carry(self) -> None:
         """Follow the elements to their new names, and determine which of them exist."""
@@ -176,8 +190,7 @@ class Breakpoints:
         for revision, successors in interpreter.moved:
             if revision > self._revision:
                 for number, each in self._all.items():
-                    element = successors.of(each.hangs_on) or each.hangs_on
-                    self._all[number] = each.moved_to(element)
+                    self._all[number] = each.moved(successors)
         self._revision = interpreter.revision
         self._conditions.clear()
         existing = set(resolve(interpreter.program).elements())

@@ -13,6 +13,7 @@ from typing import Literal
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.by_path import ByPath
+from lrp_jupyter.interpreter.countdowns import Countdown
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.variables import Outdated
 from lrp_jupyter.language.lookup import called, means, missing
@@ -123,6 +124,9 @@ class Frame:
         machine, then its id. Transitions that never fired are absent.
     events : mapping of path to bool or None
         The result of each event's last test, None if it failed; empty unless events are watched.
+    countdowns : mapping of path to Countdown
+        The transitions that wait for a time, by path as spawned: that of their machine, then their id. Each
+        has ``since`` (when the time began, in seconds) and ``delay`` (how long it is, in milliseconds).
     issues : tuple of Issue
     restarts : int
         How often the program was restarted; `restart_reason` says why the last time.
@@ -181,6 +185,7 @@ class Frame:
     fired: Mapping[Path, int] = field(default_factory=dict)
     fired_at: Mapping[Path, int] = field(default_factory=dict)
     events: Mapping[Path, bool | None] = field(default_factory=dict)
+    countdowns: Mapping[Path, Countdown] = field(default_factory=dict)
     issues: tuple[Issue, ...] = ()
     restarts: int = 0
     restart_reason: str = ""

@@ -381,6 +381,7 @@ class Loop:
             fired=MappingProxyType({path: count.times for path, count in firings.items()}),
             fired_at=MappingProxyType({path: count.tick for path, count in firings.items()}),
             events=MappingProxyType(dict(interpreter.event_values)),
+            countdowns=MappingProxyType(interpreter.countdowns),
             issues=tuple(interpreter.issues),
             restarts=interpreter.restarts,
             restart_reason=interpreter.restart_reason,

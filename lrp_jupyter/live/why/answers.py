@@ -53,6 +53,7 @@ def element_reason(run: RecordedRun, question: Question, wanted: str | Path, at:
     then = element
     if program is not run.program(tick):
         then = Element(element.kind, run.names(tick).of(element.kind, element.path, math.inf))
+    run.instance = _instance(run, then, as_path(wanted), tick)
     if element.kind == "state":
         return state_reason(run, then.path, element.path[-1], tick)
     if resolve(run.program(tick)).arrow(then) is not None:
@@ -65,3 +66,18 @@ def element_reason(run: RecordedRun, question: Question, wanted: str | Path, at:
     sentence = f"{paused} In the last tick: {reason}"
     facts = {**reason.facts, "otherwise": reason.code}
     return replace(reason, code="paused", time=time, sentence=sentence, facts=facts)
+
+
+def _instance(run: RecordedRun, element: Element, wanted: Path, tick: int) -> tuple[Path, float] | None:
+    """Return the instance of the machine of an element that is meant in a tick; None if it ran at most once.
+
+    Raises UnknownElementError: it ran several times.
+    """
+    home, name = element.path[:-1], element.path[-1]
+    known = [each.path for each in run.state(tick).walk() if each.state[:-1] == home]
+    if wanted[:-1] in known or resolve(run.program(tick)).defined(wanted[:-1]) == home != wanted[:-1]:
+        return wanted[:-1], tick
+    if len(known) > 1:
+        texts = [path_text((*path, name)) for path in known]
+        raise UnknownElementError.ambiguous(f"{element.kind}s", path_text(wanted), texts)
+    return None

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from lrp_jupyter.interpreter.history import PastMachine, PastState
 from lrp_jupyter.interpreter.tick_reasons import Cause
-from lrp_jupyter.language.program import Block, Element, Program, Transition
+from lrp_jupyter.language.program import Block, Element, Path, Program, Transition
 from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import time_text
@@ -22,6 +22,8 @@ class Case:
     line: int
     tick: int
     cause: Cause
+    since: float | None = None
+    """When its trigger began to hold, in seconds; None if it does not, or need not for some time."""
 
     @property
     def time(self) -> float:
@@ -73,5 +75,16 @@ class Case:
 
     @property
     def elapsed(self) -> float:
-        """The milliseconds for which the active state of its machine had been active."""
-        return (self.time - self.machine.entered) * 1000
+        """The milliseconds for which the active state of its machine had been active, or its trigger held."""
+        return (self.time - (self.machine.entered if self.since is None else self.since)) * 1000
+
+    @property
+    def home(self) -> PastMachine | None:
+        """The machine in whose scope its test is evaluated; None for the top level."""
+        return None if self.tested is None else self.around(self.tested[1].path)
+
+    def around(self, defined: Path) -> PastMachine | None:
+        """Return its own machine, or one around that, by path of definition; None if it is neither."""
+        ways = [self.machine.path[:end] for end in range(1, len(self.machine.path) + 1, 2)]
+        machines = (each for each in self.state.walk() if each.path in ways)
+        return next((each for each in machines if each.state[:-1] == defined), None)

@@ -69,7 +69,11 @@ def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, 
     """Return a description of how the active state of a machine was entered before a tick, and the line."""
     names = run.names(tick)
     for when, fact in run.backward(tick, before=True):
-        if isinstance(fact, (Fired, Entered)) and names.of("state", fact.state, when) == machine.state:
+        if (
+            isinstance(fact, (Fired, Entered))
+            and names.of("state", fact.state, when) == machine.state
+            and run.is_same(machine.path, tick, fact.path[:-1], when)
+        ):
             return how_entered(run, fact, when)
     return "", 0
 

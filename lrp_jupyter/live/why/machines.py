@@ -5,6 +5,7 @@ from __future__ import annotations
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fired, Spawned
 from lrp_jupyter.language.lookup import line_of_element
 from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, spawns_of
 from lrp_jupyter.live.why.entries import restart_of
@@ -17,8 +18,11 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
     name, program = path[-1], run.program(tick)
     facts = run.history.facts(tick)
     spawns = spawns_of(program, path)
+    if run.instance is not None:
+        around = resolve(program).around(run.instance[0])
+        spawns = [spawning for spawning in spawns if spawning.spawner in around[-1:]]
     for fact in facts:
-        if isinstance(fact, Spawned) and fact.defined == path:
+        if isinstance(fact, Spawned) and fact.defined == path and run.means(fact.machine, tick):
             lines = [line_of(program, spawning.noun) for spawning in spawns]
             if fact.by:
                 by = f"when `{fact.by[-1]}` was entered"
@@ -50,11 +54,15 @@ def _how_it_ended(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int) -
     for when, fact in run.backward(tick, before=True):
         if isinstance(fact, Commanded) and fact.kind == "restarted":
             restart = when, fact
-        elif isinstance(fact, Discarded) and names.of("machine", fact.defined, when) == path:
+        elif isinstance(fact, (Discarded, Spawned)) and (
+            names.of("machine", fact.defined, when) != path or not run.means(fact.machine, when)
+        ):
+            continue
+        elif isinstance(fact, Discarded):
             by, line = _what_discarded(run, fact, when)
             draft.say(f"It ended at {time_text(run.time(when))}{by}.", line)
             return
-        elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
+        elif isinstance(fact, Spawned):
             if restart is not None:  # otherwise it was removed from the program
                 at, command = restart
                 why = restart_text(command)

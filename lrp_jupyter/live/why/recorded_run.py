@@ -7,12 +7,16 @@ from collections.abc import Callable, Iterator
 from lrp_jupyter.interpreter.history import Dated, PastState
 from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.running.notebook_names import ChangeNames
 from lrp_jupyter.live.why.earlier_names import Names
 
-Again = Callable[[int, Element], Evaluation | Exception | None]
-"""Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""
+Again = Callable[[int, Element, Path], Evaluation | Exception | None]
+"""Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible.
+
+The path is that of its machine, as spawned.
+"""
 
 
 class RecordedRun:
@@ -31,6 +35,8 @@ class RecordedRun:
         ]
         """The changes of names of the namespace, each with the tick after which it came."""
         self._states: dict[int, PastState] = {}
+        self.instance: tuple[Path, float] | None = None
+        """The machine that is meant, by path as spawned, and when it has that; None if there is only one."""
 
     def tick(self, at: int | None) -> int:
         """Return the tick of a question, for None the last; raise ValueError if it is not remembered."""
@@ -73,6 +79,22 @@ class RecordedRun:
     def names(self, tick: float) -> Names:
         """Return the names that elements had in a tick."""
         return Names(self.loop.interpreter.moves, tick)
+
+    def means(self, machine: Path, when: float) -> bool:
+        """Return whether the machine that is meant had a path as spawned."""
+        return self.instance is None or self.is_same(*self.instance, machine, when)
+
+    def is_same(self, machine: Path, at: float, other: Path, when: float) -> bool:
+        """Return whether a machine, by paths as spawned, had one of them at one moment and one at another."""
+        if not self.loop.interpreter.moves:
+            return machine == other
+        return self._way(machine, at, at) == self._way(other, when, at)
+
+    def _way(self, machine: Path, when: float, at: float) -> tuple[Path, ...]:
+        """Return the states around a machine, and itself, by their paths of definition at a moment."""
+        program, names = resolve(self.program(int(when + 0.5))), self.names(at)
+        around = [names.of("state", state, when) for state in program.around(machine)]
+        return (*around, names.of("machine", program.defined(machine), when))
 
     def backward(self, tick: int, *, before: bool = False) -> Iterator[Dated]:
         """Return what happened up to the end of a tick, the last fact first.

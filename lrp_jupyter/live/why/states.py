@@ -21,7 +21,11 @@ def state_reason(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
     """Return why a state, as defined in a tick and asked for by a name, was last entered before its end."""
     names = run.names(tick)
     for when, fact in run.backward(tick):
-        if isinstance(fact, (Fired, Entered)) and names.of("state", fact.state, when) == state:
+        if (
+            isinstance(fact, (Fired, Entered))
+            and names.of("state", fact.state, when) == state
+            and run.means(fact.path[:-1], when)
+        ):
             then = fact.state[-1]
             called = f"`{name}`" if name == then else f"`{name}` (then called `{then}`)"
             if isinstance(fact, Fired):
@@ -50,7 +54,7 @@ def _never_entered(run: RecordedRun, state: Path, name: str, tick: int) -> Reaso
     program, ticks, time = run.program(tick), run.history.ticks, run.time(tick)
     line = line_of_state(program, state)
     draft = AnswerDraft()
-    machine = next((each for each in run.state(tick).walk() if each.state[:-1] == state[:-1]), None)
+    machine = run.state(tick).machine(state[:-1], run.instance and run.instance[0])
     if machine is not None and machine.state == state:
         entered = f"`{name}` was entered at {time_text(machine.entered)}."
         draft.say(f"{entered} How is unknown: only ticks from {ticks.start} onward are remembered.", line)

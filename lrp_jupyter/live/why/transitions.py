@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
 from lrp_jupyter.interpreter.facts import Enabled, Entered, Faulted, Fired
+from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.tick_reasons import cause_in
 from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.lookup import line_of_element
-from lrp_jupyter.language.program import Element, Program
+from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.language.triggers import Delay, Epsilon
+from lrp_jupyter.language.triggers import Delay, Epsilon, InState
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.entries import enabled_in, entry_text, how_entered
-from lrp_jupyter.live.why.evaluation import delay_of, evaluate_again, last_true
+from lrp_jupyter.live.why.evaluation import delay_of, evaluate_again, last_true, watched_machine
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import (
@@ -33,11 +34,14 @@ from lrp_jupyter.live.why.wording import (
 def transition_reason(run: RecordedRun, element: Element, known: Program, tick: int) -> Reason:
     """Return why a transition, which the `known` program has, fired in a tick, or did not."""
     state = run.state(tick)
-    cause = cause_in(state, run.history.facts(tick), element)
+    instance = run.instance and run.instance[0]
+    since = _since(run, state, element, instance, tick)
+    facts = run.history.facts(tick)
+    cause = cause_in(state, facts, element, instance, holds=since is not None)
     arrow = resolve(known).arrow(element)
     label = arrow.label if arrow is not None else element.shown[-1]
     line = line_of_element(known if cause.code == "not-in-program" else state.program, element)
-    case = Case(run, element, label, line, tick, cause)
+    case = Case(run, element, label, line, tick, cause, since)
     draft = AnswerDraft({"transition": element.path, "state": cause.machine and cause.machine.full_path})
     match cause.code:
         case "fired":
@@ -62,6 +66,18 @@ def transition_reason(run: RecordedRun, element: Element, known: Program, tick: 
     return draft.reason(cause.code, tick, case.time)
 
 
+def _since(
+    run: RecordedRun, state: PastState, element: Element, instance: Path | None, tick: int
+) -> float | None:
+    """Return since when a trigger that has to hold for some time held at the end of a tick; None if not."""
+    arrow = resolve(state.program).arrow(element)
+    machine = state.machine(element.path[:-1], instance)
+    if arrow is None or arrow.noun.hold is None or machine is None:
+        return None
+    after = run.history.state(tick).machine(element.path[:-1], machine.path)
+    return None if after is None else after.holding.get(element.path[-1])
+
+
 def because(draft: AnswerDraft, case: Case) -> str:
     """Say what made a transition fire, as the end of a sentence, and add the values to the draft."""
     trigger = case.noun.trigger
@@ -69,11 +85,15 @@ def because(draft: AnswerDraft, case: Case) -> str:
         return ""
     if isinstance(trigger, Delay):
         return f", {number_text(case.elapsed)} ms after `{case.machine.state[-1]}` was entered"
+    hold = case.noun.hold
+    long = f" for {number_text(delay)} ms" if hold and (delay := delay_of(case, hold)) is not None else ""
+    if isinstance(trigger, InState):
+        return f", because `{trigger.machine}` was in `{trigger.state}`{long}"
     evaluation = evaluate_again(case)
     if not isinstance(evaluation, Evaluation):
-        return ""
+        return f", because it had been True{long}" if long else ""
     _keep(draft, evaluation)
-    return f", because `{evaluation.decides}` was {decided_text(evaluation)}{values_text(evaluation)}"
+    return f", because `{evaluation.decides}` was {decided_text(evaluation)}{values_text(evaluation)}{long}"
 
 
 def _keep(draft: AnswerDraft, evaluation: Evaluation) -> None:
@@ -92,6 +112,9 @@ def _fired(draft: AnswerDraft, case: Case) -> None:
 
 
 def _condition_false(draft: AnswerDraft, case: Case) -> None:
+    if isinstance(case.noun.trigger, InState):
+        _in_another_state(draft, case, case.noun.trigger)
+        return
     assert case.tested is not None
     line, where = _line_and_place(case)
     evaluation = evaluate_again(case)
@@ -105,6 +128,23 @@ def _condition_false(draft: AnswerDraft, case: Case) -> None:
         draft.say(f"{case.did_not_fire}: {block_text(case.tested[0])}{where} was False.", line)
         draft.say(f"The values of its parts are not known: {unknown}")
         _last_true(draft, case, "It")
+
+
+def _in_another_state(draft: AnswerDraft, case: Case, trigger: InState) -> None:
+    """Say in which state the machine was, for whose state a transition waits, and how it came there."""
+    machine = watched_machine(case)
+    if machine is None:
+        draft.facts["values"] = {f"{trigger.machine}.state": None}
+        draft.say(f"{case.did_not_fire}: `{trigger.machine}` was not running.")
+        return
+    state = machine.state[-1]
+    how, line = entry_text(case.run, machine, case.tick)
+    draft.facts["values"] = {f"{trigger.machine}.state": state}
+    draft.say(
+        f"{case.did_not_fire}: `{trigger.machine}` was in `{state}`, not in `{trigger.state}`. It entered "
+        f"`{state}` at {time_text(machine.entered)}{how}.",
+        line,
+    )
 
 
 def _line_and_place(case: Case) -> tuple[int, str]:
@@ -131,8 +171,9 @@ def _last_true(draft: AnswerDraft, case: Case, what: str) -> None:
         return
     draft.facts["last_true"] = tick
     here = run.names(tick).of("state", case.machine.state, case.tick)
-    states = [each.state for each in run.state(tick).walk()]
-    other = [each for each in states if each[:-1] == here[:-1] and each != here]
+    machines = run.state(tick).walk()
+    same = [each.state for each in machines if run.is_same(case.machine.path, case.tick, each.path, tick)]
+    other = [each for each in same if each[:-1] == here[:-1] and each != here]
     elsewhere = f", when `{other[0][-1]}` was active" if other else ""
     edited = ", before an edit made it the condition" if _had_another(case, tick) else ""
     draft.say(f"{what} was last true at {time_text(run.time(tick))}{elsewhere}{edited}.")
@@ -150,7 +191,11 @@ def _last_enabled(case: Case, first: int) -> tuple[int, str] | None:
         if isinstance(fact, Enabled):
             tick = int(when)
             then = run.names(tick).of("transition", case.element.path, case.tick)
-            if fact.transition.path == then and _condition(run.program(tick), fact.transition) == condition:
+            if (
+                fact.transition.path == then
+                and run.is_same(case.machine.path, case.tick, fact.machine, when)
+                and _condition(run.program(tick), fact.transition) == condition
+            ):
                 return tick, fact.state[-1]
     return None
 
@@ -165,14 +210,27 @@ def _had_another(case: Case, tick: int) -> bool:
     run = case.run
     state = run.state(tick)
     then = Element("transition", run.names(tick).of("transition", case.element.path, case.tick))
-    if cause_in(state, run.history.facts(tick), then).code != "condition-false":
+    facts = run.history.facts(tick)
+    instance = None if run.instance is None else case.machine.path
+    if cause_in(state, facts, then, instance).code != "condition-false":
         return False
     return _condition(state.program, then) not in (None, _condition(case.program, case.element))
 
 
 def _delay_not_over(draft: AnswerDraft, case: Case) -> None:
-    machine, delay = case.machine, delay_of(case)
+    noun, machine = case.noun, case.machine
+    trigger = noun.trigger if isinstance(noun.trigger, Delay) else noun.hold
+    assert trigger is not None
+    delay = delay_of(case, trigger)
     of = "" if delay is None else f" of {number_text(delay)}"
+    if case.since is not None:
+        draft.facts |= {"elapsed": case.elapsed, "delay": delay}
+        draft.say(
+            f"{case.did_not_fire}: its condition has to be True for some time, and only "
+            f"{number_text(case.elapsed)}{of} ms had passed since it became True at {time_text(case.since)}.",
+            case.line,
+        )
+        return
     how, line = entry_text(case.run, machine, case.tick)
     draft.facts |= {"elapsed": case.elapsed, "delay": delay}
     draft.say(

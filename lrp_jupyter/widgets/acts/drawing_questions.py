@@ -25,6 +25,10 @@ DrawingAct = Literal[
     "rename",
     "delete",
     "change",
+    "trigger",
+    "hold",
+    "effect",
+    "setting",
     "source",
     "destination",
     "reverse",
@@ -49,7 +53,8 @@ def draw(
     """Draw on the state graph of a text: return the edits of that text.
 
     `kind` and `path` name the element acted on: for a new state and a new form the one around it (empty for
-    the program), for a new transition its source (``m/*`` for every state). `old` is the source to replace.
+    the program), for a new transition its source (``m/*`` for every state), for a setting the state that
+    spawns the machine `to`. `old` is the source to replace, or the variable that is set.
     """
     try:
         edits = _drawn(text, act, kind, path_of(kind, path), to, form, old)
@@ -78,6 +83,14 @@ def _drawn(
             return _deleted(text, kind, path)
         case "change":
             return drawing.change_transition(text, path, form)
+        case "trigger":
+            return drawing.set_trigger(text, path, form)
+        case "hold":
+            return drawing.set_hold(text, path, form)
+        case "effect":
+            return drawing.set_effect(text, path, form)
+        case "setting":
+            return drawing.set_setting(text, path, to, old, form)
         case "source":
             return drawing.retarget(text, path, "source", to, old)
         case "destination":

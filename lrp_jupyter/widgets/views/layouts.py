@@ -9,8 +9,10 @@ from time import monotonic
 from lrp_jupyter.graph.geometry import Size
 from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.graph.layout_parts import Layout
+from lrp_jupyter.graph.spawned import landings, spawned_machines
 from lrp_jupyter.graph.state_graph import events_in_scope, outer_states, start_states
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.successors import Successors
 from lrp_jupyter.live.running.frame import Frame
 
@@ -145,6 +147,7 @@ def _carried(layouts: Mapping[str, Layout], successors: Successors) -> dict[str,
 def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[str, ...]) -> Hashable:
     """Return everything that a layout depends on, without the blocks of states."""
     names = events_in_scope(program, path)
+    resolution = resolve(program)
     return (
         tuple(
             (str(state.name), tuple(str(inner.name) for inner in state.machines)) for state in machine.states
@@ -153,6 +156,7 @@ def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[st
             (
                 transition.kind,
                 transition.trigger_text,
+                transition.arrow_text,
                 transition.source_text,
                 str(transition.destination),
                 id_,
@@ -162,4 +166,9 @@ def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[st
         starts,
         frozenset(t.trigger_text for t in machine.transitions if t.trigger_text in names),
         outer_states(program, path) if any(t.outward for t in machine.transitions) else frozenset(),
+        tuple((each.state, each.machine.path, each.settings) for each in spawned_machines(resolution, path)),
+        tuple(
+            (each.state, each.arrow.element, each.arrow.noun.trigger_text, each.text, each.broken)
+            for each in landings(resolution, path)
+        ),
     )

@@ -23,7 +23,7 @@ def still(session: Session, state: ViewState) -> str:
     layouts = list(state["layouts"].values())
     match state["settings"]["graph"]:
         case "live":
-            graph = draw(layouts, active, last_fired(state))
+            graph = draw(layouts, active, last_fired(state), state["users"])
         case "static":
             graph = draw(layouts)
         case "hidden":

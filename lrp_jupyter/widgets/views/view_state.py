@@ -121,6 +121,7 @@ class ViewStates:
             "moved": self._moved,
             "active": [path_text(path) for path in frame.active],
             "lit": paths.active_states(frame.active),
+            "users": paths.users(frame.active),
             "entered": {
                 path_text(path): (count, frame.visited_at[path]) for path, count in frame.visits.items()
             },
@@ -134,6 +135,10 @@ class ViewStates:
             },
             "outdated": {
                 path_text(paths.member(path)): _outdated_view(each) for path, each in frame.outdated.items()
+            },
+            "countdowns": {
+                id_of("transition", path): (round(each.since, 3), each.delay)
+                for path, each in frame.countdowns.items()
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
             "members": _member_values(members, frame.readings if looking else {}),

@@ -458,10 +458,12 @@ class ViewState(TypedDict):
     moved: dict[str, list[MovedElement]]  # revision of the run -> what has another path since; the last ones
     active: list[str]  # innermost active states, as spawned: `Interpreter.active` as text
     lit: list[str]  # every active state by its path in the text, outer ones too: what the page marks
+    users: dict[str, str]  # by such a path, if its machine runs in several states: the names of these
     entered: dict[str, CountAndTick]  # by state path, so that a visit too short to see leaves an afterglow
     fired: dict[str, CountAndTick]  # by transition; the one with the newest tick in its machine is marked
     variables: dict[str, TextAndNumber]  # by path, of those that exist now
     outdated: dict[str, OutdatedView]  # by path
+    countdowns: dict[str, tuple[float, float]]  # by transition as spawned: since (s), how long (ms)
     events: dict[str, bool]  # path -> value at its last test, of those whose test returned one
     members: dict[str, str]  # member of `robot` -> its value now, as text
     issues: dict[str, IssueView]  # by number

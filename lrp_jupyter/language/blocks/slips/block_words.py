@@ -125,12 +125,13 @@ def forms(code: WrongBlock) -> Guesses:
         what = f"`({shown.text} …)` is a form of the program, not Python"
         message = f"{what}. Put it after the `]` of this block."
         if shown.text in _JUMPS:
-            message = f"A block cannot change the state. Write a transition: `{USAGE['on']}`."
+            message = CANNOT_MOVE
         rest = code.text[end:].partition("\n")[0].strip()
         instead = "pass; " if rest[:1] not in ("", "#", ";", ")", "]") else "pass"
         yield Guess("LRP510", message, start, shown.end, (Edit(start, end, instead),), False, is_form)
 
 
+CANNOT_MOVE = f"A block cannot change the state. Write a transition: `{USAGE['on']}`."
 _JUMPS = frozenset({"state", "goto", "go", "transition", "enter", "switch"})
 """Words with which other languages change the state."""
 _FORMS = KEYWORDS | _JUMPS

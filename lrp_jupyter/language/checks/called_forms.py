@@ -1,0 +1,81 @@
+"""502: calls in a block of what only the forms of a program do: spawn a machine, leave a state, wait."""
+
+from __future__ import annotations
+
+import ast
+from functools import lru_cache
+from typing import NamedTuple
+
+from lrp_jupyter.language.blocks.slips.block_words import CANNOT_MOVE
+from lrp_jupyter.language.checks.scanned import scanned
+from lrp_jupyter.language.program import Span
+from lrp_jupyter.language.reading.forms import USAGE
+from lrp_jupyter.language.spellings import NOT_SENT
+
+_SPAWN = "spawn"
+_TIMED = f"A block does not wait. Write a transition: `{USAGE['ontime']}`."
+_ASKED = 'The name of a machine gives its state. Write `machine.state == "name"`.'
+_REMEDIES = {
+    word: remedy
+    for remedy, words in {
+        _SPAWN: "spawn",
+        CANNOT_MOVE: "goto go_to transition transition_to change_state set_state switch_state enter_state",
+        NOT_SENT: "emit raise_event send_event post_event set_event dispatch trigger fire",
+        _TIMED: "after set_timeout start_timer wait delay sleep",
+        _ASKED: "in_state is_in is_in_state",
+    }.items()
+    for word in words.split()
+}
+
+
+class FormCall(NamedTuple):
+    """A call of what a form does; `root` is the name on which it depends, `span` that of the function.
+
+    `spawned`: the machine and the state that it names, if it is a spawn.
+    """
+
+    word: str
+    written: str
+    root: str
+    span: Span
+    whole: Span
+    spawned: tuple[str, ...]
+    is_alone: bool
+
+    def remedy(self, is_onentry: bool) -> str:
+        """Return what to write instead, in sentences."""
+        remedy = _REMEDIES[self.word]
+        if remedy != _SPAWN:
+            return f"`{self.written}` is not defined where this block can see it. {remedy}"
+        written = f"(spawn {' '.join(self.spawned)})" if len(self.spawned) == 2 else USAGE["spawn"]
+        where = "after the `]` of this block" if is_onentry else "in the `onentry` of a state"
+        return f"`spawn` is a form of an `onentry`, not Python. Write `{written}` {where}."
+
+
+@lru_cache(maxsize=20_000)
+def form_calls(text: str) -> tuple[FormCall, ...]:
+    """Return the calls in a block of what only forms do, by their names alone."""
+    block = scanned(text, _REMEDIES)
+    if block is None:
+        return ()
+    found = []
+    bound = {use.name for use in block.names.found if use.writes}
+    for call in block.nodes:
+        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name | ast.Attribute):
+            continue
+        word = call.func.id if isinstance(call.func, ast.Name) else call.func.attr
+        written = ast.unparse(call.func)
+        root = written.partition(".")[0]
+        if word in _REMEDIES and root not in bound:
+            names = [root, *map(_named, call.args)] if root != word else [*map(_named, call.args)]
+            whole = block.span(call)
+            is_alone = text.strip() == text[whole.start : whole.end]
+            found.append(FormCall(word, written, root, block.span(call.func), whole, tuple(names), is_alone))
+    return tuple(found)
+
+
+def _named(argument: ast.expr) -> str:
+    """Return the name that an argument is, or that it has as its text; else `…`."""
+    if isinstance(argument, ast.Constant) and isinstance(argument.value, str):
+        return argument.value
+    return argument.id if isinstance(argument, ast.Name) else "…"

@@ -1,0 +1,90 @@
+"""A machine that runs in two places: every question and command can mean one of them."""
+
+import pytest
+
+from lrp_jupyter import Session
+from lrp_jupyter.errors import UnknownElementError
+
+TWICE = """(var n := [0]) (event near [n > 3])
+(machine follow (var side := [1])
+  (state search) (state found)
+  (on [n > 5 + side] search -> found hit)
+  (on near for 400 found -> search lost))
+(machine m
+  (state left (onentry (spawn follow search (var side := [2])))) (state right)
+  (on follow.found left -> right done))
+(machine k (state one (onentry (spawn follow search))))
+(machine clock (state t (running [n += 1])))
+(spawn m left) (spawn k one) (spawn clock t)
+"""
+
+
+@pytest.fixture
+def session():
+    with Session(TWICE) as session:
+        session.run(0.8)
+        yield session
+
+
+def test_a_question_is_about_one_instance(session):
+    assert session.frame.active[:2] == (("m", "left", "follow", "search"), ("k", "one", "follow", "found"))
+    left, one = (session.why_not(f"{place}/follow/hit") for place in ("m/left", "k/one"))
+    assert (left.code, one.code) == ("condition-false", "fired")
+    assert left.facts["values"]["5 + side"] == 7
+    assert session.why_not("done").facts["values"] == {"follow.state": "search"}
+    assert "has not been entered" in str(session.why("m/left/follow/found"))
+    assert session.why("k/one/follow/found").facts["transition"] == ("follow", "hit")
+    with pytest.raises(UnknownElementError, match="`m/left/follow/hit`, `k/one/follow/hit`"):
+        session.why_not("follow/hit")
+
+
+def test_a_question_about_an_instance_that_has_ended_is_about_its_own_end(session):
+    session.run(0.4)
+    assert session.frame.active[0] == ("m", "right")
+    assert "because `follow` was in `found`" in str(session.why("right"))
+    ended = session.why_not("m/left/follow/hit")
+    assert ended.code == "machine-not-running"
+    assert "`done` (line 8) left `left`" in str(ended)
+    assert "`one`" not in str(ended), "which only spawns the other one"
+    assert session.why_not("follow/hit").facts["state"][:3] == ("k", "one", "follow")
+    lost = session.why("k/one/follow/search")
+    assert (lost.code, "for 400 ms" in str(lost)) == ("fired", True)
+
+
+def test_a_condition_that_has_to_hold_says_for_how_long_it_has_held(session):
+    session.run(0.2)
+    waits = session.why_not("k/one/follow/lost")
+    assert (waits.code, waits.facts["delay"]) == ("delay-not-over", 400)
+    assert waits.facts["elapsed"] == pytest.approx(200)
+
+
+def test_a_breakpoint_waits_for_one_instance_through_renames(session):
+    session.pause_when("m/left/follow/found")
+    session.pause_when("follow/found", after=9)
+    session.rename("state", "m/left", "west")
+    session.run(0.4)
+    assert [found.hits for found in session.breakpoints] == [1, 1]
+    assert session.frame.tick == 9
+    assert [found.name for found in session.breakpoints] == ["m/west/follow/found", "found"]
+
+
+def test_a_state_is_forced_in_one_instance(session):
+    session.teleport_to("k/one/follow/search")
+    assert [path[-1] for path in session.frame.active[:2]] == ["search", "search"]
+    session.transition_to("follow/found")
+    assert "Several states are called `follow/found`" in session.issues[-1].message
+
+
+def test_a_fork_and_a_rewind_keep_both_instances(session):
+    with session.fork(6) as fork:
+        assert fork.frame.active[:2] == (("m", "left", "follow", "search"), ("k", "one", "follow", "search"))
+        fork.run(0.7)
+        session.run(0.4)
+        assert fork.frame.active == session.frame.active
+        assert fork.frame.values == session.frame.values
+    session.pause()
+    session.rewind(4)
+    assert session.frame.active[1] == ("k", "one", "follow", "found")
+    session.resume()
+    session.run(0.4)
+    assert session.frame.active[:2] == (("m", "right"), ("k", "one", "follow", "search"))
