@@ -254,7 +254,7 @@ ROVING = """(var n := [0])
         bumps += 1])
     (running [robot.move(linear=speed, angular=0.2)] [n += 1]))
   (state turn
-    (onentry [seen.append(robot.odom.x)] (spawn inner left))
+    (onentry [seen.append(robot.odom.x)] (spawn inner left) (spawn beat low))
     (running [robot.move(angular=1.5)])
     (onexit [robot.stop()])
     (machine inner
@@ -267,11 +267,20 @@ ROVING = """(var n := [0])
   (state back (running [robot.move(linear=-0.2)]) (onexit [count()]))
   (on bump *-{back} -> back hit)
   (on dark drive -> turn dim)
+  (on beat.high for 200 turn -> drive beaten (effect [n += beat.beats]))
   (ontime 900 turn -> drive again)
   (ontime [400 + n % 3] back -> turn away))
 (machine watch
-  (state idle) (state busy (running [n += gain + len(marks)]))
+  (state idle)
+  (state busy (running [n += gain + len(marks)]) (onentry (spawn beat low (var every := [0.1 + speed]))))
   (on [n > 40] idle -> busy) (eps busy -> idle))
+(machine beat
+  (var every := [0.4])
+  (var beats := [0])
+  (state low (running [beats += 1]))
+  (state high (onexit [beats = 0]))
+  (on [elapsed >= every and not bump] low -> high)
+  (ontime 300 high -> low))
 (onpause [n += 100])
 (spawn m drive)
 (spawn watch idle)
@@ -286,6 +295,10 @@ ROVING_EDITS = [
     ("(state idle)", "(state idle (running [speed]))"),
     ("[n]", "[n"),
     ("(spawn watch idle)", ""),
+    ("every := [0.4]", "every := [0.2]"),
+    ("0.1 + speed", "0.2 + speed"),
+    ("for 200", "for [n]"),
+    ("n += beat.beats", "n += 2 * beat.beats"),
     ("(eps busy -> idle)", "(ontime 200 busy -> idle)"),
     ("(state back", "(state bac"),
     ("(state bac ", "(state back "),
