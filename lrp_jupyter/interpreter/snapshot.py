@@ -202,7 +202,7 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dic
         else:
             parent.children += (act,)
     for name, token in names:
-        name.home, name.at = run.live.get(token.home), run.live.get(token.at)
+        name.home, name.at = (run.live.get(path, run.globals) for path in (token.home, token.at))
     run.counts.update((element, Count(*count)) for element, count in snapshot.counts.items())
     run.issues, run.unmeant = snapshot.issues.copy(), snapshot.unmeant
     base = tuple(run.base.values())

@@ -305,3 +305,31 @@ def test_a_debugger_sees_what_names_mean_at_a_fault():
     i.set_variable("n/v", "1")
     assert names["e"] is False
     assert not any("(" in name or "." in name for name in names)
+
+
+@every("delay", [200, 9000])
+def test_a_function_computes_names_in_a_fork_as_in_the_run(delay):
+    text = "(var f := [None]) (var k := [0]) (event e [q.v > 0]) (spawn q x)"
+    text += "(machine q (var v := [3]) (state x))"
+    text += "(machine m (state a (onentry (spawn n x))) (state b) (ontime 200 a -> b)) (spawn m a)"
+    text += "(machine n (state x (onentry [f = lambda: (e, q.v, q.state, dt)])))"
+    text += "(machine o (state x (running [k = f()]))) (spawn o x)"
+    i = started(text.replace("200", str(delay)), 4)
+    copy = fork(i)
+    for each in (i, copy):
+        each.set_variable("q/v", "-1")
+        each.step(0.6)
+        assert each.variables["k"] == (False, -1, "x", 0.3)
+
+
+def test_a_function_computes_names_after_its_machine_was_removed():
+    text = "(var f := [None]) (var k := [0]) (event e [q.v > 0]) (spawn q x)\n"
+    text += "(machine q (var v := [3]) (state x))"
+    text += "(machine m (state a (running [k = f()]) (onentry (spawn n x))) (state b (running [k = f()]))"
+    text += "(ontime 200 a -> b)) (spawn m a)\n"
+    part = "(machine n (state x (onentry [f = lambda: (e, q.v, q.state)])))"
+    i = started(text + part, 4)
+    i.patch(parse(text))
+    i.set_variable("q/v", "-1")
+    i.step(0.5)
+    assert i.variables["k"] == (False, -1, "x")
