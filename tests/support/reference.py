@@ -322,11 +322,17 @@ CALLED, OWNER = " called", " as owner"
 """Put after a name that is called, and one before a dot: they do not mean an event."""
 
 
+def provided(name):
+    if name != "degrees" and not hasattr(builtins, name):
+        raise KeyError(name)
+    return math.radians if name == "degrees" else getattr(builtins, name)
+
+
 class Space(dict):
     """The names of one block while it runs; what is no variable is computed when it is read."""
 
     def __init__(self, reference, m, place):
-        super().__init__(degrees=math.radians, **reference.namespace)
+        super().__init__(**reference.namespace)
         self.update(robot=reference.robot, print=lambda *a: None)
         self.reference, self.m, self.place, self.owners = reference, m, place, {}
         scope = m.scope if m else reference.globals
@@ -350,13 +356,15 @@ class Space(dict):
         if name in self or name in self.owners:
             return dict.__getitem__(self, name)
         if key.endswith(CALLED):
-            return getattr(builtins, name)
+            return provided(name)
         self.write()
         try:
             if key.endswith(OWNER):
                 with suppress(KeyError):
                     return self.reference.machine(name, self.place.m)
             return self.reference.meaning(name, self.place)
+        except KeyError:
+            return provided(name)
         finally:
             self.load()
 
