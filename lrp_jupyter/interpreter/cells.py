@@ -18,7 +18,7 @@ from itertools import islice
 from math import inf
 from operator import is_
 from types import CellType, CodeType, NoneType
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from lrp_jupyter.interpreter.trace_events import UNSET
 
@@ -32,13 +32,20 @@ class Slot:
         seconds, and the number of assignments in the run until then, because time may stand still.
     """
 
+    NEVER: ClassVar[tuple[float, int]] = (-inf, 0)
+
     cell: CellType
     last: object = UNSET  # up to date only if it is compared: it is leaked, or the run has observers
     parts: list[object] | None = None  # those of `last`, if it can change in place
     leaked: bool = False  # whether a function defined in a block can write it, even after that block's end
     captured: tuple[Slot, ...] = ()
-    computed: tuple[float, int] = (-inf, 0)
-    assigned: tuple[float, int] = (-inf, 0)
+    computed: tuple[float, int] = NEVER
+    assigned: tuple[float, int] = NEVER
+
+    @property
+    def is_computed(self) -> bool:
+        """Whether its initialiser has ever run without a fault."""
+        return self.computed != Slot.NEVER
 
     def keep(self, value: object) -> None:
         """Store a value for the next comparison."""
@@ -48,7 +55,7 @@ class Slot:
         """Forget assignments and computations later than `now`, because they were undone."""
         self.computed = min(self.computed, (now, 0))
         if self.assigned[0] > now:
-            self.assigned = (-inf, 0)
+            self.assigned = Slot.NEVER
 
 
 def content(cell: CellType) -> object:

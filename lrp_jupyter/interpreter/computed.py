@@ -60,9 +60,9 @@ class _UsedRun(Protocol):
 def owner_of_event(plan: Plan, home: _Home | None, name: str) -> tuple[_Home, EventPlan] | None:
     """Return the machine, or the top level, that defines an event in the scope of `home`, and the event."""
     while home is not None:
-        events = plan.machines[home.defined].events if home.defined else plan.events
-        if name in events:
-            return home, events[name]
+        scope = plan.machines.get(home.defined) if home.defined else plan
+        if scope is not None and name in scope.events:  # a function may outlive its machine
+            return home, scope.events[name]
         home = home.outer
     return None
 
@@ -137,7 +137,8 @@ class MachineValue(NotAValue):
     def _instance(self) -> _Home | None:
         run, home, known = self._run, self._home, self._known
         if known is None or known[0] is not run.program:
-            scope = resolve(run.program).by_path[home.defined]
+            names = resolve(run.program)
+            scope = names.by_path.get(home.defined, names.top)
             found = tuple(machine.path for machine in scope.machines_called(self._name))
             self._known = known = run.program, found
         return nearest(home, run.roots, known[1])

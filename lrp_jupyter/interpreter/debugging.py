@@ -13,8 +13,10 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.computed import ComputedName
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.trace_events import UNSET
+from lrp_jupyter.language.blocks.computed_names import name_of_cell
 from lrp_jupyter.language.program import Path, Program, path_text
 
 Assign = Callable[[str, Slot, object], object]
@@ -31,7 +33,8 @@ class Raised(NamedTuple):
 class FrameNames(MutableMapping[str, object]):
     """The names visible in a frame: its own, then the current variables, `robot`, and `state`.
 
-    `own`: the local names of the frame that are not variables of the program.
+    `own`: the local names of the frame that are not variables of the program. Events, machines and times
+        among them are computed where they are looked up.
     `hidden`: names with another meaning in this frame.
     `assign`: assigns a value to a variable.
     """
@@ -51,7 +54,8 @@ class FrameNames(MutableMapping[str, object]):
 
     def __getitem__(self, name: str) -> object:
         if name not in self.variables:
-            return self._own[name]
+            value = self._own[name]
+            return value() if isinstance(value, ComputedName) else value
         value = content(self.variables[name].cell)
         if value is UNSET:
             raise KeyError(name)
@@ -109,7 +113,7 @@ def _places(program: Program, issue: Issue, raised: Raised) -> list[_Place]:
         if places or code.co_filename == program.filename:
             if code.co_filename == program.filename:  # its variables are those of the program
                 shared = {*code.co_freevars} & raised.visible.keys()
-                own = {name: value for name, value in own.items() if name not in shared}
+                own = {name_of_cell(name) or name: own[name] for name in own if name not in shared}
             line, names = trace.tb_lineno, trace.tb_frame.f_globals
             places.append(_Place(code.co_name, code.co_filename, line, names, dict(own)))
         trace = trace.tb_next

@@ -16,7 +16,7 @@ from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Row, chained
+from lrp_jupyter.interpreter.tree import Activation, Context, Edge, Row, bind_block, chained
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.program import Path, path_text
@@ -30,14 +30,17 @@ def find_state(run: Run, wanted: str | Path) -> Path:
 
     Raises UnknownElementError: there is none, or there are several.
     """
-    *machine, name = find(run.program, "state", wanted).path
-    running = [act.path for act in run.walk() if act.defined == tuple(machine)]
-    places = running or resolve(run.program).places(tuple(machine)) or [tuple(machine)]
-    return (*_chosen(places, as_path(wanted)[:-1], tuple(machine), as_path(wanted)), name)
+    path, named = find(run.program, "state", wanted).path, as_path(wanted)
+    machine, there = path[:-1], named[:-1]
+    possible = resolve(run.program).places(machine) or [machine]
+    if there == machine or there not in possible:
+        running = [act.path for act in run.walk() if act.defined == machine]
+        there = _chosen(running or possible, there, machine, named)
+    return (*there, path[-1])
 
 
-def find_destination(run: Run, wanted: str | Path) -> Path:
-    """Return the path, as spawned, of the state to which a transition leads from the active state.
+def find_edge(run: Run, wanted: str | Path) -> tuple[Path, Edge]:
+    """Return where a transition leads from the active state, by path as spawned, and the transition.
 
     Raises UnknownElementError: there is no such transition, or there are several.
     Raises ValueError: the active state is not one of its sources, or it leads nowhere.
@@ -53,7 +56,7 @@ def find_destination(run: Run, wanted: str | Path) -> Path:
     edge = found[machine]
     if edge.target is None:
         raise ValueError(edge.missing)
-    return (*edge.home.path, edge.target.name)
+    return (*edge.home.path, edge.target.name), edge
 
 
 def _chosen(places: Sequence[Path], wanted: Path, defined: Path, named: Path) -> Path:
@@ -70,13 +73,18 @@ def _chosen(places: Sequence[Path], wanted: Path, defined: Path, named: Path) ->
     raise UnknownElementError.ambiguous("states", path_text(named), texts)
 
 
-def force(run: Run, where: Path, how: How) -> StatePlan:
+def force(run: Run, where: Path, how: How, edge: Edge | None = None) -> StatePlan:
     """Make the state with a path as spawned active; all but a teleport run the onexit and onentry actions.
 
     Return the state.
+
+    `edge`: the transition that is followed, with its effect.
     """
     run.remember()
     before = len(run.events)
+    if edge is not None:
+        for block in edge.plan.effect:
+            run.attempt(bind_block(run, block, Context.of(edge.act)), block.site, edge.act)
     target = _go(run, where, blocks=how != "teleport")
     if run.observers:
         run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))

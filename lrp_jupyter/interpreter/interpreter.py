@@ -42,7 +42,7 @@ from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.countdowns import Countdown, countdowns
 from lrp_jupyter.interpreter.debugging import scoped_traceback
 from lrp_jupyter.interpreter.facts import Commanded
-from lrp_jupyter.interpreter.forcing import How, find_destination, find_state, force
+from lrp_jupyter.interpreter.forcing import How, find_edge, find_state, force
 from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.journal import EDITS, note, undo_write
@@ -51,7 +51,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Context, Count, bind_block, chained
+from lrp_jupyter.interpreter.tree import Activation, Context, Count, Edge, bind_block, chained
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
 from lrp_jupyter.language.blocks.expressions import Evaluation
@@ -584,7 +584,7 @@ class Interpreter:
         UnknownElementError
             If there is no such state; nothing changes.
         """
-        self._force("transition", find_state(self._run, path), now)
+        self._force("transition", find_state(self._run, path), now=now)
 
     def teleport_to(self, path: Path | str, now: float | None = None) -> None:
         """Make a state active without running any action; its spawns are executed. Paper: §6.4.
@@ -594,7 +594,7 @@ class Interpreter:
         UnknownElementError
             If there is no such state; nothing changes.
         """
-        self._force("teleport", find_state(self._run, path), now)
+        self._force("teleport", find_state(self._run, path), now=now)
 
     def fire(self, path: Path | str, now: float | None = None) -> None:
         """Follow a transition, with the actions on the way, regardless of its condition. Paper: §6.4.
@@ -613,11 +613,11 @@ class Interpreter:
         ValueError
             If none of its source states is active, or it leads nowhere; nothing changes.
         """
-        self._force("fire", find_destination(self._run, path), now)
+        self._force("fire", *find_edge(self._run, path), now=now)
 
-    def _force(self, how: How, where: Path, now: float | None) -> None:
+    def _force(self, how: How, where: Path, edge: Edge | None = None, *, now: float | None) -> None:
         self._advance(now)
-        target = force(self._run, where, how)
+        target = force(self._run, where, how, edge)
         self._note("forced", how, target.path)
         self._done()
 

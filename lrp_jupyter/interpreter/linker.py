@@ -127,13 +127,12 @@ class EdgePlan:
     hold: BlockPlan | Broken | None
     effect: tuple[BlockPlan, ...]
 
-    @property
-    def means(self) -> object:
-        """What it tests: while this stays the same, so does the time for which it has held."""
+    def means(self, source: str) -> object:
+        """Return what it tests in a source: while that stays the same, its time of holding goes on."""
         test = self.test
         if isinstance(test, EventPlan):
             return test.noun.condition
-        return self.noun.trigger, self.watched
+        return self.noun.trigger, self.watched.get(source)
 
 
 @dataclass(slots=True, eq=False)

@@ -11,7 +11,7 @@ one can start, so that a half-typed name does not stop the robot.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import CellType, MappingProxyType
 from typing import Literal
@@ -119,19 +119,21 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
     added: list[tuple[Activation, SpawnPlan]] = []
     live: dict[Path, Environment] = {(): run.globals}
     acts = [*run.walk()]
-    settings = {act: _settings(act, old) for act in acts}
+    settings = {act: act.settings(old) for act in acts}
     for act in acts:  # outer ones come first
         before, state, here = act.machine, act.state, act.place
         there = successors.path("state", here) or here
         act.machine = machine = plan.machines[there[:-1]]
-        added += ((act, spawn) for spawn in _added_spawns(state, machine.states[there[-1]]))
+        spawned = {child.defined for child in act.children}  # it may have lost its spawn earlier
+        new = _added_spawns(state, machine.states[there[-1]])
+        added += ((act, spawn) for spawn in new if spawn.target not in spawned)
         act.place = there
         act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
         if act.spawn is not None:
             act.spawn = _spawn_now(successors, act.spawn)
         act.outer = outer = (act.parent or run.globals).around(machine.outer)
         live[act.path] = act
-        then, now = settings[act], _settings(act, plan)
+        then, now = settings[act], act.settings(plan)
         if then is None or now is None:  # nothing spawns it any more: it keeps what it has
             then = now = {}
         carrier.carry(act, before.variables, machine.variables, outer.visible, then, now)
@@ -154,19 +156,6 @@ def _spawn_now(successors: Successors, identity: tuple[str, str]) -> tuple[str, 
 _Settings = Mapping[str, VariablePlan]
 
 
-def _settings(act: Activation, plan: Plan) -> _Settings | None:
-    """Return the settings with which a running machine is spawned in a plan; None if nothing spawns it."""
-    if act.parent is None:
-        spawns: Iterable[object] = plan.spawns
-    else:
-        state = plan.state(act.parent.place)
-        spawns = state.onentry if state is not None else ()
-    path = act.defined
-    return next(
-        (item.settings for item in spawns if isinstance(item, SpawnPlan) and item.target == path), None
-    )
-
-
 def _carry_holding(act: Activation, state: StatePlan, successors: Successors, renamed: bool) -> None:
     """Keep since when the triggers of transitions hold, unless they mean something else now."""
     if not act.holding:
@@ -177,7 +166,9 @@ def _carry_holding(act: Activation, state: StatePlan, successors: Successors, re
     for name, since in act.holding.items():
         element = successors.of(before[name].site.element)
         edge = after.get(element) if element is not None else None
-        if edge is not None and (renamed or edge.means == before[name].means):
+        if edge is None or edge.noun.hold is None:
+            continue
+        if renamed or edge.means(act.state.name) == before[name].means(state.name):
             kept[edge.site.element.path[-1]] = since
     act.holding = kept
 
@@ -215,7 +206,7 @@ class _Carrier:
             setting = settings.get(variable.name)
             source, slot = kept.get(variable.name) or (None, _returned(environment, variable.name))
             if self._is_outdated(environment, variable, setting, source, slot):
-                self.run.log_attributes(slot, "captured")
+                self.run.log_attributes(slot, "captured", "computed")
                 has_changed = self.run.evaluate(environment, setting, variable, slot)
                 if has_changed and source is not None:
                     self.reinitialised.add(slot)
@@ -233,7 +224,8 @@ class _Carrier:
         home = environment if setting is None else environment.parent or self.run.globals
         plan = setting or variable
         reads = plan.initial.reads
-        needed = reads if content(slot.cell) is UNSET else plan.captures
+        is_missing = content(slot.cell) is UNSET and not slot.is_computed
+        needed = reads if is_missing else plan.captures
         if any(each not in slot.captured for each in meant(needed, home.visible)):
             return True  # what its functions refer to has been declared, or hidden, since
         return not self.renamed and (
@@ -255,7 +247,7 @@ def _returned(environment: Environment, name: str) -> Slot:
     slot = environment.lost.get(name) or Slot(CellType())
     environment.lost = {other: lost for other, lost in environment.lost.items() if other != name}
     put(slot.cell, UNSET)
-    slot.last = UNSET
+    slot.last, slot.computed = UNSET, Slot.NEVER
     return slot
 
 

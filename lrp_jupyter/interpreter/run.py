@@ -195,6 +195,8 @@ class Run:
 
     def period(self) -> float:
         """Return the time since the tick before this one, in seconds; 0 in the first."""
+        if self.ticks < 2:
+            return 0.0
         tick, ended = self.ended
         return self.now - (ended if tick in (self.ticks - 1, self.ticks) else self.before)
 

@@ -20,8 +20,18 @@ from lrp_jupyter.interpreter.tree import Activation, Count, Environment
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
 
-_Own = tuple[tuple[str, int, bool], ...]
-"""Variables: the name of each, the number of its cell, and whether it leaks."""
+
+class _Variable(NamedTuple):
+    """A variable: the number of its cell, and those of the variables that it has captured."""
+
+    name: str
+    number: int
+    leaked: bool
+    computed: float  # s
+    captured: tuple[int, ...]
+
+
+_Own = tuple[_Variable, ...]
 
 
 class _Machine(NamedTuple):
@@ -46,6 +56,8 @@ class Snapshot:
     source: tuple[str, str] | Program  # text and file name; the program itself if it has no text
     tick: int
     now: float  # s
+    before: float  # s: as in the run
+    ended: tuple[int, float]
     started: bool
     pending: frozenset[tuple[str, str]]
     entered: float  # s: when the program started
@@ -80,7 +92,7 @@ class Snapshot:
             paths.append((*around, *machine.place[-2:]))
             owned[paths[-1][:-1]] = machine.own
         found: dict[Path | str, object] = {
-            (*path, name): values[number] for path, own in owned.items() for name, number, _ in own
+            (*path, each.name): values[each.number] for path, own in owned.items() for each in own
         }
         return found | dict(zip(self.beside, values[self.count :], strict=True))
 
@@ -88,7 +100,7 @@ class Snapshot:
     def count(self) -> int:
         """The number of variables, removed ones included."""
         owned = (self.own, self.lost, *(each for machine in self.machines for each in machine[-2:]))
-        return sum(map(len, owned))
+        return 1 + max((each.number for variables in owned for each in variables), default=-1)
 
 
 def take(
@@ -98,15 +110,24 @@ def take(
 
     `known`: returns a token for an object that is specific to each run, such as its robot, else None.
     """
-    cells: list[CellType] = []
+    acts = [*run.walk()]
+    owned = [slots for each in (run.globals, *acts) for slots in (each.own, each.lost)]
+    cells = {slot: slot.cell for slots in owned for slot in slots.values()}
+    places = {slot: place for place, slot in enumerate(cells)}
 
     def numbered(slots: Mapping[str, Slot]) -> _Own:
-        first = len(cells)
-        cells.extend(slot.cell for slot in slots.values())
-        return tuple((name, first + number, slot.leaked) for number, (name, slot) in enumerate(slots.items()))
+        return tuple(
+            _Variable(
+                name,
+                places[slot],
+                slot.leaked,
+                slot.computed[0],
+                tuple(places[each] for each in slot.captured if each in places),
+            )
+            for name, slot in slots.items()
+        )
 
     own, lost = numbered(run.globals.own), numbered(run.globals.lost)
-    acts = [*run.walk()]
     numbers = {id(act): number for number, act in enumerate(acts)}
     machines = tuple(
         _Machine(
@@ -121,11 +142,13 @@ def take(
         for act in acts
     )
     run.add_firings()
-    values = [content(cell) for cell in cells]
+    values = [content(cell) for cell in cells.values()]
     return Snapshot(
         run.source,
         run.ticks,
         run.now,
+        run.before,
+        run.ended,
         run.started,
         run.pending,
         run.globals.entered,
@@ -137,7 +160,7 @@ def take(
         run.unmeant,
         pack(
             [*values, *beside.values()],
-            {id(cell): number for number, cell in enumerate(cells)},
+            {id(cell): number for number, cell in enumerate(cells.values())},
             lambda value: known(value) if (token := _token(value)) is None else token,
         ),
         tuple(beside),
@@ -159,8 +182,10 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dic
     for cell, value in zip(cells, values, strict=False):  # the remaining values are those beside
         put(cell, value)
     run.ticks, run.now = snapshot.tick, snapshot.now
+    run.before, run.ended = snapshot.before, snapshot.ended
     run.started, run.pending = snapshot.started, snapshot.pending
-    _fill(run.globals, snapshot.own, snapshot.lost, cells, run.base)
+    slots = [Slot(cell) for cell in cells]
+    _fill(run.globals, snapshot.own, snapshot.lost, slots, run.base)
     run.globals.entered = snapshot.entered
     acts: list[Activation] = []
     for machine in snapshot.machines:
@@ -169,7 +194,7 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dic
         outer = (parent or run.globals).around(plan.outer)
         act = Activation(plan, parent, outer, machine.spawn, plan.states[machine.place[-1]])
         act.entered, act.holding = machine.entered, dict(machine.holding)
-        _fill(act, machine.own, machine.lost, cells, outer.visible)
+        _fill(act, machine.own, machine.lost, slots, outer.visible)
         run.live[act.path] = act
         acts.append(act)
         if parent is None:
@@ -177,11 +202,13 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dic
         else:
             parent.children += (act,)
     for name, token in names:
-        name.home, name.at = run.live.get(token.home), run.live.get(token.at)
+        name.home, name.at = (run.live.get(path, run.globals) for path in (token.home, token.at))
     run.counts.update((element, Count(*count)) for element, count in snapshot.counts.items())
     run.issues, run.unmeant = snapshot.issues.copy(), snapshot.unmeant
-    owned = (snapshot.own, *(machine.own for machine in snapshot.machines))
-    leaking = any(leaked for own in owned for _, _, leaked in own)
+    base = tuple(run.base.values())
+    for slot in slots:
+        slot.captured += base
+    leaking = any(slot.leaked for environment in run.live.values() for slot in environment.own.values())
     run.leaking = run.watched = leaking
     run.attention = leaking or bool(run.pending)
     run.unordered = run.stale = True
@@ -209,9 +236,13 @@ def _token(value: object) -> _Name | None:
 
 
 def _fill(
-    environment: Environment, own: _Own, lost: _Own, cells: list[CellType], outer: Mapping[str, Slot]
+    environment: Environment, own: _Own, lost: _Own, slots: list[Slot], outer: Mapping[str, Slot]
 ) -> None:
+    for each in own + lost:
+        slot = slots[each.number]
+        slot.leaked, slot.computed = each.leaked, (each.computed, 0)
+        slot.captured = tuple(slots[number] for number in each.captured)
     environment.own, environment.lost = (
-        {name: Slot(cells[number], leaked=leaked) for name, number, leaked in owned} for owned in (own, lost)
+        {each.name: slots[each.number] for each in owned} for owned in (own, lost)
     )
     environment.visible = {**outer, **environment.own}

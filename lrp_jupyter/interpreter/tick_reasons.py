@@ -39,6 +39,7 @@ _OF_FAULTS: Mapping[str, ReasonCode] = {
     "no data yet": "no-data",
     "not boolean": "not-boolean",
     "unknown event": "unknown-event",
+    "unknown machine": "unknown-event",
     "unknown state": "unknown-destination",
 }
 
@@ -100,7 +101,9 @@ def cause_in(
             return Cause("outer-fired" if outer else "exit-took-parent", machine, fired)
     for fault in facts:
         if isinstance(fault, Faulted) and (fault.transition, fault.machine) == (element, machine.path):
-            return Cause(_OF_FAULTS.get(fault.kind, "raised"), machine, fault)
+            is_of_trigger = fault.kind == "unknown state" and fault.ordinal == 0
+            code = "unknown-event" if is_of_trigger else _OF_FAULTS.get(fault.kind, "raised")
+            return Cause(code, machine, fault)
     waits = holds or isinstance(noun.trigger, Delay)
     return Cause("delay-not-over" if waits else "condition-false", machine)
 

@@ -34,6 +34,7 @@ from lrp_jupyter.interpreter.linker import (
     Site,
     SpawnPlan,
     StatePlan,
+    VariablePlan,
 )
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.interpreter.trace_events import UNSET
@@ -143,6 +144,17 @@ class Activation(Environment):
     def full_path(self) -> Path:
         """The path of the active state, as spawned."""
         return (*self.path, self.place[-1])
+
+    def settings(self, plan: Plan) -> Mapping[str, VariablePlan] | None:
+        """Return the settings with which it is spawned in a plan; None if nothing spawns it."""
+        spawns: Sequence[object] = plan.spawns
+        if self.parent is not None:
+            state = plan.state(self.parent.place)
+            spawns = state.onentry if state is not None else ()
+        path = self.defined
+        return next(
+            (item.settings for item in spawns if isinstance(item, SpawnPlan) and item.target == path), None
+        )
 
     def retire(self) -> None:
         """Drop everything of the current plan, because the journal may keep a discarded activation for long.
@@ -487,7 +499,7 @@ def _test(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call
     if isinstance(edge.test, Broken):
         return broken(edge.test)
     call = _TESTS[type(edge.noun.trigger)](run, act, state, edge)
-    return call if edge.noun.hold is None else _held(run, act, edge, edge.noun.hold, call)
+    return call if edge.noun.hold is None else held(run, act, edge, edge.noun.hold, call)
 
 
 def _occurs(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
@@ -558,12 +570,12 @@ def _over(
     return over
 
 
-def _held(run: _Host, act: Activation, edge: EdgePlan, hold: Delay, test: Call) -> Call:
+def held(run: _Host, act: Activation, edge: EdgePlan, hold: Delay, test: Call) -> Call:
     """Return a test that is True once another one has been True at every test for a delay."""
     is_over, name = _over(run, act, hold, edge.hold), edge.site.element.path[-1]
     site = edge.site._replace(ordinal=HOLD)
 
-    def held() -> object:
+    def is_held() -> object:
         try:
             value = test()
             holds = value is True or (is_boolean(value) and bool(value))
@@ -583,7 +595,7 @@ def _held(run: _Host, act: Activation, edge: EdgePlan, hold: Delay, test: Call) 
             return False
 
     over = watched(run, site, act, lambda: is_over(act.holding[name]))
-    return held
+    return is_held
 
 
 def _always(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:

@@ -10,7 +10,15 @@ from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
-from lrp_jupyter.interpreter.tree import Call, Context, Environment, bind_code, is_boolean, not_boolean
+from lrp_jupyter.interpreter.tree import (
+    Activation,
+    Call,
+    Context,
+    Environment,
+    bind_code,
+    is_boolean,
+    not_boolean,
+)
 from lrp_jupyter.language.blocks.block import compile_block, facts_of, faults_of, words_of
 from lrp_jupyter.language.blocks.builtin_names import TIMES
 from lrp_jupyter.language.blocks.expressions import expression_of
@@ -110,14 +118,18 @@ def outdated(run: Run) -> dict[Path, Outdated]:
     for environment in run.live.values():
         machine = environment.defined
         variables = run.plan.machines[machine].variables if machine else run.plan.variables
+        settings = environment.settings(run.plan) if isinstance(environment, Activation) else None
         for variable in variables:
             slot = environment.own.get(variable.name)
             if slot is None:  # the program restarts at the next tick
                 continue
-            for name in variable.initial.reads:
-                read = environment.visible.get(name)
+            setting = (settings or {}).get(variable.name)
+            home = environment if setting is None else environment.parent or run.globals
+            source = setting or variable
+            for name in source.initial.reads:
+                read = home.visible.get(name)
                 if read in paths and max(slot.computed, slot.assigned) < read.assigned:
-                    text = variable.noun.initial.text.strip()
+                    text = source.noun.initial.text.strip()
                     initial = text if expression_of(text) is not None else ""
                     found[paths[slot]] = Outdated(paths[read], slot.computed[0], initial)
     return found

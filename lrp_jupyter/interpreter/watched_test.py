@@ -11,7 +11,7 @@ from lrp_jupyter.interpreter.cells import content
 from lrp_jupyter.interpreter.rendering import is_scalar, scalar_of, short
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
-from lrp_jupyter.interpreter.tree import Context, Edge, provided
+from lrp_jupyter.interpreter.tree import Context, Edge, held, provided
 from lrp_jupyter.language.blocks.builtin_names import builtin
 from lrp_jupyter.language.blocks.expressions import Evaluation, evaluate, expression_of
 from lrp_jupyter.language.resolution import resolve
@@ -68,6 +68,9 @@ def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]
             return test()
         values = {text: _shown(value) for text, value in items(evaluation)}
         seen(replace(evaluation, values=values, decided=_shown(evaluation.decided)))
-        return test() if is_delay else evaluation.value
+        hold, value = arrow.noun.hold, evaluation.value
+        if is_delay:
+            return test()
+        return value if hold is None else held(run, edge.act, edge.plan, hold, lambda: value)()
 
     edge.test = watched

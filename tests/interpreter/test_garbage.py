@@ -12,11 +12,13 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.resolution import resolve
 
 MACHINES = 10
-TEXT = "(var speed := [0])\n" + "\n".join(
-    f"(machine m{n} (var v := [0]) (event e [v > 3])\n"
+TEXT = "(var speed := [0]) (machine part (var w := [1]) (state x) (state y) (ontime 100 x -> y))\n"
+TEXT += "\n".join(
+    f"(machine m{n} (var v := [0]) (var f := [lambda: elapsed + v]) (event e [v > 3])\n"
     f" (state a (running [v = v + 1]) (onentry (spawn inner x))\n"
     f"  (machine inner (state x) (exit eps x -> b)))\n"
-    f" (state b (onentry (spawn missing b)))\n"
+    f" (state b (onentry (spawn missing b) (spawn part x (var w := [v]))) (onexit [v = elapsed + f()]))\n"
+    f" (on part.y for 200 b -> a (effect [v = part.w])) (on [e and dt > 5 or part.state == 'z'] * -> a)\n"
     f" (on e a -> b) (ontime 100 b -> a))\n(spawn m{n} a)"
     for n in range(MACHINES)
 )

@@ -11,7 +11,9 @@ from support.wild import command, moment, obey, program
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.trace_events import EVENT_KINDS
+from lrp_jupyter.language.edits.rename import symbols
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.resolution import resolve
 
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 
@@ -99,6 +101,50 @@ def test_going_back_and_on_again_is_the_straight_run(text, first, more):
     for tick in range(first, first + more):
         winding.step(tick / 10)
     assert moment(winding) == moment(straight)
+
+
+@slow
+@given(program, st.integers(0, 8), st.integers(1, 8), st.integers(0, 99))
+def test_a_rename_changes_nothing_but_a_name(text, first, more, number):
+    runs = [Interpreter(parse(text), SimpleNamespace(light=1)) for _ in range(2)]
+    steps(runs, 0, first)
+    kinds = ("state", "machine", "event", "variable")
+    found = [each.element for each in symbols(parse(text))[0] if each.element.kind in kinds]
+    element = found[number % len(found)]
+    if element.kind == "state" and ".state" in text:
+        return  # a block may compare its name
+    try:
+        runs[1].rename(element.kind, element.path, "fresh")
+    except ValueError:
+        return
+    for tick in range(first, first + more):
+        (active, values), new = moment(runs[0]), moment(runs[1])
+        old = [tuple(element.path[-1] if part == "fresh" else part for part in path) for path in new[0]]
+        assert tuple(old) == active
+        assert {
+            tuple(element.path[-1] if part == "fresh" else part for part in path): value
+            for path, value in new[1].items()
+        } == values
+        steps(runs, tick, tick + 1)
+
+
+def steps(runs, first, last):
+    for i in runs:
+        for tick in range(first, last):
+            i.step(tick / 10)
+
+
+@slow
+@given(program, st.integers(1, 12))
+def test_watching_every_test_changes_nothing(text, ticks):
+    plain, watched = runs = [Interpreter(parse(text), SimpleNamespace(light=1)) for _ in range(2)]
+    elements = [arrow.element for arrows in resolve(plain.program).arrows.values() for arrow in arrows]
+    for tick in range(ticks):
+        for element in elements:
+            for machine in [act.path for act in watched._run.walk()]:
+                watched.watch_test(element, machine, lambda _: None)
+        steps(runs, tick, tick + 1)
+        assert moment(watched) == moment(plain)
 
 
 @slow

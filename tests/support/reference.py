@@ -8,13 +8,14 @@ variables as globals of a throwaway dict, where production binds cells.
 from __future__ import annotations
 
 import ast
+import builtins
 import math
 from contextlib import suppress
 from numbers import Real
 
 from lrp_jupyter.language.program import Block, Machine, Program, Spawn, State
 from lrp_jupyter.language.python.block_suite import parse_block
-from lrp_jupyter.language.triggers import Condition, Delay, Epsilon
+from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, InState
 
 MISSING = object()
 
@@ -40,21 +41,33 @@ class Running:
     def __init__(self, machine, home, parent, scope):
         self.machine, self.home, self.parent, self.scope = machine, home, parent, scope
         self.state, self.entered, self.inside = None, 0.0, []
+        self.held = {}  # since when the conditions with `for` hold
+
+
+class Place:
+    """Where a block stands: the machine (None: the top level), and the event that it is the block of.
+
+    `since`: when the state was entered from which `elapsed` counts.
+    """
+
+    def __init__(self, m, since, event=""):
+        self.m, self.since, self.event = m, since, event
 
 
 class Reference:
     def __init__(self, program: Program, robot=None, namespace=None):
         self.program, self.robot, self.namespace = program, robot, namespace or {}
-        self.now, self.roots, self.globals = 0.0, [], None
+        self.now, self.dt, self.roots, self.globals = None, 0.0, [], None
         self.events: list[tuple[str, tuple[str, ...]]] = []
 
     # -- the tick
     def step(self, now):
+        self.dt = now - self.now if self.now is not None else 0.0
         self.now = now
         if not self.roots:
             if self.globals is None:
-                self.globals = Scope()
-                self.initialise(self.globals, self.program.variables)
+                self.globals, self.began = Scope(), now
+                self.initialise(None, self.globals, self.program.variables)
             for spawn in self.program.spawns:
                 m = self.spawn(spawn, None)
                 if m:
@@ -71,13 +84,15 @@ class Reference:
                 if target and not fires:
                     return False
                 if target:
+                    for block in t.effect:
+                        self.attempt(block, m)
                     self.leave(home)
                     self.events.append(("fired", (*self.path(m), t.name or "")))
                     self.enter(home, target)
                     self.tick(home, fires=False)
                     return t.kind == "exit"
         for block in m.state.running:
-            self.attempt(block, m.scope)
+            self.attempt(block, m)
         for n in list(m.inside):
             if self.tick(n, fires):
                 break
@@ -90,50 +105,49 @@ class Reference:
             if isinstance(item, Spawn):
                 self.spawn(item, m)
             else:
-                self.attempt(item, m.scope)
+                self.attempt(item, m)
 
     def leave(self, m):
         for n in reversed(m.inside):
             self.leave(n)
             self.events.append(("discarded", self.path(n)))
-        m.inside = []
+        m.inside, m.held = [], {}
         for block in m.state.onexit:
-            self.attempt(block, m.scope)
+            self.attempt(block, m)
         self.events.append(("left", (*self.path(m), m.state.name)))
 
     def spawn(self, spawn, spawner):
-        found = self.spawnable(spawn.machine, spawner)
+        found = self.spawnable(spawn.machine, spawner, spawner and spawner.state)
         start = found and find(found[0].states, spawn.state)
-        if not start or any(r.machine is found[0] for r in self.everything()):
+        beside, around = (spawner.inside if spawner else self.roots), spawner
+        while start and around is not None:
+            start, around = start if around.machine is not found[0] else None, around.parent
+        if not start or any(m.machine is found[0] for m in beside):
             return None
         machine, home = found
-        m = Running(machine, home, spawner, Scope(self.scope_around(home, spawner)))
-        (spawner.inside if spawner else self.roots).append(m)
+        m = Running(machine, home, spawner, Scope(home.scope if home else self.globals))
+        m.state, m.entered = start, self.now
+        beside.append(m)
         self.events.append(("spawned", self.path(m)))
-        self.initialise(m.scope, machine.variables)
+        self.initialise(m, m.scope, machine.variables, spawn.settings)
         self.enter(m, start)
         return m
 
-    def spawnable(self, name, spawner):
+    def spawnable(self, name, m, state):
         """The machine and the running machine around it: the state's own, then outward, then the top."""
-        enclosing, state, around = [], spawner and spawner.state, spawner
-        while around is not None:
-            enclosing.append(around.machine)
-            machine = find(state.machines, name)
+        enclosing = []
+        while m is not None:
+            enclosing.append(m.machine)
+            machine = state and find(state.machines, name)
             if machine and machine not in enclosing:
-                return machine, around
-            if around.home is None:
-                break
-            around, state = around.home, self.state_around(around)
+                return machine, m
+            m, state = m.home, m.home and self.state_around(m)
         machine = find(self.program.machines, name)
         return (machine, None) if machine and not any(machine is e for e in enclosing) else None
 
     @staticmethod
     def state_around(m):
         return next(s for s in m.home.machine.states if any(x is m.machine for x in s.machines))
-
-    def scope_around(self, home, spawner):
-        return home.scope if home else self.globals
 
     def everything(self):
         def inside(m):
@@ -146,36 +160,63 @@ class Reference:
 
     # -- conditions
     def enabled(self, t, m):
+        key = m.machine.transitions.index(t), m.state.name
         try:
-            if isinstance(t.trigger, Epsilon):
-                return True
-            if isinstance(t.trigger, Delay):
-                delay = t.trigger.amount
-                if isinstance(delay, Block):
-                    delay = self.run(delay, m.scope)
-                elif isinstance(delay, str):
-                    delay = self.read(delay, m.scope)
-                if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:
-                    return False
-                return (self.now - m.entered) * 1000 + 1e-6 >= delay
-            if isinstance(t.trigger, Condition):
-                return self.run(t.trigger.condition, m.scope) is True
-            while m is not None:
-                event = find(m.machine.events, t.trigger.event)
-                if event:
-                    return self.run(event.condition, m.scope) is True
-                m = m.home
-            event = find(self.program.events, t.trigger.event)
-            return bool(event) and self.run(event.condition, self.globals) is True
+            holds = self.occurs(t, m)
+        except Skip:
+            holds = False
+        if t.hold is None:
+            return holds
+        if not holds:
+            m.held.pop(key, None)
+            return False
+        try:
+            return self.is_over(t.hold, m, m.held.setdefault(key, self.now))
         except Skip:
             return False
 
+    def occurs(self, t, m):
+        trigger = t.trigger
+        if isinstance(trigger, Epsilon):
+            return True
+        if isinstance(trigger, Delay):
+            return self.is_over(trigger, m, m.entered)
+        if isinstance(trigger, Condition):
+            return self.run(trigger.condition, m) is True
+        if isinstance(trigger, InState):
+            found = self.spawnable(trigger.machine, m, m.state)
+            return any(found and n.machine is found[0] and n.state.name == trigger.state for n in m.inside)
+        event = self.event(trigger.event, m)
+        return event is not None and self.run(*event, Place(event[1], m.entered, trigger.event)) is True
+
+    def is_over(self, delay, m, since):
+        amount = delay.amount
+        if isinstance(amount, Block):
+            amount = self.run(amount, m)
+        elif isinstance(amount, str):
+            amount = self.read(amount, m.scope)
+        if isinstance(amount, bool) or not isinstance(amount, Real) or amount != amount:
+            return False
+        return (self.now - since) * 1000 + 1e-6 >= amount
+
+    def event(self, name, m):
+        """The block of an event, and the machine that defines it."""
+        while m is not None:
+            event = find(m.machine.events, name)
+            if event:
+                return event.condition, m
+            m = m.home
+        event = find(self.program.events, name)
+        return (event.condition, None) if event else None
+
     # -- variables and blocks
-    def initialise(self, scope, variables):
+    def initialise(self, m, scope, variables, settings=()):
         for v in variables:
             if v.name not in scope.values:
+                setting = find(settings, v.name)
+                home = m.parent if setting else m
                 try:
-                    value = self.run(v.initial, scope)
+                    value = self.run((setting or v).initial, home)
                 except Skip:
                     value = MISSING
                 scope.values[str(v.name)] = value
@@ -186,37 +227,52 @@ class Reference:
             raise Skip
         return found.values[name]
 
-    def attempt(self, block, scope):
+    def attempt(self, block, m):
         with suppress(Skip):
-            self.run(block, scope)
+            self.run(block, m)
 
-    def run(self, block, scope):
-        names, s = {}, scope
-        while s is not None:
-            for name, value in s.values.items():
-                names.setdefault(name, (s, value))
-            s = s.outer
-        tree = GlobalNames().visit(parse_block(block.text))
-        body = tree.body
+    def run(self, block, m, place=None):
+        tree = parse_block(block.text)
+        body = GlobalNames(set().union(*map(names_bound_by, ast.walk(tree)))).visit(tree).body
         if body and isinstance(body[-1], ast.Expr):
             body[-1] = ast.copy_location(ast.Return(body[-1].value), body[-1])
+        space = Space(self, m, place or Place(m, m.entered if m else self.began))
         function = ast.FunctionDef(
             "block",
             ast.arguments([], [], None, [], [], None, []),
-            [*([ast.Global(list(names))] if names else []), *(body or [ast.Pass()])],
+            [*([ast.Global(list(space.owners))] if space.owners else []), *(body or [ast.Pass()])],
             [],
             type_params=[],
         )
-        space = {"degrees": math.radians, **self.namespace, "robot": self.robot, "print": lambda *a: None}
-        space.update({name: value for name, (_, value) in names.items() if value is not MISSING})
-        exec(compile(ast.fix_missing_locations(ast.Module([function], [])), "<reference>", "exec"), space)
         try:
+            exec(compile(ast.fix_missing_locations(ast.Module([function], [])), "<reference>", "exec"), space)
             return space["block"]()
         except (Exception, SystemExit) as error:
             raise Skip from error
         finally:
-            for name, (owner, _) in names.items():
-                owner.values[name] = space.get(name, MISSING)
+            space.write()
+
+    def meaning(self, name, place):
+        """What a name in a block means that is no variable: an event, a time or a machine."""
+        m, event = place.m, self.event(name, place.m)
+        if event and name != place.event:
+            return self.run(*event, Place(event[1], place.since, name))
+        if name == "dt":
+            return round(self.dt, 9)
+        if name == "elapsed":
+            return round(self.now - place.since, 9)
+        return self.machine(name, m)
+
+    def machine(self, name, m):
+        """The machine that a name means, in the nearest of the places where it runs."""
+        states = [None, *(find(m.machine.states, s.name) for s in m.machine.states)] if m else [None]
+        found = [f[0] for f in (self.spawnable(name, m, state) for state in states) if f]
+        if not found:
+            raise KeyError(name)
+        near = []
+        while m is not None:
+            near, m = near + m.inside, m.parent
+        return Seen(next((n for n in near + self.roots if any(n.machine is f for f in found)), None))
 
     # -- what can be seen
     def path(self, m):
@@ -239,13 +295,105 @@ def find(things: tuple, name: str) -> Machine | State | None:
     return next((thing for thing in things if thing.name == name), None)
 
 
+def names_bound_by(node):
+    if isinstance(node, ast.Name):
+        return {node.id} if not isinstance(node.ctx, ast.Load) else ()
+    if isinstance(node, ast.alias):
+        return {(node.asname or node.name).partition(".")[0]}
+    return (
+        {getattr(node, "name", None), getattr(node, "arg", None)} if not isinstance(node, ast.keyword) else ()
+    )
+
+
+class Seen:
+    """A machine as blocks see it."""
+
+    def __init__(self, m):
+        self.m = m
+        self.state = m and str(m.state.name)
+
+    def __getattr__(self, name):
+        if self.m is None or self.m.scope.values.get(name, MISSING) is MISSING:
+            raise AttributeError(name)
+        return self.m.scope.values[name]
+
+
+CALLED, OWNER = " called", " as owner"
+"""Put after a name that is called, and one before a dot: they do not mean an event."""
+
+
+def provided(name):
+    if name != "degrees" and not hasattr(builtins, name):
+        raise KeyError(name)
+    return math.radians if name == "degrees" else getattr(builtins, name)
+
+
+class Space(dict):
+    """The names of one block while it runs; what is no variable is computed when it is read."""
+
+    def __init__(self, reference, m, place):
+        super().__init__(**reference.namespace)
+        self.update(robot=reference.robot, print=lambda *a: None)
+        self.reference, self.m, self.place, self.owners = reference, m, place, {}
+        scope = m.scope if m else reference.globals
+        while scope is not None:
+            self.owners = {**dict.fromkeys(scope.values, scope), **self.owners}
+            scope = scope.outer
+        self.load()
+
+    def load(self):
+        for name, scope in self.owners.items():
+            self.pop(name, None)
+            if scope.values[name] is not MISSING:
+                self[name] = scope.values[name]
+
+    def write(self):
+        for name, scope in self.owners.items():
+            scope.values[name] = self.get(name, MISSING)
+
+    def __missing__(self, key):
+        name = key.partition(" ")[0]
+        if name in self or name in self.owners:
+            return dict.__getitem__(self, name)
+        if key.endswith(CALLED):
+            return provided(name)
+        self.write()
+        try:
+            if key.endswith(OWNER):
+                with suppress(KeyError):
+                    return self.reference.machine(name, self.place.m)
+            return self.reference.meaning(name, self.place)
+        except KeyError:
+            return provided(name)
+        finally:
+            self.load()
+
+
 class GlobalNames(ast.NodeTransformer):
     """Uses a throwaway dict of globals where production code uses nonlocal."""
+
+    def __init__(self, bound):
+        self.bound = bound
+
+    def marked(self, node, mark):
+        if isinstance(node, ast.Name) and node.id not in self.bound:
+            node.id += mark
+
+    def visit_Call(self, node):
+        self.generic_visit(node)
+        self.marked(node.func, CALLED)
+        return node
+
+    def visit_Attribute(self, node):
+        self.generic_visit(node)
+        self.marked(node.value, OWNER)
+        return node
 
     def visit_Nonlocal(self, node):
         return ast.copy_location(ast.Global(node.names), node)
 
     def visit_AnnAssign(self, node):
+        self.generic_visit(node)
         if isinstance(node.target, ast.Name) and node.value is not None:
             return ast.copy_location(ast.Assign([node.target], node.value), node)
         return node

@@ -24,10 +24,17 @@ ACTIONS = [
     "robot.light",
     "del k",
     "k += 1",
-    "k = [k for n in range(3)]",
+    "k = len([k for n in range(3)])",
     "if n > 3: return\nn += 2",
     "def f():\n  nonlocal n\n  n += 1\nf()",
     "[(n := n + i) for i in range(2)]",
+    "n += f",
+    "k = elapsed",
+    "n += 1 + dt",
+    "k = m.state",
+    "n = o.n + 1",
+    "def g(): return e, n.state, elapsed\nk = g()",
+    "k = [e for e in (1, 2)] + [f for _ in (1, 2)]",
 ]
 CONDITIONS = [
     "n > 2",
@@ -42,8 +49,14 @@ CONDITIONS = [
     "n == k",
     "return n > 1",
     "n += 1; n > 4",
+    "e",
+    "not e and elapsed > 0.1",
+    "elapsed >= 0.2",
+    "m.state == 'a'",
+    "n.state != 'b' and dt > 0",
+    "o.k == n",
 ]
-VALUES = ["0", "1", "n + 1", "nope", "[n]", "n", "return 2"]
+VALUES = ["0", "1", "n + 1", "nope", "[n]", "n", "return 2", "elapsed", "m.state", "[f, k]"]
 DELAYS = ["0", "100", "250", "n", "k", "[n * 100]", "['x']", "[True]", "nope"]
 
 state = st.sampled_from(STATES)
@@ -57,24 +70,40 @@ def block(texts):
 
 action = block(ACTIONS)
 source = st.one_of(state, state, st.just("*"), st.just("*-{b}"), st.just("*-{c nope}"), st.just("{a c}"))
-spawn = st.builds("(spawn {} {})".format, machine, state)
 variable = st.builds("(var {} := {})".format, st.sampled_from(["n", "k"]), block(VALUES))
+settings = st.lists(variable, max_size=2).map("".join) | st.just("")
+spawn = st.builds("(spawn {} {}{})".format, machine, state, settings)
 event = st.builds("(event {} {})".format, st.sampled_from(["e", "f"]), block(CONDITIONS))
-condition = st.one_of(st.sampled_from(["e", "f", "nope"]), block(CONDITIONS), block(CONDITIONS))
-transition = st.one_of(
-    st.builds("(on {} {} -> {}{})".format, condition, source, state, names),
-    st.builds("(ontime {} {} -> {}{})".format, st.sampled_from(DELAYS), source, state, names),
-    st.builds("(eps {} -> {}{})".format, st.sampled_from([*STATES, "{a b}", "*-{a}"]), state, names),
+condition = st.builds(
+    "{}{}".format,
+    st.one_of(
+        st.sampled_from(["e", "f", "nope"]),
+        st.builds("{}.{}".format, machine, state),
+        block(CONDITIONS),
+        block(CONDITIONS),
+    ),
+    st.sampled_from(["", "", " for 100", " for 200", " for [n * 100]", " for k", " for ['x']"]),
 )
-exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, names)
+tail = st.builds("{}{}".format, names, st.just("") | st.just("") | action.map(" (effect {})".format))
+transition = st.one_of(
+    st.builds("(on {} {} -> {}{})".format, condition, source, state, tail),
+    st.builds("(ontime {} {} -> {}{})".format, st.sampled_from(DELAYS), source, state, tail),
+    st.builds("(eps {} -> {}{})".format, st.sampled_from([*STATES, "{a b}", "*-{a}"]), state, tail),
+)
+near = st.sampled_from("aabbc")
+outcome = st.builds(
+    "(on n.{}{} {} -> {}{})".format, near, st.sampled_from(["", "", " for 100"]), near, near, tail
+)
+exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, tail)
 
 
 @st.composite
-def state_of(draw, name, depth):
-    """A state; if it contains machines, it mostly spawns the first of them."""
+def state_of(draw, name, depth, uses=""):
+    """A state; it mostly spawns the machines that it contains, and the one that it `uses`."""
     inner = [draw(machine_of(draw(machine), depth + 1)) for _ in range(draw(_HOW_MANY[depth]))]
     parts = [f"(onentry {draw(spawn)})" if f == "spawn" else f"({f} {draw(action)})" for f in draw(_FORMS)]
-    spawns = [f"(onentry (spawn {text.split()[1]} {draw(state)}))" for text in inner if draw(_MOSTLY)]
+    spawned = [*(text.split()[1] for text in inner), *uses]
+    spawns = [f"(onentry (spawn {one} {draw(state)}{draw(settings)}))" for one in spawned if draw(_MOSTLY)]
     here = draw(st.integers(0, len(parts)))
     return f"(state {name} {' '.join([*parts[:here], *spawns, *parts[here:], *inner])})"
 
@@ -102,11 +131,12 @@ _PRESENT = [st.sampled_from(["abc", "abc", "acb", "ab", "abca"]), st.sampled_fro
 
 
 @st.composite
-def machine_of(draw, name, depth=0):
+def machine_of(draw, name, depth=0, uses=""):
     """A machine with the state `a` and most of the others, the deeper the smaller."""
     present = draw(_PRESENT[min(depth, 1)])
-    states = [draw(state_of(one, depth)) for one in present]
+    states = [draw(state_of(one, depth, uses)) for one in present]
     arrows = transition if depth == 0 else st.one_of(transition, transition, exit_)
+    arrows = st.one_of(outcome, outcome, transition) if uses else arrows
     parts = [
         *(draw(variable) for _ in range(draw(_FEW))),
         *(draw(event) for _ in range(draw(_FEW))),
@@ -126,7 +156,18 @@ def programs(draw):
     return "(var n := [0])(var k := [1])\n" + "\n".join([*parts, *draw(st.permutations(spawns))])
 
 
-program = programs()
+@st.composite
+def shared(draw):
+    """A program with a machine that others use, each mostly in all its states."""
+    own = draw(variable)
+    part = draw(machine_of("n", 2)).replace("(machine n", f"(machine n {own}", 1)
+    users = [draw(machine_of(name, 1, "n")) for name in draw(st.sampled_from(["m", "mo"]))]
+    parts = draw(st.permutations([part, *users, draw(event)]))
+    spawns = ["(spawn m a)(spawn o a)", *draw(st.lists(spawn, max_size=1))]
+    return "(var n := [0])(var k := [1])\n" + "\n".join([*parts, *spawns])
+
+
+program = programs() | shared()
 path = st.lists(st.sampled_from([*MACHINES, *STATES]), min_size=1, max_size=4).map(tuple)
 place = st.tuples(machine, state) | st.tuples(machine, state, machine, state) | path
 arrow = st.sampled_from(["t", "u", "on:a->b", "eps:a->b", "ontime:b->c", "exit:a->b"])
@@ -213,7 +254,7 @@ ROVING = """(var n := [0])
         bumps += 1])
     (running [robot.move(linear=speed, angular=0.2)] [n += 1]))
   (state turn
-    (onentry [seen.append(robot.odom.x)] (spawn inner left))
+    (onentry [seen.append(robot.odom.x)] (spawn inner left) (spawn beat low))
     (running [robot.move(angular=1.5)])
     (onexit [robot.stop()])
     (machine inner
@@ -226,11 +267,20 @@ ROVING = """(var n := [0])
   (state back (running [robot.move(linear=-0.2)]) (onexit [count()]))
   (on bump *-{back} -> back hit)
   (on dark drive -> turn dim)
+  (on beat.high for 200 turn -> drive beaten (effect [n += beat.beats]))
   (ontime 900 turn -> drive again)
   (ontime [400 + n % 3] back -> turn away))
 (machine watch
-  (state idle) (state busy (running [n += gain + len(marks)]))
+  (state idle)
+  (state busy (running [n += gain + len(marks)]) (onentry (spawn beat low (var every := [0.1 + speed]))))
   (on [n > 40] idle -> busy) (eps busy -> idle))
+(machine beat
+  (var every := [0.4])
+  (var beats := [0])
+  (state low (running [beats += 1]))
+  (state high (onexit [beats = 0]))
+  (on [elapsed >= every and not bump] low -> high)
+  (ontime 300 high -> low))
 (onpause [n += 100])
 (spawn m drive)
 (spawn watch idle)
@@ -245,6 +295,10 @@ ROVING_EDITS = [
     ("(state idle)", "(state idle (running [speed]))"),
     ("[n]", "[n"),
     ("(spawn watch idle)", ""),
+    ("every := [0.4]", "every := [0.2]"),
+    ("0.1 + speed", "0.2 + speed"),
+    ("for 200", "for [n]"),
+    ("n += beat.beats", "n += 2 * beat.beats"),
     ("(eps busy -> idle)", "(ontime 200 busy -> idle)"),
     ("(state back", "(state bac"),
     ("(state bac ", "(state back "),

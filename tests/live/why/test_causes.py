@@ -13,7 +13,7 @@ from lrp_jupyter.interpreter.tick_reasons import cause_in
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.language.triggers import Delay, Occurrence
+from lrp_jupyter.language.triggers import InState, Occurrence
 from lrp_jupyter.live.reason import EXPLANATIONS
 
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
@@ -29,7 +29,7 @@ class Witness(Reference):
         super().step(now)
 
     def enter(self, m, state):
-        self.entered.append((m.machine, state.name))
+        self.entered.append((self.path(m), m.machine, state.name))
         super().enter(m, state)
 
     def tick(self, m, fires=True):
@@ -47,6 +47,8 @@ class Witness(Reference):
                 target = home and find(home.machine.states, t.destination)
                 if target:
                     self.seen[path, id_] = "fired"
+                    for block in t.effect:
+                        self.attempt(block, m)
                     self.exits.append(self.path(home))
                     self.leave(home)
                     self.enter(home, target)
@@ -54,40 +56,43 @@ class Witness(Reference):
                     return t.kind == "exit"
                 self.seen[path, id_] = "unknown-destination"
             else:
-                false = "delay-not-over" if isinstance(t.trigger, Delay) else "condition-false"
+                false = "delay-not-over" if self.waits else "condition-false"
                 self.seen[path, id_] = self.fault or false
         for block in m.state.running:
-            self.attempt(block, m.scope)
+            self.attempt(block, m)
         for n in list(m.inside):
             if self.tick(n):
                 break
         return False
 
     def enabled(self, t, m):
-        if isinstance(t.trigger, Occurrence):
-            around = m
-            while around is not None and not find(around.machine.events, t.trigger.event):
-                around = around.home
-            if around is None and not find(self.program.events, t.trigger.event):
+        self.waits = False
+        if isinstance(t.trigger, Occurrence) and self.event(t.trigger.event, m) is None:
+            self.fault = "unknown-event"
+            return False
+        if isinstance(t.trigger, InState):
+            states = [state for state in m.machine.states if t.leaves(state.name)]
+            found = [self.spawnable(t.trigger.machine, m, find(states, state.name)) for state in states]
+            if not any(each and find(each[0].states, t.trigger.state) for each in found):
                 self.fault = "unknown-event"
                 return False
-        self.value = 0
-        holds = super().enabled(t, m)
-        if isinstance(t.trigger, Delay) and self.fault != "raised":
-            delay = self.value
-            number = isinstance(delay, Real) and not isinstance(delay, bool) and delay == delay
-            self.fault = None if number else "raised"
-        return holds
+        return super().enabled(t, m)
 
-    def run(self, block, scope):
+    def is_over(self, delay, m, since):
+        self.value = 0
+        over = super().is_over(delay, m, since)
+        number = isinstance(self.value, Real) and not isinstance(self.value, bool)
+        self.fault, self.waits = None if number and self.value == self.value else "raised", not over
+        return over
+
+    def run(self, block, m, place=None):
         try:
-            value = super().run(block, scope)
+            value = super().run(block, m, place)
         except Skip:
             self.fault = "raised"
             raise
         self.value = value
-        if not isinstance(value, bool):
-            self.fault = "not-boolean"
+        self.fault = None if isinstance(value, bool) else "not-boolean"
         return value
 
     def read(self, name, scope):
@@ -101,7 +106,7 @@ class Witness(Reference):
     def code(self, path, machine, state, number):
         t, id_ = machine.transitions[number], machine.ids[number]
         if not t.leaves(state.name):
-            return self.not_there(machine, t, "source-inactive")
+            return self.not_there(machine, t, "source-inactive", path)
         if (path, id_) in self.seen:
             return self.seen[path, id_]
         if path in self.done:
@@ -109,9 +114,11 @@ class Witness(Reference):
         home = next(home for home in self.exits if path[: len(home)] == home)
         return "exit-took-parent" if self.by_exit(home, path) else "outer-fired"
 
-    def not_there(self, machine, t, code):
+    def not_there(self, machine, t, code, path=None):
         """The reason of a transition whose source was not active when the tick began."""
-        entered = any(each is machine and t.leaves(name) for each, name in self.entered)
+        entered = any(
+            each is machine and path in (None, where) and t.leaves(name) for where, each, name in self.entered
+        )
         return "just-entered" if entered else code
 
     def by_exit(self, home, path):
@@ -133,18 +140,27 @@ def test_the_reason_is_the_one_that_was_seen(text, lights):
             robot.light = light
             each.step(tick / 10)
         known = {each[0]: each for each in witness.begun}
-        by_definition = {}
+        instances = {}
         for machine in i.history.state(tick + 1, before=True).walk():
-            by_definition[machine.state[:-1]] = machine.path
+            instances.setdefault(machine.state[:-1], []).append(machine.path)
         expected.append({})
         for where, scope in resolve(i.program).by_path.items():
-            path, machine = by_definition.get(where), scope.noun
+            machine = scope.noun
             for number, id_ in enumerate(machine.ids if machine else ()):
-                code = witness.not_there(machine, machine.transitions[number], "machine-not-running")
-                if path is not None:
-                    code = witness.code(*known[path], number)
-                expected[-1][Element("transition", (*where, id_))] = code
+                element = Element("transition", (*where, id_))
+                for path in instances.get(where, ()):
+                    expected[-1][element, path] = witness.code(*known[path], number)
+                if where not in instances:
+                    t = machine.transitions[number]
+                    expected[-1][element, None] = witness.not_there(machine, t, "machine-not-running")
     for tick, each in enumerate(expected, 1):
-        for element, code in each.items():
-            found = cause_in(i.history.state(tick, before=True), i.history.facts(tick), element).code
+        before, after, facts = (
+            i.history.state(tick, before=True),
+            i.history.state(tick),
+            i.history.facts(tick),
+        )
+        for (element, path), code in each.items():
+            machine = path and after.machine(element.path[:-1], path)
+            holds = bool(machine) and element.path[-1] in machine.holding
+            found = cause_in(before, facts, element, path, holds=holds).code
             assert (found, found in EXPLANATIONS["transition"]) == (code, True), f"{element} in tick {tick}"
