@@ -16,7 +16,7 @@ from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Context, Edge, Row, bind_block, chained
+from lrp_jupyter.interpreter.tree import Activation, Edge, Row, bind_block, chained
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.program import Path, path_text
@@ -84,7 +84,7 @@ def force(run: Run, where: Path, how: How, edge: Edge | None = None) -> StatePla
     before = len(run.events)
     if edge is not None:
         for block in edge.plan.effect:
-            run.attempt(bind_block(run, block, Context.of(edge.act)), block.site, edge.act)
+            run.attempt(bind_block(run, block, edge.act), block.site, edge.act)
     target = _go(run, where, blocks=how != "teleport")
     if run.observers:
         run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))

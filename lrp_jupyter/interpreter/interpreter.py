@@ -51,7 +51,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Context, Count, Edge, bind_block, chained
+from lrp_jupyter.interpreter.tree import Activation, Count, Edge, bind_block, chained
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
 from lrp_jupyter.language.blocks.expressions import Evaluation
@@ -772,7 +772,7 @@ class Interpreter:
     def _between(self, blocks: tuple[BlockPlan, ...]) -> None:
         run = self._run
         for block in blocks if run.roots else ():
-            run.attempt(bind_block(run, block, Context.of(run.globals)), block.site, run.globals)
+            run.attempt(bind_block(run, block, run.globals), block.site, run.globals)
 
     def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
         """Log that a command was applied, unless the previous one was the same."""

@@ -179,7 +179,7 @@ class Run:
         if self.issues.is_open(edge.site[:2], act):
             self.recovered(edge.site, act, True)
         old, new, element = edge.home.row, self.row(edge.home, edge.target), plan.site.element
-        edge.leaving = bind_actions(self, act, plan.effect, Context.of(act), old.departing)
+        edge.leaving = bind_actions(self, act, plan.effect, act, old.departing)
         label, source = edge.plan.label, edge.source
         edge.fact = Fired(element, label, edge.path, source.name, new.place, new.path)
         edge.enabled = Enabled(element, label, edge.path, source.path)
@@ -312,8 +312,9 @@ class Run:
     def is_running(self, machine: MachinePlan, parent: Activation | None) -> bool:
         """Return whether a machine runs where it would be spawned: beside, or around itself."""
         beside = self.roots if parent is None else parent.children
-        if any(each.machine is machine for each in beside):
-            return True
+        for each in beside:
+            if each.machine is machine:
+                return True
         while parent is not None and parent.machine is not machine:
             parent = parent.parent
         return parent is not None
@@ -367,7 +368,7 @@ class Run:
         source = setting or variable
         initial = source.initial
         try:
-            slot.cell.cell_contents = bind_block(self, initial, Context(home, home.visible, home))()
+            slot.cell.cell_contents = bind_block(self, initial, home)()
         except BaseException as error:
             self.fault(initial.site, error, home)
             slot.captured = meant(initial.reads, home.visible)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from numbers import Real
 from types import CellType, CodeType
@@ -62,8 +62,12 @@ _NONE: Mapping[str, Any] = {}
 
 
 class Environment:
-    """Variables by name: `own` are those of its machine, `visible` are all that its blocks can access."""
+    """Variables by name: `own` are those of its machine, `visible` are all that its blocks can access.
 
+    It is also the context of its own blocks.
+    """
+
+    leaving = False
     __slots__ = ("children", "entered", "lost", "outer", "own", "parent", "path", "place", "visible")
 
     def __init__(
@@ -78,13 +82,18 @@ class Environment:
         self.visible = visible
         self.outer = outer  # the environment around it in the text
         self.parent = parent  # the machine whose active state has spawned it
-        self.place = (
-            place  # of the active state, by definition: the journal keeps it, because it suits any plan
-        )
+        self.place = place  # of the active state, by definition: it suits any plan, so the journal keeps it
         self.entered = 0.0  # when that was entered; at the top level, when the program started
         self.children: tuple[Activation, ...] = ()
         self.own: dict[str, Slot] = {}
         self.lost: Mapping[str, Slot] = _NONE  # removed variables: functions may still refer to their cells
+
+    @property
+    def home(self) -> Environment:
+        """Itself: its own blocks are in its scope."""
+        return self
+
+    at = home
 
     @property
     def defined(self) -> Path:
@@ -344,18 +353,16 @@ class Context:
     at: Environment
     leaving: bool = False
 
-    @classmethod
-    def of(cls, home: Environment) -> Context:
-        """Return the scope of a machine's own blocks."""
-        return cls(home, home.visible, home)
+
+BlockScope = Context | Environment
 
 
-def bind_code(run: _Host, code: CodeType, scope: Context) -> Call:
+def bind_code(run: _Host, code: CodeType, scope: BlockScope) -> Call:
     """Bind a compiled block to variables; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind(run, code, scope))
 
 
-def _bind(run: _Host, code: CodeType, scope: Context) -> tuple[Call, CellType | None]:
+def _bind(run: _Host, code: CodeType, scope: BlockScope) -> tuple[Call, CellType | None]:
     """Bind a compiled block to variables; return it, and a cell that it writes without logging it."""
     visible = scope.visible
     cells = {name: visible[name].cell for name in code.co_freevars if name in visible}
@@ -379,14 +386,14 @@ def _bind(run: _Host, code: CodeType, scope: Context) -> tuple[Call, CellType | 
     return call, cell
 
 
-def _provided(run: _Host, name: str, scope: Context) -> CellType:
+def _provided(run: _Host, name: str, scope: BlockScope) -> CellType:
     """Return the cell of a free variable that is no variable of the program."""
     if not name_of_cell(name):
         return CellType()
     return CellType(ComputedName(run, name, scope.home, scope.at, scope.leaving))
 
 
-def provided(run: _Host, name: str, scope: Context) -> Call | None:
+def provided(run: _Host, name: str, scope: BlockScope) -> Call | None:
     """Return the function that computes what a name means in a scope; None if it is no such name."""
     if name in TIMES or owner_of_event(run.plan, scope.home, name) is not None:
         return ComputedName(run, value_cell(name), scope.home, scope.at, scope.leaving)
@@ -416,24 +423,24 @@ def _logged(run: _Host, call: Call, cell: CellType | None) -> Call:
     return block
 
 
-def bind_block(run: _Host, plan: BlockPlan, scope: Context) -> Call:
+def bind_block(run: _Host, plan: BlockPlan, scope: BlockScope) -> Call:
     """Bind a block outside a state's actions; the cells that it writes are logged before it runs."""
     return _logged(run, *_bind_block(run, plan, scope))
 
 
-def _bind_block(run: _Host, plan: BlockPlan, scope: Context) -> tuple[Call, CellType | None]:
+def _bind_block(run: _Host, plan: BlockPlan, scope: BlockScope) -> tuple[Call, CellType | None]:
     """Bind a block to variables; if it has an open issue, the next run without a fault resolves it."""
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
     call, cell = _bind(run, plan.code, scope)
-    return watched(run, plan.site, scope.at, call), cell
+    return (watched(run, plan.site, scope.at, call) if run.issues.open_blocks else call), cell
 
 
 def bind_actions(
     run: _Host,
     act: Activation,
     plans: tuple[BlockPlan | SpawnPlan, ...],
-    scope: Context,
+    scope: BlockScope,
     following: Action | None = None,
 ) -> Action | None:
     """Bind actions to an activation, in order before those that follow."""
@@ -462,11 +469,13 @@ def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
 
 def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
     """Bind the blocks and transitions of `state` to `act`."""
-    edge, scope = None, Context(act, act.visible, act)
+    edge = None
     for plan in reversed(state.edges):
         edge = Edge(run, act, state, plan, edge)
-    departing = None
+    departing: Action | None = None
+    leaving: BlockScope = act
     if state.departs:
+        leaving = Context(act, act.visible, act, leaving=True)
         departing = Action(
             partial(run.depart, act), Site(Element("state", state.path), -1, 0), act, None, None
         )
@@ -475,9 +484,11 @@ def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
         (*act.path, state.name),
         run.count(Element("state", state.path)),
         edge,
-        bind_actions(run, act, state.onentry, scope),
-        bind_actions(run, act, state.running, scope),
-        bind_actions(run, act, state.onexit, replace(scope, leaving=True) if state.departs else scope),
+        bind_actions(run, act, state.onentry, act),
+        bind_actions(run, act, state.running, act),
+        bind_actions(
+            run, act, state.onexit, Context(act, act.visible, act, leaving=True) if state.departs else act
+        ),
         departing,
     )
 
@@ -506,14 +517,14 @@ def _occurs(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Ca
     assert isinstance(edge.test, EventPlan)
     event = edge.test
     owner = act.around(event.owner)
-    call = bind_block(run, event.block, Context(owner, owner.visible, act))
+    call = bind_block(run, event.block, act if owner is act else Context(owner, owner.visible, act))
     values = run.event_values
     return call if values is None else noted(values, event.block.site.element.path, call)
 
 
 def _holds(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, BlockPlan)
-    return bind_block(run, edge.test, Context.of(act))
+    return bind_block(run, edge.test, act)
 
 
 def _is_in_state(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:
@@ -555,9 +566,7 @@ def _over(
     if isinstance(plan, Broken):
         read = broken(plan)
     elif isinstance(plan, BlockPlan):
-        read = (
-            broken(plan.code) if isinstance(plan.code, Broken) else bind_code(run, plan.code, Context.of(act))
-        )
+        read = broken(plan.code) if isinstance(plan.code, Broken) else bind_code(run, plan.code, act)
     else:
         read = _reader(str(amount), act.visible[str(amount)].cell)
 

@@ -13,7 +13,6 @@ from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import (
     Activation,
     Call,
-    Context,
     Environment,
     bind_code,
     is_boolean,
@@ -161,7 +160,7 @@ def _bound(run: Run, block: Block, environment: Environment, filename: str, name
         frozenset([word for word in words & events if word in TIMES or scope.owner("event", word)]),
         frozenset([word for word in words & machines if scope.machines_called(word)]),
     )
-    return bind_code(run, code, Context.of(environment))
+    return bind_code(run, code, environment)
 
 
 class BlockTest:
