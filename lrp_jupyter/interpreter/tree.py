@@ -486,9 +486,7 @@ def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
         edge,
         bind_actions(run, act, state.onentry, act),
         bind_actions(run, act, state.running, act),
-        bind_actions(
-            run, act, state.onexit, Context(act, act.visible, act, leaving=True) if state.departs else act
-        ),
+        bind_actions(run, act, state.onexit, leaving),
         departing,
     )
 
