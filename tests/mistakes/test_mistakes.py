@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from lrp_jupyter.language.reading.tokens import KEYWORDS
+
 from . import inside, outside  # noqa: F401  (register their kinds)
 from .measure import new_findings, score, shares
 from .planting import PER_KIND, corpus
@@ -24,7 +26,7 @@ def test_there_are_mistakes_of_many_kinds_in_many_programs():
 
 def test_the_programs_have_every_form_of_the_language():
     keywords = {form.keyword for source in sources() for form in source.forms}
-    assert len(keywords) == 14
+    assert keywords == KEYWORDS
 
 
 @pytest.mark.parametrize(

@@ -56,9 +56,10 @@ def breakpoint_of(
 
 
 def _inside(program: Program, wanted: Path, machine: Path) -> tuple[Path, ...] | None:
-    """Return the states around the instance of a machine that is wanted by its path as spawned, if it is."""
+    """Return the states around the instance of a machine that is wanted by its path as spawned, if any."""
     names = resolve(program)
-    return names.around(wanted) if wanted != machine and names.defined(wanted) == machine else None
+    is_place = wanted != machine and names.defined(wanted) == machine
+    return names.around(wanted) if is_place and len(names.places(machine)) > 1 else None
 
 
 class Breakpoints:
