@@ -13,7 +13,7 @@ from prose import bold, links, minutes, named_in_the_lab, prose, solution
 from stored import NOTEBOOKS, WIDGET, Node, data_of, opened_program, paths, read, sources, texts_of
 from support.tables import every
 
-from lrp_jupyter.language.checks import CODES
+from lrp_jupyter.language.checks import CODES, check
 from lrp_jupyter.language.deviations import DEVIATIONS
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program, Spawn, State
@@ -27,6 +27,7 @@ ALL = paths()
 LESSONS = [path for path in ALL if path.parent == NOTEBOOKS]
 TEACHERS = NOTEBOOKS / "teachers"
 REFERENCE = NOTEBOOKS / "reference" / "language.ipynb"
+PATTERNS = NOTEBOOKS / "reference" / "patterns.ipynb"
 all_notebooks = every("path", ALL)
 all_lessons = every("path", LESSONS)
 
@@ -270,17 +271,21 @@ def reference() -> Node:
     return read(REFERENCE)
 
 
-@pytest.fixture(scope="module")
-def examples(reference: Node) -> list[Program]:
-    """The programs of the reference that run."""
-    texts = [
+def _programs(notebook: Node) -> list[str]:
+    """The programs that the Python of a notebook holds."""
+    return [
         node.value
-        for source in sources(reference, "code")
+        for source in sources(notebook, "code")
         for node in ast.walk(ast.parse(source))
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and "(machine" in node.value
     ]
+
+
+@pytest.fixture(scope="module")
+def examples(reference: Node) -> list[Program]:
+    """The programs of the reference that run."""
     found = []
-    for text in texts:
+    for text in _programs(reference):
         try:
             found.append(parse(text))
         except Exception:  # an example of a mistake
@@ -362,3 +367,23 @@ def test_the_examples_of_the_reference_use_the_whole_grammar(examples: list[Prog
     assert any(program.onresume for program in examples)
     assert all(any(getattr(state, part) for state in states) for part in ("onentry", "running", "onexit"))
     assert any(state.machines for state in states)
+
+
+# -- patterns ------------------------------------------------------------------------------------
+
+
+def test_every_pattern_says_when_what_to_try_its_limit_and_which_program_has_it():
+    text = prose(read(PATTERNS))
+    rows = re.findall(r"^\| \[([^]]+)\]\(#.*\| (.+) \|$", text, re.MULTILINE)
+    assert len(rows) == 7
+    for name, programs in rows:
+        section = text.partition(f"\n## {name}\n")[2].partition("\n## ")[0]
+        parts = re.findall(r"^\*(\w+)\.\* (.*)", section, re.MULTILINE)
+        assert [part for part, _ in parts] == ["When", "Try", "Limit", "Bundled"], name
+        assert set(re.findall(r"`([\w-]+)`", programs)) <= set(bundled())
+        assert re.findall(r"`([\w-]+)`", parts[-1][1])[0] in programs
+
+
+@every("text", _programs(read(PATTERNS)))
+def test_a_program_of_the_patterns_has_no_findings(text: str):
+    assert check(text) == ()
