@@ -24,11 +24,11 @@ from lrp_jupyter.grading.criteria import (
 from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.language.blocks.block import words_of
 from lrp_jupyter.language.blocks.builtin_names import TIMES
-from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Spawn
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.running.checking import check
 from lrp_jupyter.live.running.frame import is_active
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import load as load_world

@@ -165,6 +165,18 @@ def test_the_directions_of_a_robots_sensors_are_known() -> None:
         assert session.issues[0].message == sensor
 
 
+def test_another_robot_is_a_value_and_neither_its_sensors_nor_a_condition_are() -> None:
+    program = "; world: convoy\n(machine m (var me := [{}]) (state a) (state b) (on [{}] a -> b)) (spawn m a)"
+
+    def found(value: str, condition: str) -> list[str]:
+        return [each.code for each in check(program.format(value, condition))]
+
+    assert found("robot.follower", "me.bumper.data == 1") == []
+    assert found("robot.follower.odom", "me.x > 1") == ["LRP522"]
+    assert found("robot", "robot.follower") == ["LRP522"]
+    assert found("robot", "robot.follower < 1") == ["LRP522"]
+
+
 # For which robot?
 
 

@@ -127,6 +127,8 @@ def _part(use: NameUse, members: RobotMembers, path: str, is_condition: bool) ->
         assert use.call is not None
         fix = replace(use.call.brackets, f".{data}", f"Change to `robot.{path}.{data}`") if data else None
         return Remedied("LRP522", use.span, what, fix if not use.call.arguments else None)
+    if use.role == "value" and not is_condition and set(known) <= set(members.inside("")):
+        return None  # another robot, which a variable can hold
     if use.role in _USED:
         fix = Fix(f"Insert `.{data}`", (Edit(end, end, f".{data}"),)) if data else None
         return Remedied("LRP522", use.span, what, fix)
