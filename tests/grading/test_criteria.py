@@ -20,12 +20,14 @@ from lrp_jupyter.grading.criteria import (
     never_pushes,
     not_carried,
     pushes,
+    reused,
     slows_to,
     stops_at,
     visits,
     within,
 )
 from lrp_jupyter.grading.run_record import RunRecord, at_start
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, FloorSpec, PathStroke, RobotSpec, World
 
 WORLD = World(
@@ -54,6 +56,9 @@ def run(seconds, *, v=0.0, w=0.0, **changes):
         record.samples.append(sample._replace(**now))
         x, heading = x + linear / 10, heading + angular / 10
     return record
+
+
+IN_A, IN_B = ((("m", state, "part", "on"),) for state in "ab")
 
 
 def touching(*spans):
@@ -119,6 +124,9 @@ TABLE = [
     (slows_to(0.5), run(6, v=lambda t: 0.2 if t < 3 else 0.1), 0, "it drives at 0.10 m/s"),
     (drives_on(0.5), run(6, v=0.2, version=lambda t: t > 3), 1, "58 cm after the edit"),
     (drives_on(0.5), run(6, v=0.2), 0, "0 cm after the edit"),
+    (reused("part"), run(1, active=lambda t: IN_A if t < 0.5 else IN_B), 1, "`part` ran in `a` and in `b`"),
+    (reused("part"), run(1, active=IN_A), 0.5, "`part` ran in `a` only"),
+    (reused("part"), run(1, active=(("part", "on"),)), 0, "`part` never ran"),
     (pushes("box", "there", 2), run(3), 1, "still for 3.0 s"),
     (pushes("box", "here", 2), run(3), 0, "the box is at x = 3.00 m"),
     (not_carried(), run(3, v=0.5), 1, "it drove by itself"),
@@ -140,3 +148,14 @@ def test_a_criterion_says_the_same_when_it_is_asked_after_every_tick(criterion, 
         growing.samples.append(sample)
         last = criterion.judge(growing)
     assert last == criterion.judge(RunRecord(WORLD, record.samples))
+
+
+def test_a_machine_that_is_written_twice_is_not_reused():
+    record = run(1, active=lambda t: IN_A if t < 0.5 else IN_B)
+    record.programs.append(parse("(machine m (state a) (state b)) (machine part (state on))"))
+    assert reused("part").missing(record) is None
+    part = "(machine part (state on))"
+    record.programs.append(parse(f"(machine m (state a {part}) (state b {part}))"))
+    assert reused("part").missing(record) == "there are 2 machines `part`"
+    record.programs.append(parse("(machine m (state a))"))
+    assert reused("part").missing(record) == "there is no machine `part`"

@@ -5,14 +5,19 @@ from lrp_jupyter.grading.bundled.boxes import PUSH_THE_BOX
 from lrp_jupyter.grading.bundled.bumping import BUMP_AND_STAY, BUMP_AND_TURN, BUMP_OUT, LAMP
 from lrp_jupyter.grading.bundled.editing import EDIT_IT_LIVE, SAFE_EDITS
 from lrp_jupyter.grading.bundled.exploring import EDGE_GUARD, LOOK_BOTH_WAYS, MAZE
-from lrp_jupyter.grading.bundled.lines import FIND_THE_LINE, FOLLOW_THE_LINE, STOP_AT_THE_LINE
+from lrp_jupyter.grading.bundled.lines import (
+    FIND_THE_LINE,
+    FOLLOW_THE_LINE,
+    STOP_AT_THE_LINE,
+    STOP_AT_THE_WIDE_LINE,
+)
 from lrp_jupyter.grading.bundled.returning import (
     DEBUG_THE_LISTING,
     LAP,
     ROBUST_FOLLOWER,
     THERE_AND_BACK,
 )
-from lrp_jupyter.grading.bundled.squares import LAMP_AND_LEGS, SQUARE
+from lrp_jupyter.grading.bundled.squares import LAMP_AND_LEGS, SQUARE, TWO_SQUARES
 from lrp_jupyter.grading.bundled.walls import KEEP_ALONG, WALL_FOLLOWER
 
 __all__ = ["BUNDLED"]
@@ -24,6 +29,7 @@ BUNDLED = (
     BUMP_AND_TURN,
     LAMP,
     SQUARE,
+    STOP_AT_THE_WIDE_LINE,
     STOP_AT_THE_LINE,
     FIND_THE_LINE,
     LOOK_BOTH_WAYS,
@@ -35,6 +41,7 @@ BUNDLED = (
     ROBUST_FOLLOWER,
     LAMP_AND_LEGS,
     SAFE_EDITS,
+    TWO_SQUARES,
     KEEP_ALONG,
     WALL_FOLLOWER,
     EDGE_GUARD,

@@ -18,6 +18,7 @@ from lrp_jupyter.grading.criteria import (
     sees_line,
     visits,
 )
+from lrp_jupyter.grading.criteria.order import longest
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.sim.floor import distance_to
 from lrp_jupyter.sim.world import (
@@ -44,6 +45,23 @@ def _line_after(metres: float) -> World:
         robots=(RobotSpec((0.5, 1, 0)),),
         zones={"at the line": BoxZone((line, 1, 0.25, 1.2))},
     )
+
+
+def _thin_and_wide(name: str, thin: tuple[float, ...], wide: float) -> World:
+    """Return a world with lines across the robot's way, of which only one is wide; x in metres."""
+    strokes = tuple(_across(x, PathStroke(()).width) for x in thin)
+    sensor = RobotSpec((0, 0, 0)).light[0][0]
+    return World(
+        name=name,
+        size=(3.6, 2),
+        floor=FloorSpec(strokes=(*strokes, _across(wide, _WIDE))),
+        robots=(RobotSpec((0.4, 1, 0)),),
+        zones={"wide line": BoxZone((wide - sensor, 1, _WIDE + 0.06, 1))},
+    )
+
+
+def _across(x: float, width: float) -> PathStroke:
+    return PathStroke(((x, 0.6), (x, 1.4)), width)
 
 
 def _line_beside(name: str, *ends: Point) -> World:
@@ -112,6 +130,32 @@ def _did_not_stop(run: RunRecord) -> Iterator[str]:
     yield from never_saw_the_line(run)
 
 
+def _stopped_at_another(run: RunRecord) -> Iterator[str]:
+    wide, last = run.world.zones["wide line"], run.samples[-1]
+    black = run.last(lambda sample: sees_line(sample) and sample.time <= run.still_since + 1e-6)
+    if run.stood < 2:
+        seconds = longest(run, lambda now, before: sees_line(now) and sees_line(before), "sees black")
+        if seconds:
+            yield (
+                f"The robot drove over the wide line. Its light sensor saw black for {seconds:.1f} s there:"
+                " the condition must not have to hold for longer than that."
+            )
+    elif black and not wide.contains(last.x, last.y):
+        if run.still_since - black.time < 0.3:
+            yield (
+                f"The robot stopped after {run.still_since:.1f} s, on a thin line. Its light sensor sees a"
+                " thin line for a moment, and the wide one for longer. With `for 500`, a transition fires"
+                " when its condition has held for half a second."
+            )
+        else:
+            yield (
+                f"The robot stopped after {run.still_since:.1f} s, where there is no line. The lines are"
+                " elsewhere in each world, and there are not equally many: let the light sensor decide."
+            )
+    yield from _stopped_before(run)
+    yield from never_saw_the_line(run)
+
+
 def _did_not_find_it(run: RunRecord) -> Iterator[str]:
     yield from _drove_over(run)
     turned, seen = run.turned.total, run.first(sees_line)
@@ -143,6 +187,7 @@ def _did_not_follow(run: RunRecord) -> Iterator[str]:
 
 _NEAR = near_line(0.12)
 _LINE = PathStroke(()).width  # m
+_WIDE = 0.2  # m
 
 STOP_AT_THE_LINE = Challenge(
     "stop at the line",
@@ -153,6 +198,21 @@ STOP_AT_THE_LINE = Challenge(
     (_did_not_stop,),
     noise={"motor": 0.02},
     starter=starter("stop at the line"),
+)
+
+STOP_AT_THE_WIDE_LINE = Challenge(
+    "stop at the wide line",
+    "Drive over the thin lines, and stop on the wide one.",
+    (
+        _thin_and_wide("three thin lines", (0.8, 1.1, 1.4), 2.0),
+        _thin_and_wide("five thin lines", (0.7, 0.9, 0.97, 1.5, 1.9), 2.6),
+        _thin_and_wide("a thin line before and after", (0.9, 2.0), 1.4),
+    ),
+    (visits("wide line"), ends_in("wide line"), ends_still(2)),
+    30,
+    (_stopped_at_another,),
+    noise={"motor": 0.02},
+    starter=starter("stop at the wide line"),
 )
 
 FIND_THE_LINE = Challenge(

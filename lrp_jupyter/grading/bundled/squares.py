@@ -8,7 +8,14 @@ from itertools import pairwise
 
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import blinks, drives_straight, ends_in, ends_still, visits
+from lrp_jupyter.grading.criteria import (
+    blinks,
+    drives_straight,
+    ends_in,
+    ends_still,
+    reused,
+    visits,
+)
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.language.program import Block, Program
 from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
@@ -26,7 +33,24 @@ def _square() -> World:
     return World(name="square", size=(2.6, 1.8), robots=(RobotSpec((1.0, 0.6, 0)),), zones=zones)
 
 
+def _two_squares() -> World:
+    """Return a world with zones at the corners of a square to the left, and of a smaller one to the right."""
+    x, y = 1.0, 1.1
+    corners = {"home": (x, y)}
+    for side, length in (("left", 0.6), ("right", -0.3)):
+        corners |= {
+            f"{side} 1": (x + abs(length), y),
+            f"{side} 2": (x + abs(length), y + length),
+            f"{side} 3": (x, y + length),
+        }
+    zones = {name: CircleZone((*at, 0.15)) for name, at in corners.items()}
+    return World(name="two squares", size=(2.4, 2.2), robots=(RobotSpec((x, y, 0)),), zones=zones)
+
+
 _STRAIGHT = drives_straight(0.8)
+_ON_THE_LEFT = visits("left 1", "left 2", "left 3", "home")
+_ON_THE_RIGHT = visits("left 3", "right 1", "right 2", "right 3", "home")
+_REUSED = reused("square")
 _CORNERS = visits("first corner", "second corner", "third corner", "home")
 
 
@@ -97,6 +121,33 @@ def _other_corner(run: RunRecord) -> Iterator[str]:
         )
 
 
+def _drove_other_squares(run: RunRecord) -> Iterator[str]:
+    left, right = run.turned
+    missed = _ON_THE_LEFT.missing(run) or _ON_THE_RIGHT.missing(run)
+    if left >= 330 and run.stood > 1 and left + right < 400:
+        yield (
+            f"The robot stopped after {run.still_since:.1f} s, after its first square. `square` is `done`"
+            " then: `(on square.done left -> right)` can lead to a second state, which spawns `square` again."
+        )
+    if left >= 450 and right < 45:
+        yield (
+            f"The robot turned {left:.0f}° to the left and {right:.0f}° to the right. Give `square` a"
+            " variable for the speed at which it turns, `(var turn := [1])`, and the second spawn another"
+            " value: `(spawn square side (var turn := [-1]))`."
+        )
+    if not missed and (reason := _REUSED.missing(run)):
+        yield (
+            f"Both squares are there, but {reason}. Spawn one machine `square` in both states, the second"
+            " time with other values: `(spawn square side (var turn := [-1]))`."
+        )
+    if missed:
+        yield (
+            f"The robot missed a corner: {missed}. Altogether it drove {run.driven:.2f} m, turned {left:.0f}°"
+            f" to the left and {right:.0f}° to the right. At 0.2 m/s, a side of 60 cm takes 3000 ms, and one"
+            " of 30 cm 1500 ms."
+        )
+
+
 def _blinked_wrongly(run: RunRecord) -> Iterator[str]:
     times = [now.time for before, now in pairwise(run.samples) if now.lamp != before.lamp]
     phases = [after - before for before, after in pairwise(times)]
@@ -131,6 +182,19 @@ SQUARE = Challenge(
     noise={"motor": 0.02},
     seeds=3,
     starter=starter("square"),
+)
+
+TWO_SQUARES = Challenge(
+    "two squares",
+    "Drive a square with sides of 60 cm to the left, then one with sides of 30 cm to the right, and stop"
+    " where it began. The machine `square`, which is written once, drives both.",
+    (_two_squares(),),
+    (_ON_THE_LEFT, _ON_THE_RIGHT, _REUSED, ends_in("home"), ends_still(1)),
+    60,
+    (_drove_other_squares,),
+    noise={"motor": 0.02},
+    seeds=3,
+    starter=starter("two squares"),
 )
 
 LAMP_AND_LEGS = Challenge(

@@ -43,6 +43,7 @@ from lrp_jupyter.grading.criteria.program_rules import (
     enters,
     never_restarts,
     no_faults,
+    reused,
     slows_to,
 )
 
@@ -79,6 +80,7 @@ __all__ = [
     "not_carried",
     "on_line",
     "pushes",
+    "reused",
     "sees_line",
     "slows_to",
     "stays_in",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.run_record import RunRecord, Sample
+from lrp_jupyter.language.program import Path
 
 _SPAN = 2.0  # s, over which a speed is measured
 
@@ -18,6 +19,37 @@ def enters(state: str) -> Criterion:
         return Found(bool(found), f"entered after {found.time:.1f} s" if found else "never entered")
 
     return Criterion(f"enters the state `{state}`", judge, "once", needs_motion=False)
+
+
+def reused(machine: str, states: int = 2) -> Criterion:
+    """Require that a machine runs in so many states, and that the program has only one of that name."""
+
+    def judge(run: RunRecord) -> Found:
+        def step(so_far: frozenset[Path], now: Sample, _: Sample) -> frozenset[Path]:
+            new = {
+                path[:index]
+                for path in now.active
+                for index in range(2, len(path), 2)
+                if path[index] == machine and path[:index] not in so_far
+            }
+            return so_far | new if new else so_far
+
+        nothing: frozenset[Path] = frozenset()
+        users = sorted(path[-1] for path in run.fold(step, nothing, ("states that run", machine)))
+        programs = run.programs[-1:]
+        written = sum(path[-1] == machine for program in programs for path, _ in program.walk())
+        if programs and written != 1:
+            many = f"{written} machines" if written else "no machine"
+            return Found(0, f"there {'are' if written else 'is'} {many} `{machine}`")
+        where = " and in ".join(f"`{state}`" for state in users)
+        only = " only" if len(users) < states else ""
+        return Found(
+            len(users) / states, f"`{machine}` ran in {where}{only}" if users else f"`{machine}` never ran"
+        )
+
+    several = {2: "two"}.get(states, states)
+    sentence = f"runs `{machine}`, which is written once, in {several} states"
+    return Criterion(sentence, judge, "once", needs_motion=False)
 
 
 def edited(times: int = 1) -> Criterion:
