@@ -272,6 +272,71 @@ def test_between_its_turns_the_zigzag_moves_by_two_centimetres_in_two_millisecon
         assert 0.015 < math.dist(before[:2], after[:2]) < 0.022
 
 
+def _pushing(seconds: float) -> Typist:
+    """Let the knocker drive to the edge, and push there."""
+    knocker = Typist(ZIGZAG, "knocker", seconds=1)
+    while not knocker.session.bridge.robot.bumper.data:
+        knocker.runs(0.1)
+    return knocker.runs(seconds)
+
+
+def test_the_knocker_gives_up_when_it_has_pushed_for_five_seconds_without_a_break():
+    assert _pushing(4.5).comes_to("backing", 1)
+    knocker = _pushing(4.5).places(2.5, 1)
+    assert not knocker.comes_to("backing", 5)
+    assert knocker.comes_to("backing", 3)
+
+
+def test_another_condition_counts_from_its_edit_on():
+    assert "type ` == 1` after `robot.bumper.data`" in Typist(ZIGZAG).said
+    knocker = _pushing(4)
+    knocker.session.edit(knocker.session.text.replace("bumper.data", "bumper.data == 1"))
+    assert not knocker.comes_to("backing", 4.5)
+    assert knocker.comes_to("backing", 1)
+    assert knocker.restarts == 0
+
+
+def test_another_delay_counts_at_once():
+    knocker = _pushing(1.5)
+    assert knocker.is_active("driving")
+    assert knocker.types("1000", instead_of="5000").runs(0.2).is_active("backing")
+    assert knocker.restarts == 0
+
+
+def test_the_zigzag_begins_its_sides_slowly_and_ends_them_by_their_own_time():
+    zigzag = Typist(ZIGZAG)
+    assert zigzag.comes_to("corner")
+    old = "(running [robot.move(linear=0.2)])"
+    assert zigzag.session.text.count(old) == 1
+    zigzag.session.edit(zigzag.session.text.replace(old, old.replace("0.2", "min(0.2, 0.1 * elapsed)")))
+    assert "`min(0.2, 0.1 * elapsed)` instead of `0.2` in `straight`" in zigzag.said
+    assert zigzag.comes_to("straight")
+    speeds = [zigzag.runs(0.5).session.bridge.simulation.robot.command[0] for _ in range(3)]
+    assert 0 < speeds[0] < speeds[1] < speeds[2] < 0.2
+    by_time = "(ontime side straight -> corner)"
+    zigzag.types("(on [elapsed > 1] straight -> corner)", instead_of=by_time).comes_to("corner")
+    assert zigzag.comes_to("straight")
+    began = zigzag.session.frame.time
+    assert zigzag.comes_to("corner", 2)
+    assert 1 < zigzag.session.frame.time - began < 1.3
+
+
+def test_speed_times_time_is_the_angle_at_any_rate():
+    zigzag = Typist(ZIGZAG, seconds=1)
+    zigzag.types("(var turned := [0])", before="(var side")
+    turns = "(running [robot.move(angular=1.0)])"
+    assert "`[turned += 1.0 * dt]`" in zigzag.said
+    zigzag.session.edit(zigzag.session.text.replace(turns, f"{turns[:-1]} [turned += 1.0 * dt])"))
+    for rate in (10, 50):
+        zigzag.session.rate = rate
+        for _ in range(2):
+            zigzag.comes_to("corner")
+            zigzag.comes_to("straight")
+        zigzag.runs(0.2)
+        gyro = zigzag.session.bridge.robot.gyro.data
+        assert abs(float(zigzag.value("turned")) - gyro) < 0.1
+
+
 # -- 04: sensors ---------------------------------------------------------------------------------------
 
 EYES = "04-what-the-robot-sees"
@@ -317,6 +382,20 @@ def test_the_sentry_counts_its_turns_and_begins_with_0_each_time():
         assert sentry.runs(2.7).session.frame.variables["sentry", "looking", "look", "turns"] == "5"
         assert sentry.comes_to("driving")
         assert not sentry.session.frame.variables
+
+
+def test_the_state_and_the_variable_of_the_look_end_the_look():
+    sentry = Typist(SENTRY, seconds=1)
+    sentry.types("(on look.right looking -> driving)", instead_of="(ontime 2800 looking -> driving)")
+    assert sentry.comes_to("looking")
+    assert sentry.runs(0.5).is_active("looking")
+    assert sentry.comes_to("driving", 0.2)
+    sentry.types("[look.turns == 4]", instead_of="look.right")
+    assert sentry.comes_to("looking")
+    assert sentry.runs(2.0).is_active("looking")
+    assert sentry.comes_to("driving", 0.2)
+    assert sentry.restarts == 0
+    assert not sentry.session.issues
 
 
 def test_a_variable_outside_all_machines_counts_on():
@@ -389,6 +468,16 @@ def test_the_patrol_looks_around_and_ends_its_look_by_itself():
     assert patrol.comes_to("driving", 2)
     patrol.session.edit(patrol.session.text.replace("left -> driving", "left -> lookout"))
     assert "where there is no `lookout`" in patrol.messages
+
+
+def test_the_outer_machine_can_end_the_look_of_the_patrol():
+    patrol = Typist(PATROL, seconds=1)
+    patrol.types(LOOK, instead_of="(state waiting)").deletes("(exit [looks == 4] left -> driving)")
+    patrol.types("(on [look.looks == 4] waiting -> driving)", instead_of="(ontime 500 waiting -> driving)")
+    assert patrol.comes_to("waiting")
+    assert not patrol.comes_to("driving", 1.1)
+    assert patrol.comes_to("driving", 0.3)
+    assert not patrol.session.issues
 
 
 # -- 07: the line follower -----------------------------------------------------------------------------
@@ -600,3 +689,59 @@ def test_a_robot_stops_when_its_program_falls_silent_and_is_limited_when_it_is_t
     fast = _lorry(program.format("running", 15))
     fast.run(1)
     assert "limited" in fast.bridge.safety.notices[-1].text
+
+
+# -- 13: a machine used twice --------------------------------------------------------------------------
+
+DANCER = "13-a-machine-used-twice"
+TO_THE_RIGHT = "(spawn circle driving (var side := [-1]))"
+
+
+def _bend(dancer: Typist, state: str) -> float:
+    """Return how fast the robot turns in a circle."""
+    assert dancer.comes_to(state)
+    return dancer.runs(0.3).session.bridge.simulation.robot.command[1]
+
+
+def test_the_dancer_drives_an_eight_with_one_circle():
+    dancer = Typist(DANCER)
+    assert (_bend(dancer, "left"), _bend(dancer, "right"), _bend(dancer, "left")) == (0.8, -0.8, 0.8)
+    assert dancer.session.frame.variables["dancer", "left", "circle", "side"] == "1"
+    assert math.dist(dancer.session.bridge.simulation.robot.pose[:2], (1.5, 1)) < 0.2
+
+
+def test_an_edit_of_the_machine_counts_for_both_and_one_of_a_spawn_for_its_own_use():
+    dancer = Typist(DANCER, seconds=1).types("0.2", instead_of="0.25")
+    assert (_bend(dancer, "left"), _bend(dancer, "right")) == (1, -1)
+    smaller = "(spawn circle driving (var side := [-1]) (var radius := [0.1]))"
+    dancer.types(smaller, instead_of=TO_THE_RIGHT)
+    assert dancer.runs(0.1).session.bridge.simulation.robot.command[1] == -2
+    assert _bend(dancer, "left") == 1
+    dancer.types("[-0.5]", instead_of="[-1]")
+    assert dancer.comes_to("right")
+    before = dancer.session.bridge.robot.gyro.data
+    assert dancer.comes_to("left")
+    assert abs(before - dancer.session.bridge.robot.gyro.data - math.pi) < 0.3
+    assert dancer.restarts == 0
+
+
+def test_the_effect_counts_the_eights_and_takes_the_way_out():
+    dancer = Typist(DANCER, seconds=1).types("(var eights := [0])", after="(machine dancer")
+    back = "(on circle.done right -> left)"
+    dancer.types("(on circle.done right -> left (effect [eights += 1]))", instead_of=back)
+    assert dancer.restarts == 0
+    for eights in (1, 2):
+        assert dancer.comes_to("right")
+        assert dancer.comes_to("left")
+        assert dancer.value("eights") == eights
+    dancer.types("(var way := [0])", after="(machine circle")
+    dancer.types("(var last := [0])", after="(machine dancer")
+    assert "`[way += 0.2 * dt]`" in dancer.said
+    drives = "[robot.move(linear=0.2, angular=side * 0.2 / radius)]"
+    dancer.session.edit(dancer.session.text.replace(drives, f"{drives} [way += 0.2 * dt]"))
+    assert dancer.restarts == 1
+    dancer.types("(effect [eights += 1; last = circle.way])", instead_of="(effect [eights += 1])")
+    assert dancer.comes_to("right")
+    assert dancer.comes_to("left")
+    assert abs(dancer.value("last") - 2 * math.pi * 0.25) < 0.05
+    assert not dancer.session.issues
