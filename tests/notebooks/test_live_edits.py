@@ -745,3 +745,19 @@ def test_the_effect_counts_the_eights_and_takes_the_way_out():
     assert dancer.comes_to("left")
     assert abs(dancer.value("last") - 2 * math.pi * 0.25) < 0.05
     assert not dancer.session.issues
+
+
+def test_one_machine_drives_two_robots_each_with_its_own_speed_and_sensor():
+    pair = Typist(DANCER, "pair", seconds=1)
+
+    def speeds() -> list[float]:
+        return [robot.command[0] for robot in pair.session.bridge.simulation.robots]
+
+    assert speeds() == [0.2, 0.1]
+    assert pair.types("0.15", instead_of="0.2").runs(0.1).restarts == 0
+    assert speeds() == [0.15, 0.1]
+    pair.types("[0.3]", instead_of="[0.1]").runs(0.1)
+    assert speeds() == [0.15, 0.3]
+    backs = [pair.runs(0.1) and speeds() for _ in range(60)]
+    assert [0.15, -0.3] in backs
+    assert not pair.session.issues
