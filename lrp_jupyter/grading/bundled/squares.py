@@ -135,16 +135,21 @@ def _drove_other_squares(run: RunRecord) -> Iterator[str]:
             " variable for the speed at which it turns, `(var turn := [1])`, and the second spawn another"
             " value: `(spawn square side (var turn := [-1]))`."
         )
-    if not missed and (reason := _REUSED.missing(run)):
-        yield (
-            f"Both squares are there, but {reason}. Spawn one machine `square` in both states, the second"
-            " time with other values: `(spawn square side (var turn := [-1]))`."
-        )
     if missed:
         yield (
             f"The robot missed a corner: {missed}. Altogether it drove {run.driven:.2f} m, turned {left:.0f}°"
             f" to the left and {right:.0f}° to the right. At 0.2 m/s, a side of 60 cm takes 3000 ms, and one"
             " of 30 cm 1500 ms."
+        )
+    elif reason := _REUSED.missing(run):
+        yield (
+            f"Both squares are there, but {reason}. Spawn one machine `square` in both states, the second"
+            " time with other values: `(spawn square side (var turn := [-1]))`."
+        )
+    elif run.stood < 1:
+        yield (
+            f"The robot drove both squares, and was still driving after {run.seconds:.0f} s. Let no"
+            " transition lead out of the state with the second one."
         )
 
 
