@@ -37,7 +37,8 @@ describe("completion with the kernel", () => {
       doc.indexOf("]"),
       false,
     );
-    const store = { state: { bridge: { members: [{ name: "odom.x", kind: "property" }] }, members: {} } };
+    const bridge = { members: [{ name: "odom.x", kind: "property" }] };
+    const store = { state: { bridge, members: {}, instances: [], instance: "" } };
     const reply = { options: [{ label: "x" }, { label: "pose" }] };
     const ask = () => new Promise((resolve) => setTimeout(() => resolve(reply), delay));
     const result = complete(context, { ask, store } as unknown as Lab);

@@ -3,8 +3,10 @@
 import { EditorState, type Extension } from "@codemirror/state";
 import { closeHoverTooltips, hoverTooltip } from "@codemirror/view";
 import { outlineOf, treeOf } from "../language/lrp";
+import { machineOf } from "../language/paths";
 import { lookedAt } from "../parts/study";
 import type { HoverView } from "../protocol";
+import { addressed, placeOf, scopeOf, valuesOf } from "../session/instances";
 import type { Lab } from "../session/store";
 import { spark } from "../timeline/spark";
 import { h, prose } from "../ui/dom";
@@ -30,7 +32,7 @@ function cards(lab: Lab): Extension {
       const place = contextAt(view.state, offset);
       const card =
         place.wanted === "python"
-          ? await ofPython(lab, chain.text, place.scope)
+          ? await ofPython(lab, view.state, chain.text, place.scope)
           : await withReason(lab, ofProgram(lab, view.state, chain));
       if (!card) return null;
       const subject = lab.store.state.settings.quiet ? null : subjectAt(lab, view.state, offset);
@@ -57,8 +59,11 @@ function cards(lab: Lab): Extension {
 /** Add to the card of a state or a transition why it is active, or did not fire. */
 async function withReason(lab: Lab, card: ProgramCard | null): Promise<HoverView | null> {
   if (!card?.path || (card.kind !== "state" && card.kind !== "transition")) return card;
-  const { why } = await lab.ask({ type: "why", kind: card.kind, path: card.path });
-  return why ? { ...card, doc: `${card.doc}. ${why.sentence}` } : card;
+  const { state } = lab.store;
+  const path = addressed(state, card.path);
+  const { why } = await lab.ask({ type: "why", kind: card.kind, path });
+  const place = placeOf(state, machineOf(path));
+  return why ? { ...card, doc: `${card.doc}. ${place && `In \`${place}\`: `}${why.sentence}` } : card;
 }
 
 interface ProgramCard extends HoverView {
@@ -70,7 +75,7 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
   const form = treeOf(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
   const found = outlineOf(state);
-  const { lit, events, variables, entered, fired } = lab.store.state;
+  const { lit, events, entered, fired } = lab.store.state;
   const scope = found.around(chain.from, "machine")?.path ?? "";
   const item =
     found.items.find(({ nameFrom, name }) => nameFrom === chain.from && name === chain.text) ??
@@ -91,19 +96,36 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
   if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.[0] ?? 0} times` };
   if (item.kind === "event")
     return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
-  if (item.kind === "variable") return { ...card, value: variables[item.path]?.[0] ?? "no value now" };
+  if (item.kind === "variable") return { ...card, value: allValues(lab, item.path) ?? "no value now" };
   return card;
 }
 
-async function ofPython(lab: Lab, chain: string, scope: string): Promise<HoverView | null> {
+/** The value of a variable; where its machine runs in several places, in each. */
+function allValues(lab: Lab, path: string): string | undefined {
+  const values = valuesOf(lab.store.state, path, true);
+  return values.length > 1
+    ? values.map(({ place, text }) => `${place}: ${text}`).join("\n")
+    : values[0]?.text;
+}
+
+async function ofPython(
+  lab: Lab,
+  state: EditorState,
+  chain: string,
+  scope: string,
+): Promise<HoverView | null> {
   const { bridge, members } = lab.store.state;
   const member = chain.startsWith("robot.") && bridge.members.find(({ name }) => `robot.${name}` === chain);
   if (member) {
     const value = [members[member.name], member.unit].filter(Boolean).join(" ");
     return { title: chain, type: member.type, value, doc: member.doc };
   }
-  const reply = await lab.ask({ type: "hover", chain, scope });
-  return reply.hover ?? null;
+  const variable = outlineOf(state)
+    .inScope("variable", scope)
+    .find(({ name }) => name === chain);
+  const { hover } = await lab.ask({ type: "hover", chain, scope: scopeOf(lab.store.state, scope) });
+  if (!hover || !variable) return hover ?? null;
+  return { ...hover, value: allValues(lab, variable.path) ?? hover.value };
 }
 
 function cardOf({ title, type, value, doc }: HoverView): HTMLElement {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
@@ -89,13 +90,20 @@ class Timeline:
         return f"<Timeline: {self.begin:g} to {self.end:g} s, {len(self.happenings)} happenings>"
 
     def __str__(self) -> str:
-        return "\n".join(f"{time_text(each.time)}: {_sentence(each)}" for each in self.happenings)
+        lanes: dict[Path, set[Path]] = {}  # by path of definition
+        for each in self.happenings:
+            if each.state:
+                lanes.setdefault(each.state[:-1], set()).add(each.lane)
+        shared = {machine for machine, instances in lanes.items() if len(instances) > 1}
+        return "\n".join(f"{time_text(each.time)}: {_sentence(each, shared)}" for each in self.happenings)
 
 
-def _sentence(each: Happening) -> str:
+def _sentence(each: Happening, shared: AbstractSet[Path]) -> str:
+    """Return a happening as a sentence; a state of a machine that runs in several places as spawned."""
     match each.kind:
         case "entered":
-            return f"`{path_text(each.state)}` was entered. {each.text}".rstrip()
+            state = (*each.lane, each.state[-1]) if each.state[:-1] in shared else each.state
+            return f"`{path_text(state)}` was entered. {each.text}".rstrip()
         case "ended":
             return f"`{path_text(each.lane)}` ended."
     return each.text

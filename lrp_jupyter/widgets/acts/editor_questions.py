@@ -21,6 +21,7 @@ from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.blocks.builtin_names import builtin, degrees
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.edits.format import formatting
 from lrp_jupyter.language.edits.rename import references as find_references
 from lrp_jupyter.language.lookup import called
@@ -61,6 +62,8 @@ def picture(opened: OpenProgram) -> str:
 def complete(opened: OpenProgram, prefix: str, scope: str) -> list[Option]:
     """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
 
+    The path of an instance, as spawned, means its variables.
+
     ``robot.move().`` asks for the fields of the message that a command sends, ``robot.move(`` for its
     arguments. The page itself completes keywords and the program's names.
     """
@@ -87,7 +90,8 @@ def hover(opened: OpenProgram, chain: str, scope: str) -> HoverView | None:
     if keyword.iskeyword(chain):
         return None
     session = opened.session
-    path, frame = _variable_in_scope(session, chain, scope), session.frame
+    frame = opened.looking.shown(session).frame
+    path = _variable_in_scope(frame.program, chain, scope)
     if path is not None:
         if path not in frame.variables:
             return None
@@ -293,7 +297,7 @@ def _value_of(session: Session, chain: str, scope: str) -> object:
 
 
 def _root(session: Session, name: str, scope: str) -> object:
-    path = _variable_in_scope(session, name, scope)
+    path = _variable_in_scope(session.program, name, scope)
     if path is not None:
         try:
             return session.interpreter.variables[path]
@@ -309,11 +313,14 @@ def _root(session: Session, name: str, scope: str) -> object:
         raise _NothingError from None
 
 
-def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
-    names = resolve(session.program)
-    here = names.by_path.get(tuple(scope.split("/")), names.top)
-    owner = here.visible.get(name)
-    return None if owner is None else (*owner.path, name)
+def _variable_in_scope(program: Program, name: str, scope: str) -> Path | None:
+    """Return the path of a variable that is visible in a machine: as spawned, if the machine's path is."""
+    names, here = resolve(program), as_path(scope) if scope else ()
+    owner = names.by_path.get(names.defined(here), names.top).visible.get(name)
+    if owner is None:
+        return None
+    around = (here[:end] for end in range(len(here), 0, -2))
+    return (*next((each for each in around if names.defined(each) == owner.path), owner.path), name)
 
 
 # -- readings and messages of a robot, known from their types before anything arrived --------------------

@@ -49,16 +49,20 @@ def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) 
     if isinstance(noun, Transition):
         return _transition(opened.view_state(), program, element.path, noun)
     if isinstance(noun, State):
-        return _state(opened.view_state(), program, element.path, noun)
+        return _state(opened.view_state(), program, element.path, noun, path_text(where))
     assert isinstance(noun, Event)
     return _view(f"event {noun.name}", program, noun.span, [])
 
 
-def _state(now: ViewState, program: Program, path: Path, state: State) -> InspectView:
+def _state(now: ViewState, program: Program, path: Path, state: State, asked: str) -> InspectView:
     machine = find_machine(program, path[:-1])
     name = path_text(path)
     visits = now["entered"].get(name, (0, 0))
-    facets = [_facet("active", "yes" if name in now["lit"] else "no"), _facet("entered", _times(visits))]
+    if any(each["path"] == asked.rpartition("/")[0] for each in now["instances"]):
+        active = any(f"{each}/".startswith(f"{asked}/") for each in now["active"])
+    else:
+        active = name in now["lit"]
+    facets = [_facet("active", "yes" if active else "no"), _facet("entered", _times(visits))]
     for part in ("onentry", "running", "onexit"):
         facets += [_facet(part, _action(action)) for action in getattr(state, part)]
     facets += [_facet("machine", str(inner.name)) for inner in state.machines]
