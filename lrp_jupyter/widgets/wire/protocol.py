@@ -51,8 +51,8 @@ convert to and from the character offsets of Python).
 ``follower:tlooking``: the machine's path, a colon, its name or ``kind:from->to`` (`Machine.ids`).
 `path_of` and `id_of` of `page_places` convert. In a dataclass of the package, a transition's path has slashes
 alone, ``follower/tlooking``. A machine may run several times, so an instance and its variables are named by
-their paths *as spawned*, ``m/left/follow/side``. What a page sends may be either: a path in the text means the
-only instance that runs.
+their paths *as spawned*, ``m/left/follow/side``. What a page sends may be either; a path in the text means
+the only instance.
 """
 
 from __future__ import annotations
