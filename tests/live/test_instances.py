@@ -84,6 +84,13 @@ def test_the_timeline_as_text_says_in_which_instance_a_state_was_entered(session
     assert "0 s: `clock/t` was entered." in lines
 
 
+def test_what_if_says_which_instance_differs_first(session):
+    sooner = session.what_if(5, program=TWICE.replace("side := [2]", "side := [-9]"), seconds=0.5)
+    assert str(sooner.divergence).endswith(
+        "`found` in `m/left/follow` is entered; in the original run it is not."
+    )
+
+
 def test_a_state_is_forced_in_one_instance(session):
     session.teleport_to("k/one/follow/search")
     assert [path[-1] for path in session.frame.active[:2]] == ["search", "search"]
