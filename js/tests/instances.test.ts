@@ -322,6 +322,17 @@ describe("a lab whose program runs a machine in two places", () => {
     expect(page.commands("set_variable")).toMatchObject([{ path, expression: "7" }]);
   });
 
+  it("selects one in all views of the session", async () => {
+    const beside = new Page("variables");
+    beside.open({ frame: { ...recorded(), ...RUN } as never });
+    await select("k/one/follow");
+    await page.drawn();
+    expect([...beside.host.querySelectorAll(".lrp-group-title")].map((each) => each.textContent)).toEqual([
+      ...["follow k/one", "global"],
+    ]);
+    beside.close();
+  });
+
   it("looks as ever where only one of them runs", async () => {
     page.deliver({ type: "frame", frame: 2, ...ONCE });
     await page.drawn();

@@ -34,6 +34,7 @@ def test_two_instances_of_a_machine_are_watched_changed_and_explained_each_on_it
     see_the_variables_of_one(lab)
     pause_in_one(lab)
     ask_why_in_one(lab)
+    read_the_values_of_both(lab)
     force_one(lab)
     look_back_at_both(lab)
     axe.finds_nothing_serious(lab)
@@ -73,6 +74,16 @@ def ask_why_in_one(lab):
     lab.page.keyboard.press("Alt+F8")
     lab.sees(".lrp-why[aria-label='Why not hit in k/one?'] .lrp-why-sentence:has-text('side was 1')")
     lab.page.keyboard.press("Escape")
+
+
+def read_the_values_of_both(lab):
+    names = lab.find(".cm-line").get_by_text("side", exact=True)
+    for name in (names.first, names.nth(1)):  # where it is defined, and in a block
+        name.hover()
+        card = lab.sees(".cm-tooltip .lrp-card-value")
+        assert card.inner_text() == "m/left: 0\nk/one: 1"
+        lab.find(".cm-line").last.hover()
+        lab.misses(".cm-tooltip")
 
 
 def force_one(lab):
