@@ -49,6 +49,9 @@ def test_the_instances_that_run_and_their_variables_have_their_paths_as_spawned(
     assert page.do("look", tick=8) is None
     lab.publish()
     assert instances(page)[1] == both[0]
+    inspected = page.ask("inspect", kind="variable", path="m/left/follow/side", into=[])
+    assert inspected["inspect"]["text"] == "2"
+    assert page.ask("hover", chain="side", scope="m/left/follow")["hover"]["value"] == "2"
     assert page.merged("variables")["m/left/follow/side"] == ["2", 2]
 
 

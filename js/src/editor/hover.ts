@@ -6,7 +6,7 @@ import { outlineOf, treeOf } from "../language/lrp";
 import { machineOf } from "../language/paths";
 import { lookedAt } from "../parts/study";
 import type { HoverView } from "../protocol";
-import { addressed, placeOf, scopeOf, valuesOf } from "../session/instances";
+import { addressed, instancesOf, placeOf, scopeOf, stateOf, valuesOf } from "../session/instances";
 import type { Lab } from "../session/store";
 import { spark } from "../timeline/spark";
 import { h, prose } from "../ui/dom";
@@ -75,7 +75,7 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
   const form = treeOf(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
   const found = outlineOf(state);
-  const { lit, events, entered, fired } = lab.store.state;
+  const { events, entered, fired } = lab.store.state;
   const scope = found.around(chain.from, "machine")?.path ?? "";
   const item =
     found.items.find(({ nameFrom, name }) => nameFrom === chain.from && name === chain.text) ??
@@ -89,7 +89,7 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
     const [visits] = entered[item.path] ?? [0];
     return {
       ...card,
-      value: lit.includes(item.path) ? "active" : "",
+      value: activeIn(lab, item.path),
       doc: `entered ${visits} ${visits === 1 ? "time" : "times"}`,
     };
   }
@@ -98,6 +98,16 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
     return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
   if (item.kind === "variable") return { ...card, value: allValues(lab, item.path) ?? "no value now" };
   return card;
+}
+
+/** Whether a state is active; where its machine runs in several places, in which. */
+function activeIn({ store: { state } }: Lab, path: string): string {
+  const all = instancesOf(state, machineOf(path));
+  const places = all
+    .filter((each) => all.length > 1 && stateOf(state, each) === path)
+    .map((each) => placeOf(state, each.path));
+  if (places.length) return `active in ${places.join(", ")}`;
+  return state.lit.includes(path) ? "active" : "";
 }
 
 /** The value of a variable; where its machine runs in several places, in each. */

@@ -85,7 +85,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: Point, ins
       place();
     },
   );
-  const subject = `${kind} ${path}`.trim();
+  const subject = `${kind} ${choose()}`.trim();
   looked(lab, "why", subject, true);
   const { card, place } = openCard(lab, at, "close-why", [title, when], [sentence, lines, meaning], () => {
     isOpen = false;

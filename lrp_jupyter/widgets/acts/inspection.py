@@ -8,7 +8,9 @@ from itertools import islice
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
+from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.interpreter.variables import VariableMapping
 from lrp_jupyter.language.lookup import as_defined, definition_of, find
 from lrp_jupyter.language.program import (
     Element,
@@ -39,7 +41,10 @@ def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) 
     if kind == "robot":
         return _robot(session)
     if kind == "variable":
-        return session.call(lambda: _variable(session, program, where, into))
+        past = None if opened.looking.tick(session) is None else opened.looking.shown(session).frame
+        if past is not None:
+            return session.call(lambda: _variable(past.values, past.program, where, into))
+        return session.call(lambda: _variable(session.interpreter.variables, program, where, into))
     element = find(program, kind, where)
     noun = definition_of(program, element)
     if isinstance(noun, Machine):
@@ -124,9 +129,11 @@ def _robot(session: Session) -> InspectView:
 # -- values ----------------------------------------------------------------------------------------------
 
 
-def _variable(session: Session, program: Program, path: Path, into: Sequence[str]) -> InspectView:
-    path = session.interpreter.variables.path(path)
-    value = session.interpreter.variables[path]
+def _variable(
+    variables: ByPath[object] | VariableMapping, program: Program, path: Path, into: Sequence[str]
+) -> InspectView:
+    path = variables.path(path)
+    value = variables[path]
     title = path[-1]
     for step in into:
         for known, _, inner in _inside(value):
