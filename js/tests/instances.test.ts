@@ -322,6 +322,21 @@ describe("a lab whose program runs a machine in two places", () => {
     expect(page.commands("set_variable")).toMatchObject([{ path, expression: "7" }]);
   });
 
+  it("have a panel however few machines there are, and keep it", async () => {
+    const folded = () => page.find('[data-lrp="tree"]').hasAttribute("data-folded");
+    const few = { ...RUN.program, machines: RUN.program.machines.slice(0, 3) };
+    page.close();
+    page = new Page();
+    page.open({ frame: { ...recorded(), ...RUN, ...ONCE, program: few } as never });
+    await page.drawn();
+    expect(folded()).toBe(true);
+    for (const run of [RUN, ONCE]) {
+      page.deliver({ type: "frame", frame: 2, instances: run.instances });
+      await page.drawn();
+      expect(folded()).toBe(false);
+    }
+  });
+
   it("selects one in all views of the session", async () => {
     const beside = new Page("variables");
     beside.open({ frame: { ...recorded(), ...RUN } as never });

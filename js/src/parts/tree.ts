@@ -9,18 +9,25 @@ import { nameOf } from "../language/paths";
 import type { InstanceView, MachineItem } from "../protocol";
 import { instancesOf, placesOf, stateOf } from "../session/instances";
 import { besideGraph, type LabState } from "../session/state";
-import type { Lab } from "../session/store";
+import type { Lab, Store } from "../session/store";
 import { panel, setSwitch, toggle } from "../ui/button";
 import { setName } from "../ui/cut";
-import { consume, h, reconcile, setAttribute, setHidden } from "../ui/dom";
+import { consume, h, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
 
 const FEW = 3;
-const isFew = ({ program }: LabState) => program.machines.length <= FEW;
+/** The views in which a machine has run in several places: from then on they have a panel, so that nothing swings. */
+const SHARING = new WeakSet<Store>();
+
+function isFew(store: Store): boolean {
+  const { program, instances } = store.state;
+  if (new Set(instances.map(({ machine }) => machine)).size < instances.length) SHARING.add(store);
+  return program.machines.length <= FEW && !SHARING.has(store);
+}
 
 export function treeView(lab: Lab): HTMLElement {
   const { store } = lab;
   const isPart = lab.root.dataset.part === "tree";
-  const isFolded = () => !isPart && isFew(store.state);
+  const isFolded = () => !isPart && isFew(store);
   // folded, it is seen only where the graph is not
   const { list, update } = machines(
     lab,
@@ -29,7 +36,7 @@ export function treeView(lab: Lab): HTMLElement {
   );
   const switches = isPart ? [followSwitch(lab)] : [];
   const { element } = panel("tree", "Machines", switches, list);
-  store.watch(["program", "snapshot"], () => {
+  store.watch(["program", "instances", "snapshot"], () => {
     setAttribute(element, "data-folded", isFolded() ? String(store.state.program.machines.length) : null);
   });
   if (isPart) followRun(lab);
@@ -39,7 +46,7 @@ export function treeView(lab: Lab): HTMLElement {
 
 /** The machines in the heading of the graph; empty while they have a panel. */
 export function pathView(lab: Lab): HTMLElement {
-  const { list } = machines(lab, "›", () => isFew(lab.store.state));
+  const { list } = machines(lab, "›", () => isFew(lab.store));
   list.classList.add("lrp-path");
   setAttribute(list, "aria-orientation", "horizontal");
   return list;
@@ -125,9 +132,10 @@ function machines(
     const [, around, name, settings, state] = item.children;
     setName(around!, machine.parent && !place ? `${nameOf(machine.parent)} ${between} ` : "");
     setName(name!, place || nameOf(machine.path));
-    setName(settings!, instance?.settings ?? "");
+    setText(settings!, instance?.settings ?? "");
     setName(state!, place || all.length < 2 ? nameOf(active) : "");
-    setAttribute(item, "title", place ? `${instance!.path}/${nameOf(active)}` : active || machine.path);
+    const path = place ? `${instance!.path}/${nameOf(active)}` : active || machine.path;
+    setAttribute(item, "title", [path, instance?.settings].filter(Boolean).join("\n"));
     setAttribute(item, "style", `--lrp-depth: ${depth}`);
     setAttribute(item, "aria-level", depth + 1);
     setAttribute(item, "aria-selected", String(isSelected));
