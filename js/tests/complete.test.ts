@@ -37,7 +37,8 @@ describe("completion with the kernel", () => {
       doc.indexOf("]"),
       false,
     );
-    const store = { state: { bridge: { members: [{ name: "odom.x", kind: "property" }] }, members: {} } };
+    const bridge = { members: [{ name: "odom.x", kind: "property" }] };
+    const store = { state: { bridge, members: {}, instances: [], instance: "" } };
     const reply = { options: [{ label: "x" }, { label: "pose" }] };
     const ask = () => new Promise((resolve) => setTimeout(() => resolve(reply), delay));
     const result = complete(context, { ask, store } as unknown as Lab);
@@ -68,7 +69,7 @@ describe("completion of a behaviour", () => {
   (state look (machine part (state s)))
   (on near Y carrying -> look Z)
   T)`;
-  const NOTHING = { active: [], lit: ["move/reached"], variables: {}, events: { near: true } };
+  const NOTHING = { active: [], instances: [], lit: ["move/reached"], variables: {}, events: { near: true } };
   const store = { state: { ...NOTHING, settings: {}, bridge: { members: [] }, members: {} } };
   const ask = () => Promise.resolve({ options: [{ label: "elapsed" }, { label: "dt" }] });
 

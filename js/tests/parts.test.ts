@@ -40,8 +40,9 @@ describe("variables in scope", () => {
   };
 
   it("are those of the machine, of those around it, and the globals", () => {
-    expect(groupsInScope(program, "m/s/n").map(({ machine }) => machine)).toEqual(["m/s/n", "m", ""]);
-    expect(groupsInScope(program, "m").map(({ machine }) => machine)).toEqual(["m", ""]);
+    const of = (machine: string) => groupsInScope({ program, machine, instances: [], instance: "" });
+    expect(of("m/s/n").map(({ machine }) => machine)).toEqual(["m/s/n", "m", ""]);
+    expect(of("m").map(({ machine }) => machine)).toEqual(["m", ""]);
   });
 });
 

@@ -153,6 +153,7 @@ describe("the drawing", () => {
     lanes: lanesOf(RUN),
     marks: [],
     plots: [],
+    labels: new Map(),
     other: null,
     styleOf: () => ({ color: "red", dash: [] }),
     ...fields,

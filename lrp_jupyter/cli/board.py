@@ -14,7 +14,7 @@ from rich.text import Text
 
 from lrp_jupyter.cli.excerpt import excerpt
 from lrp_jupyter.cli.map import framed
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.running.frame import Frame
 
 _STATUS = {"running": ("▶", "bold green"), "paused": ("⏸", "bold yellow"), "hung": ("✋", "bold red")}
@@ -162,9 +162,13 @@ def _states(board: BoardState) -> Iterator[Text]:
 
 
 def _variables(state: BoardState) -> Iterator[Text]:
-    for path, value in state.frame.variables.items():
+    variables = state.frame.variables
+    for path, value in variables.items():
         style = "bold" if path in state.changed else ""
-        yield _pair("/".join(path if len(path) == 1 else path[-2:]), value, style)
+        others = [other for other in variables if other != path]
+        lengths = (each for each in range(2, len(path)) if all(path[-each:] != it[-each:] for it in others))
+        length = next(lengths, 0)  # 0: the whole path
+        yield _pair(path_text(path[-length:]), value, style)
 
 
 def _pair(name: str, value: str, style: str = "") -> Text:

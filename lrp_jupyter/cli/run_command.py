@@ -42,9 +42,9 @@ from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import called, find, means
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.live.running import commands as do
-from lrp_jupyter.live.running.frame import Frame, missing_state
+from lrp_jupyter.live.running.frame import Frame, missing_state, runs_elsewhere
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.logs import open_log
 
@@ -391,7 +391,10 @@ class _Run:
             event = pending.popleft()
             if event.kind == "fired":
                 fired: Any = event.data
-                self._last.appendleft(f"{event.now:.1f} s  {fired.source} → {fired.destination}")
+                machine = event.path[:-1]
+                where = runs_elsewhere(machine, frame.active, frame.program)
+                place = f"  {path_text(machine)}" if where else ""
+                self._last.appendleft(f"{event.now:.1f} s  {fired.source} → {fired.destination}{place}")
             if event.kind == "restarted":
                 self._events.since.clear()
             if self._board is None:

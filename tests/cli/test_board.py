@@ -45,6 +45,18 @@ def test_variables_have_short_names_and_values():
     assert ["inner/n", "3"] in [line.split() for line in lines]
 
 
+def test_variables_of_two_instances_have_names_that_tell_them_apart():
+    with Session(
+        "(machine follow (var side := [1]) (state x))"
+        "(machine m (state a (onentry (spawn follow x (var side := [2])))))"
+        "(machine k (state a (onentry (spawn follow x)))) (spawn m a) (spawn k a)"
+    ) as session:
+        session.step()
+        lines = [line.split() for line in text_of(BoardState(frame=session.frame))]
+    assert ["m/a/follow/side", "2"] in lines
+    assert ["k/a/follow/side", "1"] in lines
+
+
 def test_the_transition_that_fired_last_stands_out_from_those_before_it():
     lines = board_text(state_after(0.2, last=("0.3 s  b → a", "0.2 s  a → b", "0.1 s  b → a")), 60)
     assert [str(line.style) for line in lines if "→" in line.plain] == ["bold", "dim", "dim"]

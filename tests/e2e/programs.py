@@ -58,3 +58,16 @@ SQUARE = """\
   (ontime 3000 side -> corner) (ontime 1571 corner -> side))
 (spawn m side)
 """
+TWICE = """\
+(var n := [0])
+(machine follow
+  (var side := [1])
+  (state search)
+  (state found)
+  (on [n > side] search -> found hit)
+  (on [n < 0] found -> search lost))
+(machine m (state left (onentry (spawn follow search (var side := [90000])))))
+(machine k (state one (onentry (spawn follow search))))
+(machine clock (state t (running [n += 1])))
+(spawn m left) (spawn k one) (spawn clock t)
+"""

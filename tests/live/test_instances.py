@@ -68,6 +68,29 @@ def test_a_breakpoint_waits_for_one_instance_through_renames(session):
     assert [found.name for found in session.breakpoints] == ["m/west/follow/found", "found"]
 
 
+def test_a_breakpoint_says_where_it_was_hit_and_where_its_condition_is_meant(session):
+    session.pause_when("follow/found")
+    session.run(0.5)
+    assert str(session.frame.paused_by) == "`found` was entered in `m/left/follow` (breakpoint 1, 1st time)."
+    session.remove_breakpoint(1)
+    found = session.pause_when(condition="side > 5", machine="m/left/follow")
+    assert str(found) == "2: pause when `side > 5` in `m/left/follow` becomes True; 0 hits"
+
+
+def test_the_timeline_as_text_says_in_which_instance_a_state_was_entered(session):
+    lines = str(session.timeline()).splitlines()
+    assert "0 s: `m/left/follow/search` was entered." in lines
+    assert "0.7 s: `k/one/follow/found` was entered. `hit` fired." in lines
+    assert "0 s: `clock/t` was entered." in lines
+
+
+def test_what_if_says_which_instance_differs_first(session):
+    sooner = session.what_if(5, program=TWICE.replace("side := [2]", "side := [-9]"), seconds=0.5)
+    assert str(sooner.divergence).endswith(
+        "`found` in `m/left/follow` is entered; in the original run it is not."
+    )
+
+
 def test_a_state_is_forced_in_one_instance(session):
     session.teleport_to("k/one/follow/search")
     assert [path[-1] for path in session.frame.active[:2]] == ["search", "search"]

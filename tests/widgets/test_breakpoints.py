@@ -42,6 +42,7 @@ def test_a_page_is_told_which_breakpoint_paused_the_program(lab, page):
         "name": "b",
         "expression": "",
         "machine": "",
+        "instance": "",
         "enabled": True,
         "hits": 0,
         "after": 1,

@@ -700,7 +700,7 @@ def test_closing_notifies_every_view_and_ends_the_session(bench):
     assert lab.session.status == "closed"
 
 
-def test_a_path_as_spawned_is_converted_to_the_path_of_the_text(bench):
+def test_the_states_to_mark_have_their_paths_in_the_text_and_variables_those_as_spawned(bench):
     lab = bench(
         "(machine shared (var v := [1]) (state x))"
         "(machine m (state a (onentry (spawn shared x)))) (spawn m a)"
@@ -710,7 +710,7 @@ def test_a_path_as_spawned_is_converted_to_the_path_of_the_text(bench):
     lab.publish()
     assert lab.session.frame.active == (("m", "a", "shared", "x"),)
     assert page.latest("lit") == ["m/a", "shared/x"]
-    assert page.latest("variables").keys() == {"shared/v"}
+    assert page.latest("variables").keys() == {"m/a/shared/v"}
 
 
 FAST = """(var n := [0])

@@ -10,6 +10,7 @@ import {
 import type { Extension } from "@codemirror/state";
 import { outlineOf } from "../language/lrp";
 import { nameOf, parentOf } from "../language/paths";
+import { scopeOf, spawned } from "../session/instances";
 import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { shortened } from "../ui/cut";
@@ -141,7 +142,7 @@ function variables(lab: Lab, context: CompletionContext, scope: string): Complet
     .map(({ name, path }) => ({
       label: name,
       type: "variable",
-      detail: shortened(lab.store.state.variables[path]?.[0] ?? "", 30),
+      detail: shortened(lab.store.state.variables[spawned(lab.store.state, path)]?.[0] ?? "", 30),
       boost: 2,
     }));
 }
@@ -170,7 +171,7 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   const begun = prefix.slice(prefix.lastIndexOf(".") + 1);
   const isKnown = own.some(({ label }) => label.startsWith(begun));
   const replies = questions.map((question) => {
-    const reply = lab.ask({ type: "complete", prefix: question, scope });
+    const reply = lab.ask({ type: "complete", prefix: question, scope: scopeOf(lab.store.state, scope) });
     return isKnown ? soon(reply) : reply; // without options here there is nothing to hold up
   });
   const [names, fields] = await Promise.all(replies);

@@ -116,9 +116,11 @@ export class Editor implements Typist {
     store.watch(["findings", "issues", "revision"], () => {
       if (this.document) this.underlines.show(this.view, lab, this.judged, this.running);
     });
-    store.watch(["breakpoints"], () => this.redraw());
+    store.watch(["breakpoints", "instance"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());
-    store.watch(["lit", "fired", "variables", "events", "program", "settings"], () => this.update());
+    store.watch(["lit", "fired", "variables", "instances", "events", "program", "settings"], () =>
+      this.update(),
+    );
   }
 
   private extensions(startVersion = 0): Extension {

@@ -4,6 +4,7 @@ import type { EditorState, Extension } from "@codemirror/state";
 import { keymap } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
 import { openHistory } from "../parts/history";
+import { addressed } from "../session/instances";
 import type { Lab } from "../session/store";
 import { ofEvent, ofReading, ofVariable, type Subject } from "../timeline/spark";
 import { chainAt, partOf } from "./context";
@@ -30,19 +31,19 @@ export function subjectAt(lab: Lab, state: EditorState, offset: number): Subject
   const variable = isDefined
     ? undefined
     : (called("variable") ?? partOf(state, scope, "variable", chain.text));
-  if (variable) return { ...ofVariable(variable.path), event: within };
+  if (variable) return { ...ofVariable(addressed(lab.store.state, variable.path)), event: within };
   const named = called("event");
   return named ? ofEvent(named.path) : null;
 }
 
 /** What has its value at the end of a line. */
-function subjectOfLine(state: EditorState, offset: number): Subject | null {
+function subjectOfLine(lab: Lab, state: EditorState, offset: number): Subject | null {
   const { from, to } = state.doc.lineAt(offset);
   const item = outlineOf(state).items.find(
     (each) => from <= each.to && each.to <= to && (each.kind === "variable" || each.kind === "event"),
   );
   if (!item) return null;
-  return item.kind === "event" ? ofEvent(item.path) : ofVariable(item.path);
+  return item.kind === "event" ? ofEvent(item.path) : ofVariable(addressed(lab.store.state, item.path));
 }
 
 /** Shift+Alt+H shows the history of the value at the cursor. */
@@ -52,7 +53,7 @@ export function historyAtCursor(lab: Lab): Extension {
       key: "Shift-Alt-h",
       run: (view) => {
         const { head } = view.state.selection.main;
-        const subject = subjectAt(lab, view.state, head) ?? subjectOfLine(view.state, head);
+        const subject = subjectAt(lab, view.state, head) ?? subjectOfLine(lab, view.state, head);
         const at = view.coordsAtPos(head);
         if (!subject || !at || lab.store.state.settings.quiet) return false;
         openHistory(lab, subject, { x: at.left, y: at.bottom });

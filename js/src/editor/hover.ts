@@ -2,10 +2,11 @@
 
 import { EditorState, type Extension } from "@codemirror/state";
 import { closeHoverTooltips, hoverTooltip } from "@codemirror/view";
-import { treeOf } from "../language/lrp";
-import { nameOf, parentOf } from "../language/paths";
+import { outlineOf, treeOf } from "../language/lrp";
+import { machineOf, nameOf } from "../language/paths";
 import { lookedAt } from "../parts/study";
 import type { HoverView } from "../protocol";
+import { addressed, instancesOf, placeOf, scopeOf, stateOf, valuesOf } from "../session/instances";
 import type { Lab } from "../session/store";
 import { spark } from "../timeline/spark";
 import { h, prose } from "../ui/dom";
@@ -31,7 +32,7 @@ function cards(lab: Lab): Extension {
       const place = contextAt(view.state, offset);
       const card =
         place.wanted === "python"
-          ? await ofPython(lab, chain.text, place.scope)
+          ? await ofPython(lab, view.state, chain.text, place.scope)
           : await withReason(lab, ofProgram(lab, view.state, chain));
       if (!card) return null;
       const subject = lab.store.state.settings.quiet ? null : subjectAt(lab, view.state, offset);
@@ -58,8 +59,11 @@ function cards(lab: Lab): Extension {
 /** Add to the card of a state or a transition why it is active, or did not fire. */
 async function withReason(lab: Lab, card: ProgramCard | null): Promise<HoverView | null> {
   if (!card?.path || (card.kind !== "state" && card.kind !== "transition")) return card;
-  const { why } = await lab.ask({ type: "why", kind: card.kind, path: card.path });
-  return why ? { ...card, doc: `${card.doc}. ${why.sentence}` } : card;
+  const { state } = lab.store;
+  const path = addressed(state, card.path);
+  const { why } = await lab.ask({ type: "why", kind: card.kind, path });
+  const place = placeOf(state, machineOf(path));
+  return why ? { ...card, doc: `${card.doc}. ${place && `In \`${place}\`: `}${why.sentence}` } : card;
 }
 
 interface ProgramCard extends HoverView {
@@ -70,7 +74,7 @@ interface ProgramCard extends HoverView {
 function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: number }): ProgramCard | null {
   const form = treeOf(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
-  const { lit, events, variables, entered, fired } = lab.store.state;
+  const { events, entered, fired } = lab.store.state;
   const item = namedAt(state, chain.from, chain.text);
   if (!item) return null;
   const { kind, path } = item;
@@ -79,27 +83,57 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
     const [visits] = entered[item.path] ?? [0];
     return {
       ...card,
-      value: lit.includes(item.path) ? "active" : "",
+      value: activeIn(lab, item.path),
       doc: `entered ${visits} ${visits === 1 ? "time" : "times"}`,
     };
   }
   if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.[0] ?? 0} times` };
   if (item.kind === "event")
     return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
-  if (item.kind === "variable") return { ...card, value: variables[item.path]?.[0] ?? "no value now" };
-  const active = lit.find((state) => parentOf(state) === path);
-  return { ...card, value: active ? `in ${nameOf(active)}` : "not running" };
+  if (item.kind === "variable") return { ...card, value: allValues(lab, item.path) ?? "no value now" };
+  const running = instancesOf(lab.store.state, path).map((each) => {
+    const place = placeOf(lab.store.state, each.path);
+    return `in ${nameOf(stateOf(lab.store.state, each))}${place && ` (${place})`}`;
+  });
+  return { ...card, value: running.join("\n") || "not running" };
 }
 
-async function ofPython(lab: Lab, chain: string, scope: string): Promise<HoverView | null> {
+/** Whether a state is active; where its machine runs in several places, in which. */
+function activeIn({ store: { state } }: Lab, path: string): string {
+  const all = instancesOf(state, machineOf(path));
+  const places = all
+    .filter((each) => all.length > 1 && stateOf(state, each) === path)
+    .map((each) => placeOf(state, each.path));
+  if (places.length) return `active in ${places.join(", ")}`;
+  return state.lit.includes(path) ? "active" : "";
+}
+
+/** The value of a variable; where its machine runs in several places, in each. */
+function allValues(lab: Lab, path: string): string | undefined {
+  const values = valuesOf(lab.store.state, path, true);
+  return values.length > 1
+    ? values.map(({ place, text }) => `${place}: ${text}`).join("\n")
+    : values[0]?.text;
+}
+
+async function ofPython(
+  lab: Lab,
+  state: EditorState,
+  chain: string,
+  scope: string,
+): Promise<HoverView | null> {
   const { bridge, members } = lab.store.state;
   const member = chain.startsWith("robot.") && bridge.members.find(({ name }) => `robot.${name}` === chain);
   if (member) {
     const value = [members[member.name], member.unit].filter(Boolean).join(" ");
     return { title: chain, type: member.type, value, doc: member.doc };
   }
-  const reply = await lab.ask({ type: "hover", chain, scope });
-  return reply.hover ?? null;
+  const variable = outlineOf(state)
+    .inScope("variable", scope)
+    .find(({ name }) => name === chain);
+  const { hover } = await lab.ask({ type: "hover", chain, scope: scopeOf(lab.store.state, scope) });
+  if (!hover || !variable) return hover ?? null;
+  return { ...hover, value: allValues(lab, variable.path) ?? hover.value };
 }
 
 function cardOf({ title, type, value, doc }: HoverView): HTMLElement {

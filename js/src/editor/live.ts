@@ -14,6 +14,7 @@ import { Decoration, type DecorationSet, WidgetType } from "@codemirror/view";
 import { lastFired } from "../graph/marks";
 import type { Outline } from "../language/outline";
 import { history } from "../parts/history";
+import { valuesOf } from "../session/instances";
 import { besideGraph, type LabState } from "../session/state";
 import { ofEvent, ofVariable } from "../timeline/spark";
 import { shortened } from "../ui/cut";
@@ -122,19 +123,23 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
   const lines = new Map<number, Value[]>();
   const tested = testedEvents(lab);
   for (const { kind, path, name, to } of outline.items) {
-    const text = shownValue(kind, path, lab);
-    if (text === null) continue;
+    const shown = shownValues(kind, path, lab);
+    if (!shown.length) continue;
+    const stale = kind === "event" && !tested.has(path);
+    const values = shown.map(({ place, path: at, text }) => {
+      const part = shown.length > 1 ? `${name} ${place}` : name;
+      return { kind, path: place ? at : path, name: part, text: shortened(text, LONGEST), stale };
+    });
     const line = editor.doc.lineAt(to).number;
-    const value = { kind, path, name, text, stale: kind === "event" && !tested.has(path) };
-    lines.set(line, [...(lines.get(line) ?? []), value]);
+    lines.set(line, [...(lines.get(line) ?? []), ...values]);
   }
   return lines;
 }
 
-function shownValue(kind: string, path: string, lab: LabState): string | null {
-  const { variables, events } = besideGraph(lab);
-  const value = kind === "event" ? (events[path] ?? null) : null;
-  const text =
-    kind === "variable" ? variables[path]?.[0] : value === null ? undefined : value ? "True" : "False";
-  return text === undefined ? null : shortened(text, LONGEST);
+/** The last value of an event; that of a variable in each instance of its machine that is meant. */
+function shownValues(kind: string, path: string, lab: LabState): ReturnType<typeof valuesOf> {
+  const run = besideGraph(lab);
+  if (kind === "variable") return valuesOf(run, path);
+  const value = kind === "event" ? run.events[path] : undefined;
+  return value === undefined ? [] : [{ path, place: "", text: value ? "True" : "False" }];
 }

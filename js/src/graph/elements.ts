@@ -1,8 +1,9 @@
 /** States and transitions where they are drawn: which one an event is about, and what its menu offers. */
 
-import { nameOf } from "../language/paths";
+import { machineOf, nameOf } from "../language/paths";
 import { breakpointItems } from "../parts/breakpoints";
 import { askWhy } from "../parts/why";
+import { addressed, placeOf } from "../session/instances";
 import type { Lab } from "../session/store";
 import { item, type MenuItem } from "../ui/menu";
 import type { Point } from "../ui/point";
@@ -34,19 +35,23 @@ export function menuOf(
       ? item(`Open ${nameOf(machine)}`, `open-${index}`, () => open(machine))
       : item(`Open ${nameOf(machine)}`, "open", () => open(machine), { hint: "⇧⏎" }),
   );
+  const { state } = lab.store;
+  const named = addressed(state, path);
+  const place = placeOf(state, machineOf(named)); // of the instance that is meant, of several
+  const here = place && ` in ${place}`;
   const forState = (item: MenuItem) => (isState ? [item] : []);
   return [
     ...(isState
       ? [
-          item("Transition here", "transition", () => void lab.act({ do: "transition", path })),
-          item("Teleport here", "teleport", () => void lab.act({ do: "teleport", path })),
+          item(`Transition here${here}`, "transition", () => void lab.act({ do: "transition", path: named })),
+          item(`Teleport here${here}`, "teleport", () => void lab.act({ do: "teleport", path: named })),
         ]
-      : [item("Fire now", "fire", () => void lab.act({ do: "fire", path }))]),
-    item(isState ? "Why?" : "Why not?", "why", () => askWhy(lab, kind, path, at), { hint: "?" }),
+      : [item(`Fire now${here}`, "fire", () => void lab.act({ do: "fire", path: named }))]),
+    item(`${isState ? "Why" : "Why not"}${here}?`, "why", () => askWhy(lab, kind, path, at), { hint: "?" }),
     ...breakpointItems(lab, kind, path),
     null,
     ...opens,
-    item("Inspect", "inspect", () => lab.inspect(kind, path)),
+    item("Inspect", "inspect", () => lab.inspect(kind, named)),
     item("Go to source", "source", () => lab.goTo(kind, path), { hint: "⏎" }),
     ...forState(item("Rename…", "rename", () => lab.rename("state", path))),
   ];

@@ -47,8 +47,8 @@ export const indentation = indentService.of((context, offset) => {
 
 export const newLine: StateCommand = ({ state, dispatch }) => {
   if (state.readOnly) return false;
-  const context = new IndentContext(state);
   const changes = state.changeByRange((range) => {
+    const context = new IndentContext(brokenAt(state, range.from));
     const line = state.doc.lineAt(range.from);
     const before = line.text.slice(0, range.from - line.from);
     const after = state.sliceDoc(range.to, state.doc.lineAt(range.to).to);
@@ -65,6 +65,12 @@ export const newLine: StateCommand = ({ state, dispatch }) => {
   dispatch(state.update(changes, { scrollIntoView: true, userEvent: "input" }));
   return true;
 };
+
+/** The text with a line break at an offset, if that is in a comment: what is after it is no part of that then. */
+function brokenAt(state: EditorState, offset: number): EditorState {
+  const inComment = nodeAt(state, offset).name === "Comment";
+  return inComment ? state.update({ changes: { from: offset, insert: state.lineBreak } }).state : state;
+}
 
 /** What is typed, completed or pasted on an empty line begins where that line does. */
 export const begunLines = EditorState.transactionFilter.of((transaction) => {
@@ -165,7 +171,7 @@ function inBlock(
 ): number | null {
   const { state } = context;
   const first = block.from + 1;
-  const begun = state.sliceDoc(first, offset).trimEnd();
+  const begun = codeBetween(state, first, offset);
   const base = context.column(beginOf(state, block.from));
   if (closing && rest.startsWith("]")) return base;
   if (!begun) return base + STEP;
@@ -186,6 +192,14 @@ function inBlock(
   return statement && outer && LEAVES.test(statement.name) && outer.from >= first
     ? context.column(outer.from)
     : column;
+}
+
+/** The code of a block up to an offset, without a comment behind its last line. */
+function codeBetween(state: EditorState, first: number, offset: number): string {
+  const begun = state.sliceDoc(first, offset).trimEnd();
+  const { name, from } = nodeAt(state, first + begun.length);
+  const follows = name === "Comment" && beginOf(state, from) < from;
+  return follows ? state.sliceDoc(first, from).trimEnd() : begun;
 }
 
 /** In brackets of Python: below what stands after the opening one, else further than its line. */

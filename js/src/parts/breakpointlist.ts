@@ -82,7 +82,8 @@ function item(lab: Lab, number: string): HTMLElement {
 
 function update(element: Element, [number, each]: Entry): void {
   const [on, go, note, , , problem] = element.children;
-  const words = `${each.name} ${WORDS[each.kind]}`;
+  const where = each.kind === "condition" && each.instance ? ` in ${each.instance}` : "";
+  const words = `${each.name}${where} ${WORDS[each.kind]}`;
   (on as HTMLInputElement).checked = each.enabled;
   setAttribute(on!, "aria-label", `Breakpoint ${number}: pause when ${words}`);
   setText(go!, words);

@@ -1,6 +1,8 @@
 /** Breakpoints as the page sees them: which an element has, how they are shown, and how they are set. */
 
+import { machineOf } from "../language/paths";
 import type { BreakpointView, ElementKind } from "../protocol";
+import { instancesOf, meant, placeOf } from "../session/instances";
 import type { LabState } from "../session/state";
 import type { Lab } from "../session/store";
 import { item, type MenuItem } from "../ui/menu";
@@ -58,21 +60,35 @@ export function keyOf(kind: ElementKind, path: string): string {
   return `${kind} ${path}`;
 }
 
-/** Add a breakpoint of this kind to an element, or remove those that it has. */
-export async function toggleBreakpoint(lab: Lab, kind: BreakpointKind, path: string): Promise<void> {
+/** Add a breakpoint of this kind to an element, in any instance or in one; or remove those that it has. */
+export async function toggleBreakpoint(
+  lab: Lab,
+  kind: BreakpointKind,
+  path: string,
+  instance = "",
+): Promise<void> {
   const noun = ELEMENT_OF[kind];
   const known = noun
-    ? breakpointsOf(lab.store.state, noun, path).filter(([, each]) => each.kind === kind)
+    ? breakpointsOf(lab.store.state, noun, path).filter(([, each]) => isOf(each, kind, instance))
     : [];
-  if (!known.length) await lab.act({ do: "add_breakpoint", kind, path });
+  if (!known.length) await lab.act({ do: "add_breakpoint", kind, path, ...(instance && { instance }) });
   for (const [number] of known) await lab.act({ do: "remove_breakpoint", number });
 }
 
+const isOf = (each: BreakpointView, kind: BreakpointKind, instance: string) =>
+  each.kind === kind && each.instance === instance;
+
+/** The items that set breakpoints: in any instance and, where its machine runs in several places, in the one meant. */
 export function breakpointItems(lab: Lab, noun: ElementKind, path: string): MenuItem[] {
-  const known = breakpointsOf(lab.store.state, noun, path);
-  return LABELS.filter(([kind]) => ELEMENT_OF[kind] === noun).map(([kind, label]) =>
-    item(label, `pause-${kind}`, () => void toggleBreakpoint(lab, kind, path), {
-      checked: known.some(([, each]) => each.kind === kind),
-    }),
-  );
+  const { state } = lab.store;
+  const known = breakpointsOf(state, noun, path);
+  const toggle = (kind: BreakpointKind, label: string, action: string, instance: string) =>
+    item(label, action, () => void toggleBreakpoint(lab, kind, path, instance), {
+      checked: known.some(([, each]) => isOf(each, kind, instance)),
+    });
+  const one = instancesOf(state, machineOf(path)).length > 1 ? meant(state, machineOf(path))[0]!.path : "";
+  return LABELS.filter(([kind]) => ELEMENT_OF[kind] === noun).flatMap(([kind, label]) => [
+    toggle(kind, label, `pause-${kind}`, ""),
+    ...(one ? [toggle(kind, `${label} in ${placeOf(state, one)}`, `pause-${kind}-here`, one)] : []),
+  ]);
 }

@@ -143,7 +143,7 @@ function hovering(lab: Lab, value: HTMLElement, key: string): Hovering {
   });
   const card = h("div", { class: "lrp-history-card", hidden: true }, shown.element, hint);
   const end = lab.store.watch(["plots"], say);
-  const told = lookedAt(lab, titleOf(subject));
+  const told = lookedAt(lab, titleOf(lab, subject));
   lab.root.append(card);
   return {
     key,

@@ -49,8 +49,8 @@ export function openHistory(lab: Lab, subject: Subject, at: Point): void {
   });
   pinning.disabled = true;
   const end = lab.store.watch(["plots"], say);
-  const told = lookedAt(lab, titleOf(subject));
-  const title = h("span", {}, titleOf(subject));
+  const told = lookedAt(lab, titleOf(lab, subject));
+  const title = h("span", {}, titleOf(lab, subject));
   const foot = h("div", { class: "lrp-row" }, pinning);
   const opened = openCard(lab, at, "close-history", [title], [shown.element, words, foot], () => {
     told();

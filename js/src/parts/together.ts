@@ -1,5 +1,5 @@
 /**
- * Single parts of one session in one page show and follow the same machine, and a click in one finds the source
+ * Single parts of one session in one page show and follow the same machine, mean the same instance, and a click in one finds the source
  * in another. They communicate through the document.
  */
 
@@ -12,6 +12,7 @@ interface Message {
   range?: TextRange;
   ofRunning?: boolean;
   machine?: string;
+  instance?: string;
   follow?: LabState["follow"];
 }
 
@@ -21,13 +22,16 @@ export function together(
   store: Store,
   receive: (message: Message) => void,
 ): { send(message: Message): void; close(): void } {
-  let { machine, follow } = store.state; // what all views show, and follow
+  let { machine, instance, follow } = store.state; // what all views show, have selected, and follow
   const listen = (event: Event) => {
     const { from, name, message } = (event as CustomEvent).detail;
     if (from === store || name !== store.state.name) return;
     if (message.follow) {
       follow = message.follow;
       store.set("follow", follow);
+    } else if (message.instance !== undefined) {
+      instance = message.instance;
+      store.set("instance", instance);
     } else if (message.machine === undefined) receive(message);
     else {
       machine = message.machine;
@@ -43,6 +47,11 @@ export function together(
     const before = machine;
     machine = store.state.machine;
     if (before && machine && before !== machine) send({ machine });
+  });
+  store.watch(["instance"], () => {
+    if (instance === store.state.instance) return;
+    instance = store.state.instance;
+    send({ instance });
   });
   store.watch(["follow"], () => {
     if (follow === store.state.follow) return;

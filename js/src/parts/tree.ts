@@ -1,24 +1,33 @@
 /**
- * All machines, nested as in the program; each with its active state. While they are few, a lab has no panel for
+ * All machines, nested as in the program; each with its active state. Under one that runs in several places stand its
+ * instances, of which one can be selected. While they are few, a lab has no panel for
  * them: they stand in the heading of the graph, as a path.
  */
 
 import { follow, followAsKept, followRun, showMachine } from "../graph/shown";
 import { nameOf } from "../language/paths";
-import type { MachineItem } from "../protocol";
+import type { InstanceView, MachineItem } from "../protocol";
+import { instancesOf, placesOf, stateOf } from "../session/instances";
 import { besideGraph, type LabState } from "../session/state";
-import type { Lab } from "../session/store";
+import type { Lab, Store } from "../session/store";
 import { panel, setSwitch, toggle } from "../ui/button";
 import { setName } from "../ui/cut";
-import { consume, h, reconcile, setAttribute, setHidden } from "../ui/dom";
+import { consume, h, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
 
 const FEW = 3;
-const isFew = ({ program }: LabState) => program.machines.length <= FEW;
+/** The views in which a machine has run in several places: from then on they have a panel, so that nothing swings. */
+const SHARING = new WeakSet<Store>();
+
+function isFew(store: Store): boolean {
+  const { program, instances } = store.state;
+  if (new Set(instances.map(({ machine }) => machine)).size < instances.length) SHARING.add(store);
+  return program.machines.length <= FEW && !SHARING.has(store);
+}
 
 export function treeView(lab: Lab): HTMLElement {
   const { store } = lab;
   const isPart = lab.root.dataset.part === "tree";
-  const isFolded = () => !isPart && isFew(store.state);
+  const isFolded = () => !isPart && isFew(store);
   // folded, it is seen only where the graph is not
   const { list, update } = machines(
     lab,
@@ -27,7 +36,7 @@ export function treeView(lab: Lab): HTMLElement {
   );
   const switches = isPart ? [followSwitch(lab)] : [];
   const { element } = panel("tree", "Machines", switches, list);
-  store.watch(["program", "snapshot"], () => {
+  store.watch(["program", "instances", "snapshot"], () => {
     setAttribute(element, "data-folded", isFolded() ? String(store.state.program.machines.length) : null);
   });
   if (isPart) followRun(lab);
@@ -37,7 +46,7 @@ export function treeView(lab: Lab): HTMLElement {
 
 /** The machines in the heading of the graph; empty while they have a panel. */
 export function pathView(lab: Lab): HTMLElement {
-  const { list } = machines(lab, "›", () => isFew(lab.store.state));
+  const { list } = machines(lab, "›", () => isFew(lab.store));
   list.classList.add("lrp-path");
   setAttribute(list, "aria-orientation", "horizontal");
   return list;
@@ -54,6 +63,28 @@ function followSwitch(lab: Lab): HTMLElement {
   return element;
 }
 
+/** A machine, or one of its instances, with where that runs. */
+interface Row {
+  machine: MachineItem;
+  instance: InstanceView | null;
+  place: string;
+}
+
+/** The machines of a program, each before its instances if there are several. */
+export function rowsOf(
+  { machines }: Pick<LabState["program"], "machines">,
+  run: Pick<LabState, "instances">,
+): Row[] {
+  return machines.flatMap((machine) => {
+    const all = instancesOf(run, machine.path);
+    const places = placesOf(all.map(({ path }) => path));
+    const [only = null] = all.length === 1 ? all : [];
+    const several = all.length > 1 ? all : [];
+    const own = several.map((each) => ({ machine, instance: each, place: places.get(each.path)! }));
+    return [{ machine, instance: only, place: "" }, ...own];
+  });
+}
+
 function machines(
   lab: Lab,
   between: string,
@@ -61,14 +92,22 @@ function machines(
 ): { list: HTMLElement; update: () => void } {
   const { store } = lab;
   const list = h("div", { class: "lrp-tree", role: "tree", "aria-label": "Machines" });
-  const make = ({ path }: MachineItem) =>
+  const keyOf = ({ machine, instance, place }: Row) =>
+    place ? `${machine.path} ${instance!.path}` : machine.path;
+  /** Show a machine, and select an instance of it; a machine that runs in several places means all of them. */
+  const select = (path: string, instance: string) => {
+    showMachine(store, path);
+    if (instance || instancesOf(store.state, path).length > 1) store.set("instance", instance);
+  };
+  const make = ({ machine: { path }, instance, place }: Row) =>
     h(
       "div",
       {
         class: "lrp-tree-item",
         role: "treeitem",
         "data-lrp-machine": path,
-        onclick: () => showMachine(store, path),
+        "data-lrp-instance": place ? instance!.path : null,
+        onclick: () => select(path, place ? instance!.path : ""),
         ondblclick: (event: Event) => {
           lab.goTo("machine", path);
           consume(event); // in a heading it would enlarge the panel
@@ -77,27 +116,35 @@ function machines(
       h("span", { class: "lrp-dot", "aria-hidden": "true" }),
       h("span", { class: "lrp-tree-around" }),
       h("span", { class: "lrp-tree-name" }),
+      h("span", { class: "lrp-tree-settings" }),
       h("span", { class: "lrp-tree-state" }),
     );
-  const updateItem = (item: Element, machine: MachineItem) => {
-    const { machine: selected } = store.state;
-    const { lit } = besideGraph(store.state);
-    const depth = machine.path.split("/").length;
-    const active = machine.states.find(({ path }) => lit.includes(path))?.path;
-    const [, around, name, state] = item.children;
-    setName(around!, machine.parent ? `${nameOf(machine.parent)} ${between} ` : "");
-    setName(name!, nameOf(machine.path));
-    setName(state!, active ? nameOf(active) : "");
-    setAttribute(item, "title", active ?? machine.path);
-    setAttribute(item, "style", `--lrp-depth: ${(depth - 1) / 2}`);
-    setAttribute(item, "aria-level", (depth + 1) / 2);
-    setAttribute(item, "aria-selected", String(machine.path === selected));
-    setAttribute(item, "tabindex", machine.path === selected ? "0" : "-1");
+  const updateItem = (item: Element, { machine, instance, place }: Row) => {
+    const run = besideGraph(store.state);
+    const all = instancesOf(run, machine.path);
+    const depth = (machine.path.split("/").length - 1) / 2 + (place ? 1 : 0);
+    const active = place
+      ? stateOf(run, instance!)
+      : (machine.states.find(({ path }) => run.lit.includes(path))?.path ?? "");
+    const isShown = machine.path === store.state.machine;
+    const chosen = all.length > 1 ? (all.find(({ path }) => path === run.instance)?.path ?? "") : "";
+    const isSelected = isShown && chosen === (place ? instance!.path : "");
+    const [, around, name, settings, state] = item.children;
+    setName(around!, machine.parent && !place ? `${nameOf(machine.parent)} ${between} ` : "");
+    setName(name!, place || nameOf(machine.path));
+    setText(settings!, instance?.settings ?? "");
+    setName(state!, place || all.length < 2 ? nameOf(active) : "");
+    const path = place ? `${instance!.path}/${nameOf(active)}` : active || machine.path;
+    setAttribute(item, "title", [path, instance?.settings].filter(Boolean).join("\n"));
+    setAttribute(item, "style", `--lrp-depth: ${depth}`);
+    setAttribute(item, "aria-level", depth + 1);
+    setAttribute(item, "aria-selected", String(isSelected));
+    setAttribute(item, "tabindex", isSelected ? "0" : "-1");
     setAttribute(item, "data-active", Boolean(active));
   };
   const update = () => {
-    const shown = areShown(list) ? store.state.program.machines : [];
-    reconcile(list, shown, ({ path }) => path, make, updateItem);
+    const shown = areShown(list) ? rowsOf(store.state.program, besideGraph(store.state)) : [];
+    reconcile(list, shown, keyOf, make, updateItem);
   };
   list.addEventListener("keydown", (event) => {
     const items = [...list.querySelectorAll<HTMLElement>("[role=treeitem]")];
@@ -114,11 +161,14 @@ function machines(
     const path = (event.target as HTMLElement).dataset.lrpMachine;
     if (event.key === "Enter" && path) lab.goTo("machine", path);
     else if (next) {
-      showMachine(store, next.dataset.lrpMachine!);
+      select(next.dataset.lrpMachine!, next.dataset.lrpInstance ?? "");
       next.focus();
     } else return;
     consume(event);
   });
-  store.watch(["program", "lit", "machine", "snapshot", "settings"], update);
+  store.watch(
+    ["program", "lit", "active", "instances", "instance", "machine", "snapshot", "settings"],
+    update,
+  );
   return { list, update };
 }

@@ -2,6 +2,7 @@
 
 import { isIn, nameOf } from "../language/paths";
 import type { OutdatedView } from "../protocol";
+import { inInstance, meant, placeOf, type Running } from "../session/instances";
 import type { Lab } from "../session/store";
 import { ofVariable } from "../timeline/spark";
 import { iconButton, linkButton, panel } from "../ui/button";
@@ -11,8 +12,12 @@ import { hasFocus } from "../ui/root";
 import { glow } from "../ui/timers";
 import { history } from "./history";
 
+/** The variables of a machine, in one of its instances. */
 interface Group {
   machine: string;
+  instance: string;
+  place: string;
+  /** By their paths in the text. */
   variables: string[];
 }
 
@@ -25,42 +30,61 @@ export function variablesView(lab: Lab): HTMLElement {
   const makeGroup = (group: Group) =>
     h(
       "section",
-      { class: "lrp-variables-group", "aria-label": group.machine || "global" },
-      h("div", { class: "lrp-group-title" }, group.machine ? nameOf(group.machine) : "global"),
+      { class: "lrp-variables-group", "aria-label": titleOf(group) },
+      h("div", { class: "lrp-group-title" }, titleOf(group)),
       h("ul", {}),
     );
-  const updateGroup = (section: Element, group: Group) =>
+  const updateGroup = (section: Element, { instance, place, variables }: Group) =>
     reconcile(
       section.lastElementChild!,
-      group.variables,
-      (path) => path,
-      (path) => {
-        const row = new Row(lab, path);
-        rows.set(path, row);
+      variables.map((path) => {
+        const at = inInstance(path, instance);
+        return { path, at, named: place ? at : path };
+      }),
+      ({ named }) => named,
+      ({ path, named }) => {
+        const row = new Row(lab, path, named);
+        rows.set(named, row);
         return row.element;
       },
-      (_, path) => rows.get(path)?.update(),
+      (_, { named, at }) => rows.get(named)?.update(at),
     );
-  store.watch(["variables", "outdated", "program", "machine", "snapshot"], () => {
-    const groups = groupsInScope(store.state.program, store.state.machine);
-    reconcile(list, groups, ({ machine }) => machine, makeGroup, updateGroup);
+  store.watch(["variables", "outdated", "program", "machine", "instances", "instance", "snapshot"], () => {
+    const groups = groupsInScope(store.state);
+    reconcile(
+      list,
+      groups,
+      ({ machine, instance, place }) => (place ? `${machine} ${instance}` : machine),
+      makeGroup,
+      updateGroup,
+    );
     setAttribute(list, "data-empty", groups.length === 0 ? "No variables in scope." : null);
   });
   return element;
 }
 
-/** Groups from the machine shown outward, the globals last. */
+const titleOf = ({ machine, place }: Group) =>
+  [machine ? nameOf(machine) : "global", place].filter(Boolean).join(" ");
+
+/** Groups from the machine shown outward, the globals last; of a machine those of its instances that are meant. */
 export function groupsInScope(
-  program: { variables: string[]; machines: { path: string; variables: string[] }[] },
-  machine: string,
+  state: Running & {
+    program: { variables: string[]; machines: { path: string; variables: string[] }[] };
+    machine: string;
+  },
 ): Group[] {
+  const { program, machine: shown } = state;
   const inside = program.machines
-    .filter(({ path }) => isIn(machine, path))
-    .map(({ path, variables }) => ({ machine: path, variables }))
-    .reverse();
-  return [...inside, { machine: "", variables: program.variables }].filter(
-    ({ variables }) => variables.length,
-  );
+    .filter(({ path }) => isIn(shown, path))
+    .reverse()
+    .flatMap(({ path: machine, variables }) => {
+      const found = meant(state, machine).map(({ path }) => path);
+      return (found.length ? found : [machine]).map((instance) => {
+        return { machine, instance, place: placeOf(state, instance), variables };
+      });
+    });
+  const global = { machine: "", instance: "", place: "", variables: program.variables };
+  return [...inside, global].filter(({ variables }) => variables.length);
 }
 
 class Row {
@@ -71,9 +95,11 @@ class Row {
   private outdated: OutdatedView | undefined;
   private text: string | undefined;
 
+  /** `named` is the path by which the kernel is told which variable is meant, `path` the one in the text. */
   constructor(
     private readonly lab: Lab,
-    private readonly path: string,
+    path: string,
+    private readonly named: string,
   ) {
     const name = nameOf(path);
     this.value = h("button", {
@@ -81,10 +107,10 @@ class Row {
       class: "lrp-value",
       title: "Change",
       onclick: () => this.edit(),
-      ...history(ofVariable(path)),
+      ...history(ofVariable(named)),
     });
-    this.spark = new Spark(path);
-    const inspect = iconButton("search", `Inspect ${name}`, "inspect", () => lab.inspect("variable", path));
+    this.spark = new Spark(named);
+    const inspect = iconButton("search", `Inspect ${name}`, "inspect", () => lab.inspect("variable", named));
     const source = h(
       "button",
       {
@@ -95,13 +121,14 @@ class Row {
       },
       name,
     );
-    const named = { class: "lrp-variable", "data-lrp-variable": path };
-    this.element = h("li", named, source, this.spark.element, this.value, inspect, this.computed);
+    const attributes = { class: "lrp-variable", "data-lrp-variable": named };
+    this.element = h("li", attributes, source, this.spark.element, this.value, inspect, this.computed);
   }
 
-  update(): void {
-    const value = this.lab.store.state.variables[this.path];
-    this.updateOutdated();
+  /** Show the value of the variable with this path as spawned. */
+  update(at: string): void {
+    const value = this.lab.store.state.variables[at];
+    this.updateOutdated(at);
     const [text, number] = value ?? [];
     if (text !== undefined && this.text !== undefined && text !== this.text) glow(this.element);
     if (value || this.text !== undefined) this.spark.add(number ?? null);
@@ -110,14 +137,14 @@ class Row {
     setAttribute(
       this.value,
       "aria-label",
-      `${nameOf(this.path)} ${text === undefined ? "has no value" : `is ${text}`}, change`,
+      `${nameOf(this.named)} ${text === undefined ? "has no value" : `is ${text}`}, change`,
     );
     this.value.disabled = text === undefined;
   }
 
   /** Say what the value was computed from if that has been assigned since, and offer to recompute it. */
-  private updateOutdated(): void {
-    const outdated = this.lab.store.state.outdated[this.path];
+  private updateOutdated(at: string): void {
+    const outdated = this.lab.store.state.outdated[at];
     if (outdated === this.outdated) return;
     this.outdated = outdated;
     setHidden(this.computed, !outdated);
@@ -132,7 +159,7 @@ class Row {
   }
 
   private assign(expression: string): Promise<string | null> {
-    return this.lab.act({ do: "set_variable", path: this.path, expression }, true);
+    return this.lab.act({ do: "set_variable", path: this.named, expression }, true);
   }
 
   private edit(): void {
@@ -145,7 +172,7 @@ class Row {
       input.replaceWith(this.value);
       if (focused) this.value.focus();
     };
-    const name = `New value of ${nameOf(this.path)}, a Python expression`;
+    const name = `New value of ${nameOf(this.named)}, a Python expression`;
     const shown = this.text ?? ""; // of a function `f()`, which would be called
     const submit = async (text: string) => (text === shown ? null : this.assign(text));
     const { input, error } = editing(shown, name, submit, close);

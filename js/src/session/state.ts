@@ -1,7 +1,7 @@
 /** The state of a view: one value, changed only by `apply`, which returns the changed fields. */
 
 import type { Camera } from "../graph/camera";
-import { isIn } from "../language/paths";
+import { isIn, machineOf, nameOf } from "../language/paths";
 import {
   type AnswerMessage,
   type Changes,
@@ -13,6 +13,7 @@ import {
   type ViewState,
   type WhatIf,
 } from "../protocol";
+import { inInstance } from "./instances";
 
 /** How the kernel responds: not yet, at once, late, not for seconds, never again. */
 export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
@@ -42,6 +43,8 @@ export interface LabState extends ViewState, Told {
   /** The machine that this view shows, the element selected in it, and the one in the inspector. */
   machine: string;
   chosen: string;
+  /** The instance that is selected, by its path as spawned: see `instances.ts`. Empty: none. */
+  instance: string;
   inspected: { kind: ElementKind; path: string } | null;
   /** Zoom and pan of each machine that was shown. */
   cameras: Record<string, Camera>;
@@ -57,9 +60,15 @@ export interface LabState extends ViewState, Told {
 }
 
 /** The parts of the run that are shown unasked. */
-type Run = Pick<ViewState, "active" | "lit" | "users" | "entered" | "fired" | "variables" | "events">;
+type Run = Pick<
+  LabState,
+  "active" | "lit" | "users" | "instances" | "instance" | "entered" | "fired" | "variables" | "events"
+>;
 
-const NOTHING: Run = { active: [], lit: [], users: {}, entered: {}, fired: {}, variables: {}, events: {} };
+const NOTHING: Run = {
+  ...{ active: [], lit: [], users: {}, instances: [], instance: "" },
+  ...{ entered: {}, fired: {}, variables: {}, events: {} },
+};
 
 /** The run as the graph shows it: a static one shows nothing of it. */
 export function inGraph(state: LabState): Run {
@@ -92,6 +101,7 @@ export function initialState(): LabState {
     world: null,
     machine: "",
     chosen: "",
+    instance: "",
     inspected: null,
     cameras: {},
     follow: "nothing",
@@ -111,10 +121,10 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
     const { type, view, document, number, seq, text, revision, updates, half_typed, frame, ...fields } =
       message;
     const waits = message.accepted && !message.pending && text !== message.running;
-    const { link, machine, chosen, inspected, cameras, follow } = state;
+    const { link, machine, chosen, instance, inspected, cameras, follow } = state;
     changes = {
       ...initialState(),
-      ...{ link, machine, chosen, inspected, cameras, follow },
+      ...{ link, machine, chosen, instance, inspected, cameras, follow },
       ...fields,
       patch: waits ? "not running yet" : "",
       ...merged(EMPTY_VIEW_STATE, frame),
@@ -142,7 +152,7 @@ export function isJudged({ accepted, half_typed }: AnswerMessage): boolean {
  * state already knows were applied before; the others are applied in their order.
  */
 function carriedOver(state: LabState, moved: Changes<ViewState>["moved"]): Partial<LabState> {
-  let { machine, chosen, inspected, cameras } = state;
+  let { machine, chosen, instance, inspected, cameras } = state;
   for (const [revision, elements] of Object.entries(moved ?? {})) {
     if (!elements || revision in state.moved) continue;
     const now = (kind: ElementKind, path: string) =>
@@ -150,14 +160,42 @@ function carriedOver(state: LabState, moved: Changes<ViewState>["moved"]): Parti
     machine = now("machine", machine);
     cameras = Object.fromEntries(Object.entries(cameras).map(([path, each]) => [now("machine", path), each]));
     chosen = now(chosen.includes(":") ? "transition" : "state", chosen);
-    if (inspected) inspected = { ...inspected, path: now(inspected.kind, inspected.path) };
+    instance = afterMoves(state, instance, now);
+    if (inspected) {
+      const { kind, path } = inspected;
+      const known = state.instances.find(
+        (each) => each.path === machineOf(path) && each.machine !== each.path,
+      );
+      const place = known && afterMoves(state, known.path, now);
+      const element = now(kind, known ? inInstance(path, known.machine) : path);
+      inspected = { kind, path: place ? inInstance(element, place) : element };
+    }
   }
   const fields: Partial<LabState> = {};
   if (cameras !== state.cameras) fields.cameras = cameras;
   if (machine !== state.machine) fields.machine = machine;
+  if (instance !== state.instance) fields.instance = instance;
   if (chosen !== state.chosen) fields.chosen = chosen;
   if (inspected?.path !== state.inspected?.path) fields.inspected = inspected;
   return fields;
+}
+
+/** The path of an instance after elements have moved: each machine and state on it with its new name. */
+function afterMoves(
+  { instances }: Pick<ViewState, "instances">,
+  instance: string,
+  now: (kind: ElementKind, path: string) => string,
+): string {
+  const names = instance.split("/");
+  let machine = "";
+  return names
+    .map((name, index) => {
+      const path = names.slice(0, index + 1).join("/");
+      if (index % 2) return nameOf(now("state", `${machine}/${name}`));
+      machine = instances.find((each) => each.path === path)?.machine ?? path;
+      return nameOf(now("machine", machine));
+    })
+    .join("/");
 }
 
 /** The fields that a frame changes, with their new values: objects entry by entry, null removes one. */

@@ -7,7 +7,7 @@ import { nameOf } from "../language/paths";
 import type { HappeningKind } from "../protocol";
 import { s, setAttribute, unmarked } from "../ui/dom";
 import type { Style } from "../world/palette";
-import type { Lane, Mark, Plotted, Segment } from "./happened";
+import { type Lane, type Mark, type Plotted, placesIn, type Segment } from "./happened";
 import { PLOT, plotOf } from "./plots";
 import { named, nearestX, type Scale, ticksOf, timeText, xOf } from "./scale";
 
@@ -34,6 +34,8 @@ export interface Drawing extends Scale {
   lanes: readonly Lane[];
   marks: readonly Mark[];
   plots: readonly [string, Plotted][];
+  /** Their names, as short as they can be told apart. */
+  labels: ReadonlyMap<string, string>;
   /** The lanes of another course, and where it differs first. */
   other: Other | null;
   styleOf(state: string): Style;
@@ -119,9 +121,11 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   const rows = rowsOf(drawing);
   const row = rowHeight(rows.length, other);
   const course = other ? row / 2 : row;
+  const places = placesIn([...drawing.lanes, ...(other?.lanes ?? [])]);
   for (const { machine, depth, recorded, other: changed } of rows) {
     if (isSeen(y, row)) {
-      parts.push(named(nameOf(machine), machine, y, row, left, depth));
+      const name = [nameOf(machine), places.get(machine)].filter(Boolean).join(" ");
+      parts.push(named(name, machine, y, row, left, depth));
       if (recorded) parts.push(...laneOf(drawing, recorded, [y, course], drawing.now, false));
       if (changed && other) parts.push(...laneOf(drawing, changed, [y + course, course], other.end, true));
     }
@@ -137,7 +141,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   }
   for (const [name, plotted] of plots) {
     y += GAP;
-    if (isSeen(y, PLOT)) parts.push(...plotOf(drawing, name, plotted, y));
+    if (isSeen(y, PLOT)) parts.push(...plotOf(drawing, [name, drawing.labels.get(name) ?? name], plotted, y));
     y += PLOT;
   }
   svg.setAttribute("height", String(height));

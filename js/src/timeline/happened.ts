@@ -1,7 +1,8 @@
 /** The page's copy of what happened in a run: merged from the kernel's answers, arranged in lanes. No DOM. */
 
-import { transitionAt } from "../language/paths";
+import { machineOf, nameOf, parentOf, transitionAt } from "../language/paths";
 import type { Happening, HappeningKind, Plot, Timeline } from "../protocol";
+import { placesOf } from "../session/instances";
 
 /** A visit of a state. */
 export interface Segment {
@@ -18,6 +19,7 @@ export interface Segment {
 
 /** A machine with the visits of its states. */
 export interface Lane {
+  /** As spawned. */
   machine: string;
   /** How many lanes it is nested in. */
   depth: number;
@@ -87,6 +89,14 @@ export class Happened {
     const index = segments.findIndex((each) => each.state === state && each.tick === tick);
     const next = segments[index + 1];
     return next && next.begin === segments[index]?.end ? next : null;
+  }
+
+  /** The machine whose transition led to a visit, as spawned: for an `exit`, the one that ended. */
+  leader({ lane, state, tick, by }: Segment): string {
+    if (machineOf(by) === parentOf(state)) return lane;
+    const segments = this.lanes().find(({ machine }) => machine === lane)?.segments ?? [];
+    const index = segments.findIndex((each) => each.state === state && each.tick === tick);
+    return `${lane}/${nameOf(segments[index - 1]?.state ?? "")}/${nameOf(machineOf(by))}`;
   }
 
   marks(): Mark[] {
@@ -168,6 +178,16 @@ export function lanesOf(happenings: readonly Happening[]): Lane[] {
     })
     .sort((a, b) => compared(a.place, b.place))
     .map(({ place, ...lane }) => lane);
+}
+
+/** Where machines run that have several lanes, as short as they can be told apart; by path as spawned. */
+export function placesIn(lanes: readonly Lane[]): Map<string, string> {
+  const machines = new Map<string, Set<string>>(); // by path in the text
+  for (const { machine, segments } of lanes) {
+    const defined = parentOf(segments[0]?.state ?? "");
+    machines.set(defined, (machines.get(defined) ?? new Set()).add(machine));
+  }
+  return new Map([...machines.values()].flatMap((paths) => [...placesOf([...paths])]));
 }
 
 function compared(a: number[], b: number[]): number {

@@ -1,6 +1,7 @@
 /** The plots of a timeline: numbers as a curve with thresholds, truth values as bars. */
 
-import { nameOf } from "../language/paths";
+import { nameOf, parentOf } from "../language/paths";
+import { placesOf } from "../session/instances";
 import { s } from "../ui/dom";
 import type { Plotted } from "./happened";
 import { named, nearestX, type Scale } from "./scale";
@@ -13,16 +14,31 @@ export function rounded(number: number): string {
   return String(Number(number.toPrecision(4)));
 }
 
-/** The name of what is plotted, as short as it can be read. */
-export function shortOf(name: string): string {
-  return name.startsWith("robot.") ? name.slice("robot.".length) : nameOf(name);
+/** The names of what is plotted, as short as they can be told apart from each other and from what else is known. */
+export function labelsOf(names: readonly string[], known: readonly string[] = []): Map<string, string> {
+  const all = [...new Set([...names, ...known])];
+  return new Map(
+    names.map((name) => {
+      if (name.startsWith("robot.")) return [name, name.slice("robot.".length)];
+      if (!name.includes("/")) return [name, name];
+      const own = name.split("/").slice(-2).join("/"); // its machine and its name
+      const others = all.filter((each) => `/${each}`.endsWith(`/${own}`)).map(parentOf);
+      return [name, [nameOf(name), placesOf(others).get(parentOf(name))].filter(Boolean).join(" ")];
+    }),
+  );
 }
 
 /** The plot of a name; the names of its thresholds stand in it at the right, or beside it if there is room. */
-export function plotOf(scale: Scale, name: string, plotted: Plotted, y: number, isRoomy = false): Node[] {
+export function plotOf(
+  scale: Scale,
+  [name, label]: readonly [name: string, label: string],
+  plotted: Plotted,
+  y: number,
+  isRoomy = false,
+): Node[] {
   const { left, width, span } = scale;
   const parts: Node[] = [
-    named(shortOf(name), name, y, PLOT, left),
+    named(label, name, y, PLOT, left),
     s("rect", { class: "lrp-timeline-plot", "data-lrp-plot": name, x: left, y, width, height: PLOT }),
   ];
   const { times, values, thresholds } = plotted;

@@ -1,11 +1,12 @@
 /** The last half minute of a value, with the thresholds of its condition: the plots of a timeline, in small. */
 
-import { nameOf } from "../language/paths";
+import { nameOf, parentOf } from "../language/paths";
 import type { Plot } from "../protocol";
+import { placeOf } from "../session/instances";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 import { h, s, setAttribute, setHidden } from "../ui/dom";
-import { PLOT, plotOf, rounded } from "./plots";
+import { labelsOf, PLOT, plotOf, rounded } from "./plots";
 
 const SECONDS = 30;
 const LEAST = 5; // s of the axis
@@ -33,8 +34,10 @@ export const ofVariable = (path: string): Subject => ({ names: [path], event: ""
 export const ofReading = (name: string): Subject => ({ names: [`robot.${name}`], event: "" });
 export const ofEvent = (path: string): Subject => ({ names: [], event: path });
 
-export function titleOf({ names: [name], event }: Subject): string {
-  return name?.startsWith("robot.") ? name : nameOf(name ?? event);
+export function titleOf(lab: Lab, { names: [name], event }: Subject): string {
+  if (name?.startsWith("robot.")) return name;
+  const place = placeOf(lab.store.state, parentOf(name ?? ""));
+  return place ? `${nameOf(name!)} in ${place}` : nameOf(name ?? event);
 }
 
 /** Ask for what can be drawn of a value, up to the moment that is shown. */
@@ -98,6 +101,7 @@ function draw(svg: SVGElement, plots: readonly Plot[], to: number, until: string
   const width = WIDTH - LEFT - RIGHT;
   const scale = { span: { from, to }, left: LEFT, width };
   const height = plots.length * (PLOT + GAP);
+  const labels = labelsOf(plots.map(({ name }) => name));
   svg.setAttribute("height", String(plots.length ? height + AXIS : 0));
   const axis = [
     s(
@@ -111,7 +115,7 @@ function draw(svg: SVGElement, plots: readonly Plot[], to: number, until: string
     ...plots.flatMap(({ name, kind, times, values, thresholds }, index) => {
       const known = new Map(thresholds.map(({ text, values: each }) => [text, each]));
       const plotted = { kind, tick: 0, times, values, thresholds: known };
-      return plotOf(scale, name, plotted, index * (PLOT + GAP), true);
+      return plotOf(scale, [name, labels.get(name)!], plotted, index * (PLOT + GAP), true);
     }),
     ...(plots.length ? axis : []),
   );

@@ -1,6 +1,5 @@
 /** The timeline below the panels: what happened, a playhead that takes the whole lab back, and what if. */
 
-import { nameOf } from "../language/paths";
 import { looked } from "../parts/study";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
@@ -15,7 +14,7 @@ import { trailStyles } from "../world/legend";
 import { clearAxis, type Drawing, draw, heightOf, laneAt, roomFor, widthOf } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking, type Moment } from "./looking";
-import { rounded, shortOf } from "./plots";
+import { labelsOf, rounded } from "./plots";
 import { nearestX, timeOf } from "./scale";
 import { Visits } from "./visits";
 import { whatIfWords } from "./what_if";
@@ -157,6 +156,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
               divergence: whatIf.divergence,
             }
           : null,
+      labels: labelsOf(plots, happened.names),
       styleOf,
     };
     draw(svg, drawing);
@@ -191,16 +191,18 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       covers.push([Math.min(tools.offsetLeft, said.offsetLeft || tools.offsetLeft), area.clientWidth]);
     clearAxis(svg, covers);
   };
-  const valuesAt = (time: number) =>
-    plots
+  const valuesAt = (time: number) => {
+    const labels = labelsOf(plots, happened.names);
+    return plots
       .map((name) => {
         const plotted = happened.plots.get(name);
         const value = plotted ? valueAt(plotted, time) : null;
         if (value === null || !plotted) return "";
         const text = plotted.kind === "truth" ? (value ? "True" : "False") : rounded(value);
-        return ` · ${shortOf(name)} ${text}`;
+        return ` · ${labels.get(name)} ${text}`;
       })
       .join("");
+  };
 
   const zoom = (factor: number, moment?: number) => {
     shown.zoom(factor, moment);
@@ -235,7 +237,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     looking.back();
     redraw();
   };
-  const visits = new Visits(lab, (visit) => happened.after(visit), look);
+  const visits = new Visits(lab, () => happened, look);
   area.addEventListener("pointermove", () => {
     stillUntil = performance.now() + STILL;
   });
@@ -289,7 +291,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     if (!visit) return;
     consume(event);
     const at = pointOf(event);
-    visits.open(at, [visit], time, `Visit of ${nameOf(visit.state)}`);
+    visits.open(at, [visit], time, `Visit of ${visits.nameOf(visit)}`);
   });
   area.addEventListener(
     "wheel",

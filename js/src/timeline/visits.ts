@@ -5,14 +5,14 @@ import { askWhy } from "../parts/why";
 import type { Lab } from "../session/store";
 import { item, type MenuItem, openMenu } from "../ui/menu";
 import type { Point } from "../ui/point";
-import type { Segment } from "./happened";
+import { type Happened, placesIn, type Segment } from "./happened";
 import type { Moment } from "./looking";
 
 export class Visits {
-  /** `after` is the visit with which another one ended; `look` shows a moment, and resolves to whether it is shown. */
+  /** `look` shows a moment, and resolves to whether it is shown. */
   constructor(
     private readonly lab: Lab,
-    private readonly after: (visit: Segment) => Segment | null,
+    private readonly happened: () => Happened,
     private readonly look: (moment: Moment) => Promise<boolean>,
   ) {}
 
@@ -24,10 +24,10 @@ export class Visits {
 
   private itemsOf(visit: Segment, time: number, at: Point): MenuItem[] {
     const { state, by, tick } = visit;
-    const name = nameOf(state);
-    const next = this.after(visit);
+    const name = this.nameOf(visit);
+    const next = this.happened().after(visit);
     return [
-      item(`Why ${name}?`, "why-visit", () => void this.whyState(state, time, at)),
+      item(`Why ${name}?`, "why-visit", () => void this.whyState(visit, time, at)),
       item(`Why was ${name} entered?`, "why-begin", () => void this.whyFired(visit, at), { disabled: !by }),
       item(`Why was ${name} left?`, "why-end", () => next && void this.whyFired(next, at), {
         disabled: !next?.by,
@@ -37,12 +37,25 @@ export class Visits {
     ];
   }
 
-  private async whyState(state: string, time: number, at: Point): Promise<void> {
-    if (await this.look({ time })) askWhy(this.lab, "state", state, at);
+  /** The name of a state; where its machine has several lanes, with the place of this one. */
+  nameOf({ state, lane }: Segment): string {
+    const place = placesIn(this.happened().lanes()).get(lane);
+    return place ? `${nameOf(state)} in ${place}` : nameOf(state);
+  }
+
+  /** The instance to ask about, if its machine has several lanes. */
+  private askedIn(instance: string): string {
+    return placesIn(this.happened().lanes()).get(instance) ? instance : "";
+  }
+
+  private async whyState({ state, lane }: Segment, time: number, at: Point): Promise<void> {
+    if (await this.look({ time })) askWhy(this.lab, "state", state, at, this.askedIn(lane));
   }
 
   /** Ask why the transition fired with which a visit began. */
-  async whyFired({ tick, by }: Segment, at: Point): Promise<void> {
-    if (await this.look({ tick })) askWhy(this.lab, "transition", by, at);
+  async whyFired(visit: Segment, at: Point): Promise<void> {
+    const { tick, by } = visit;
+    const instance = this.askedIn(this.happened().leader(visit));
+    if (await this.look({ tick })) askWhy(this.lab, "transition", by, at, instance);
   }
 }

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
@@ -89,13 +90,25 @@ class Timeline:
         return f"<Timeline: {self.begin:g} to {self.end:g} s, {len(self.happenings)} happenings>"
 
     def __str__(self) -> str:
-        return "\n".join(f"{time_text(each.time)}: {_sentence(each)}" for each in self.happenings)
+        shared = lanes_of_shared(self.happenings)
+        return "\n".join(f"{time_text(each.time)}: {_sentence(each, shared)}" for each in self.happenings)
 
 
-def _sentence(each: Happening) -> str:
+def lanes_of_shared(happenings: Iterable[Happening]) -> set[Path]:
+    """Return the lanes of the machines that have several, because they ran in several places."""
+    lanes: dict[Path, set[Path]] = {}  # by path of definition
+    for each in happenings:
+        if each.state:
+            lanes.setdefault(each.state[:-1], set()).add(each.lane)
+    return {lane for several in lanes.values() if len(several) > 1 for lane in several}
+
+
+def _sentence(each: Happening, shared: AbstractSet[Path]) -> str:
+    """Return a happening as a sentence; a state of a machine that runs in several places as spawned."""
     match each.kind:
         case "entered":
-            return f"`{path_text(each.state)}` was entered. {each.text}".rstrip()
+            state = (*each.lane, each.state[-1]) if each.lane in shared else each.state
+            return f"`{path_text(state)}` was entered. {each.text}".rstrip()
         case "ended":
             return f"`{path_text(each.lane)}` ended."
     return each.text

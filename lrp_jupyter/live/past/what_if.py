@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from operator import attrgetter
 
-from lrp_jupyter.live.past.timeline import Happening, happenings, present
+from lrp_jupyter.language.program import path_text
+from lrp_jupyter.live.past.timeline import Happening, happenings, lanes_of_shared, present
 from lrp_jupyter.live.running.loop import Loop
 
 Waypoint = tuple[float, float, float, float]
@@ -152,26 +153,32 @@ _told = attrgetter("time", "kind", "lane", "state", "call")
 def _first_event(recorded: Iterable[Happening], changed: Iterable[Happening]) -> Divergence | None:
     before = [each for each in recorded if each.kind in _VERBS]
     after = [each for each in changed if each.kind in _VERBS]
+    shared = lanes_of_shared([*before, *after])
+
+    def what(each: Happening) -> str:
+        return _what(each, each.lane in shared)
+
     for old, new in zip_longest(before, after):
         if old is not None and new is not None and _told(old) == _told(new):
             continue
         if new is None or (old is not None and old.tick < new.tick):
             _, does_not, does = _VERBS[old.kind]
-            return Divergence(old.tick, old.time, f"{_what(old)} {does_not}; in the original run it {does}.")
+            return Divergence(old.tick, old.time, f"{what(old)} {does_not}; in the original run it {does}.")
         now, _, does = _VERBS[new.kind]
-        text = f"{_what(new)} {now}; in the original run it {does} not."
+        text = f"{what(new)} {now}; in the original run it {does} not."
         if old is not None and (new.tick, new.kind, new.lane) == (old.tick, old.kind, old.lane):
-            text = f"{_what(new)} {now} instead of {_what(old)}."
+            text = f"{what(new)} {now} instead of {what(old)}."
         return Divergence(new.tick, new.time, text)
     return None
 
 
-def _what(each: Happening) -> str:
+def _what(each: Happening, is_shared: bool) -> str:
+    """Return what a happening is about; of a machine that ran in several places, also where."""
     match each.kind:
         case "entered":
-            return f"`{each.state[-1]}`"
+            return f"`{each.state[-1]}` in `{path_text(each.lane)}`" if is_shared else f"`{each.state[-1]}`"
         case "ended":
-            return f"`{each.lane[-1]}`"
+            return f"`{path_text(each.lane) if is_shared else each.lane[-1]}`"
         case "command":
             return each.call
     return "The program"

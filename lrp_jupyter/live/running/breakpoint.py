@@ -10,11 +10,11 @@ from lrp_jupyter.language.successors import Successors
 
 BreakpointKind = Literal["entered", "left", "fired", "event", "condition"]
 _WORDS = {  # when it pauses, and why it has paused
-    "entered": ("`{}` is entered", "`{}` was entered"),
-    "left": ("`{}` is left", "`{}` was left"),
-    "fired": ("`{}` fires", "`{}` fired"),
-    "event": ("the event `{}` occurs", "The event `{}` occurred"),
-    "condition": ("`{}` becomes True", "`{}` became True"),
+    "entered": ("{} is entered", "{} was entered"),
+    "left": ("{} is left", "{} was left"),
+    "fired": ("{} fires", "{} fired"),
+    "event": ("the event {} occurs", "The event {} occurred"),
+    "condition": ("{} becomes True", "{} became True"),
 }
 
 
@@ -64,24 +64,35 @@ class Breakpoint:
         return replace(self, element=element, inside=inside)
 
     @property
+    def instance(self) -> Path:
+        """The instance that is meant, by its path as spawned; empty for any."""
+        if self.inside is None:
+            return ()
+        machine = self.machine if self.element is None else self.element.path[:-1]
+        return (*(part for state in self.inside for part in state[-2:]), machine[-1])
+
+    @property
     def name(self) -> str:
         """The name of its element, or its condition; in one instance of several, the path as spawned."""
         if self.element is None:
             return self.expression
-        name = self.element.shown[-1]
-        if not self.inside:
-            return name
-        around = [part for state in self.inside for part in state[-2:]]
-        return path_text((*around, self.element.path[-2], name))
+        return path_text((*self.instance, self.element.shown[-1]))
 
     @property
     def what(self) -> str:
         """What has happened when it is hit: ``"`looking` was entered"``."""
-        return _WORDS[self.kind][1].format(self.name)
+        return _WORDS[self.kind][1].format(self._quoted)
+
+    @property
+    def _quoted(self) -> str:
+        where = f" in `{path_text(self.instance)}`" if self.element is None and self.instance else ""
+        return f"`{self.name}`{where}"
 
     def __str__(self) -> str:
         state = "" if self.enabled else ", switched off"
         state += ", dormant" if self.dormant else ""
         hits = f"{self.hits} hits" if self.hits != 1 else "1 hit"
         problem = f". {self.problem}" if self.problem else ""
-        return f"{self.number}: pause when {_WORDS[self.kind][0].format(self.name)}; {hits}{state}{problem}"
+        return (
+            f"{self.number}: pause when {_WORDS[self.kind][0].format(self._quoted)}; {hits}{state}{problem}"
+        )

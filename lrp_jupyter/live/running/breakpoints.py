@@ -19,7 +19,7 @@ from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running.breakpoint import Breakpoint, BreakpointKind
-from lrp_jupyter.live.running.frame import Hit
+from lrp_jupyter.live.running.frame import Hit, runs_elsewhere
 
 _KEYWORDS = {"state": "entered", "transition": "fires", "event": "event"}
 """The argument of `Session.pause_when` that takes an element, by its kind."""
@@ -36,19 +36,26 @@ def breakpoint_of(
     wanted: str | Path,
     machine: str | Path = (),
     *,
+    instance: str | Path = (),
     after: int = 1,
     once: bool = False,
 ) -> Breakpoint:
     """Return a new breakpoint without a number, for the wanted element or condition.
 
+    `instance`: the instance of its machine, by path as spawned; without it the one named, or any.
+
     Raises UnknownElementError: there is no such element, or there are several.
     Raises SyntaxError: the condition is not an expression.
     """
+    inside: tuple[Path, ...] | None
     if kind != "condition":
         noun, text = noun_of(kind), path_text(as_path(wanted))
         remedies = {each: f'Pass `{keyword}="{text}"`.' for each, keyword in _KEYWORDS.items()}
         element = find(program, noun, wanted, remedies)
-        inside = _inside(program, as_path(wanted)[:-1], element.path[:-1])
+        if instance:
+            inside = resolve(program).around(as_path(instance))
+        else:
+            inside = _inside(program, as_path(wanted)[:-1], element.path[:-1])
         return Breakpoint(0, kind, element, inside=inside, after=after, once=once)
     home = find(program, "machine", machine).path if machine else ()
     inside = _inside(program, as_path(machine), home) if machine else None
@@ -133,33 +140,34 @@ class Breakpoints:
         events, self._seen[:] = [*self._seen], []
         first: Hit | None = None
         for number, each in list(self._all.items()):
-            times = self._times(each, events)
+            times, where = self._times(each, events)
             if not times:
                 continue
             each = replace(self._all[number], hits=each.hits + times)
             pauses = each.enabled and each.hits >= each.after
             if pauses and first is None:
-                first = Hit(number, each.what, each.hits, self._interpreter.tick)
+                first = Hit(number, f"{each.what}{where}", each.hits, self._interpreter.tick)
             self._all[number] = replace(each, enabled=not (pauses and each.once) and each.enabled)
         return first
 
-    def _times(self, each: Breakpoint, events: list[TraceEvent]) -> int:
+    def _times(self, each: Breakpoint, events: list[TraceEvent]) -> tuple[int, str]:
+        """Return how often a breakpoint was hit, and in which instance first, where that is not clear."""
         if each.kind in ("event", "condition"):
             held = self._held[each.number]
             holds, problem = self._holds(each)
             self._held[each.number] = holds
             if problem != each.problem:
                 self._all[each.number] = replace(self._all[each.number], problem=problem)
-            return int(holds and not held)
+            return int(holds and not held), ""
         wanted = each.element.path if each.element is not None else ()
         names = resolve(self._interpreter.program)
-        paths = [event.path for event in events if event.kind == each.kind]
-        return sum(
-            path[-1] == wanted[-1]
-            and names.defined(path[:-1]) == wanted[:-1]
-            and each.inside in (None, names.around(path[:-1]))
-            for path in paths
-        )
+        paths = [event.path for event in events if event.kind == each.kind and event.path[-1] == wanted[-1]]
+        hit = [path[:-1] for path in paths if names.defined(path[:-1]) == wanted[:-1]]
+        hit = [path for path in hit if each.inside in (None, names.around(path))]
+        if not hit or each.inside is not None:
+            return len(hit), ""
+        is_shared = runs_elsewhere(hit[0], self._interpreter.active, self._interpreter.program)
+        return len(hit), f" in `{path_text(hit[0])}`" if is_shared else ""
 
     def _holds(self, each: Breakpoint) -> tuple[bool, str]:
         """Return whether a condition holds now, and why it could not be evaluated, if so."""

@@ -17,12 +17,21 @@ Hits = Annotated[int, Between(1, 1_000_000)]
 
 @act()
 def add_breakpoint(
-    opened: OpenProgram, kind: BreakpointKind, path: str = "", expression: str = "", after: Hits = 1
+    opened: OpenProgram,
+    kind: BreakpointKind,
+    path: str = "",
+    expression: str = "",
+    after: Hits = 1,
+    instance: str = "",
 ) -> Applied:
-    """Pause from now on when something happens to the element with this path, or a condition becomes True."""
+    """Pause from now on when something happens to the element with this path, or a condition becomes True.
+
+    `instance`: the path, as spawned, of the one instance of its machine that is meant.
+    """
     session, noun = opened.session, noun_of(kind)
     wanted = path_of(noun, path) if noun else expression
-    return session.ask(do.AddBreakpoint(breakpoint_of(session.program, kind, wanted, after=after)))
+    new = breakpoint_of(session.program, kind, wanted, instance=instance, after=after)
+    return session.ask(do.AddBreakpoint(new))
 
 
 @act()

@@ -21,12 +21,14 @@ from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.blocks.builtin_names import TIME_TEXTS, builtin, degrees
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.edits.format import formatting
 from lrp_jupyter.language.edits.rename import references as find_references
 from lrp_jupyter.language.lookup import as_defined, called
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.resolution import Scope, resolve
+from lrp_jupyter.live.running.frame import Frame
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts.messages import OpenProgram, question
 from lrp_jupyter.widgets.views.program_picture import still
@@ -61,6 +63,8 @@ def picture(opened: OpenProgram) -> str:
 def complete(opened: OpenProgram, prefix: str, scope: str) -> list[Option]:
     """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
 
+    The path of an instance, as spawned, means its variables.
+
     ``robot.move().`` asks for the fields of the message that a command sends, ``robot.move(`` for its
     arguments. The page itself completes keywords and the program's names.
     """
@@ -87,9 +91,10 @@ def hover(opened: OpenProgram, chain: str, scope: str) -> HoverView | None:
     if keyword.iskeyword(chain):
         return None
     session = opened.session
-    path = _variable_in_scope(session, chain, scope)
+    frame = opened.looking.shown(session).frame
+    path = _variable_in_scope(frame.program, chain, scope)
     if path is not None:
-        return _variable_card(session, chain, path)
+        return _variable_card(frame, chain, path)
     computed = _computed_card(session, chain, scope)
     if computed is not None:
         return computed
@@ -272,10 +277,9 @@ def _hover_view(title: str, kind: str, value: str, doc: str = "") -> HoverView:
     return {"title": title, "type": kind, "value": value, "doc": doc}
 
 
-def _variable_card(session: Session, title: str, path: Path) -> HoverView | None:
-    """Return the card of a variable by its path of definition: its value in each instance of its machine."""
-    frame = session.frame
-    found = _instances(session, path)
+def _variable_card(frame: Frame, title: str, path: Path) -> HoverView | None:
+    """Return the card of a variable: its value, or its values in the instances of its machine."""
+    found = _instances(frame, path)
     if not found:
         return None
     texts = [frame.variables[each] for each in found]
@@ -284,16 +288,17 @@ def _variable_card(session: Session, title: str, path: Path) -> HoverView | None
     return _hover_view(title, type(frame.values[found[0]]).__name__, "\n".join(texts))
 
 
-def _instances(session: Session, path: Path) -> list[Path]:
-    """Return the paths as spawned of a variable that has a value."""
-    program = session.frame.program
-    return [each for each in session.frame.variables if as_defined(program, "variable", each) == path]
+def _instances(frame: Frame, path: Path) -> list[Path]:
+    """Return the paths as spawned of a variable that has a value; a path as spawned means only itself."""
+    known = [*frame.variables]
+    meant = [each for each in known if as_defined(frame.program, "variable", each) == path]
+    return [path] if path in known else meant
 
 
 def _computed_card(session: Session, chain: str, scope: str) -> HoverView | None:
     """Return the card of what a name means besides variables: an event, a machine, a time; else None."""
     first, dot, rest = chain.partition(".")
-    here = _scope(session, scope)
+    here = _scope(session.program, scope)
     if first in session.namespace or first in here.visible:
         return None
     owner = here.owner("event", first)
@@ -313,7 +318,7 @@ def _machine_card(session: Session, title: str, member: str, machines: tuple[Sco
     """Return the card of a machine, its `state` or one of its variables."""
     if member and member != "state":
         paths = ((*machine.path, member) for machine in machines if member in machine.variables)
-        return next(filter(None, (_variable_card(session, title, path) for path in paths)), None)
+        return next(filter(None, (_variable_card(session.frame, title, path) for path in paths)), None)
     states = [place for machine in machines for place in _active_states(session, machine)]
     if member:
         doc = "The name of the active state of the machine; `None` while it does not run."
@@ -372,7 +377,7 @@ def _value_of(session: Session, chain: str, scope: str) -> object:
 
 
 def _root(session: Session, name: str, scope: str) -> object:
-    path = _variable_in_scope(session, name, scope)
+    path = _variable_in_scope(session.program, name, scope)
     if path is not None:
         return _variable(session, path)
     if name == "robot":
@@ -394,25 +399,31 @@ def _result(session: Session, machine: str, name: str, scope: str) -> Path | Non
 def _variable(session: Session, path: Path) -> object:
     """Return the value of a variable by its path of definition, in the first instance of its machine."""
     try:
-        return session.interpreter.variables[next(iter(_instances(session, path)), path)]
+        return session.interpreter.variables[next(iter(_instances(session.frame, path)), path)]
     except UnknownElementError:
         raise _NothingError from None
 
 
 def _machines(session: Session, name: str, scope: str) -> tuple[Scope, ...]:
     """Return the machines that a name in a block can mean."""
-    here = _scope(session, scope)
+    here = _scope(session.program, scope)
     return () if name in session.namespace or name in here.visible else here.machines_called(name)
 
 
-def _scope(session: Session, path: str) -> Scope:
-    names = resolve(session.program)
-    return names.by_path.get(tuple(path.split("/")), names.top)
+def _scope(program: Program, path: str) -> Scope:
+    """Return the machine with a path, as spawned or of definition; the top level if there is none."""
+    names = resolve(program)
+    return names.by_path.get(names.defined(as_path(path)) if path else (), names.top)
 
 
-def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
-    owner = _scope(session, scope).visible.get(name)
-    return None if owner is None else (*owner.path, name)
+def _variable_in_scope(program: Program, name: str, scope: str) -> Path | None:
+    """Return the path of a variable that is visible in a machine: as spawned, if the machine's path is."""
+    names, here = resolve(program), as_path(scope) if scope else ()
+    owner = _scope(program, scope).visible.get(name)
+    if owner is None:
+        return None
+    around = (here[:end] for end in range(len(here), 0, -2))
+    return (*next((each for each in around if names.defined(each) == owner.path), owner.path), name)
 
 
 # -- readings and messages of a robot, known from their types before anything arrived --------------------

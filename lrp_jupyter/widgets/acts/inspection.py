@@ -8,7 +8,9 @@ from itertools import islice
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
+from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.interpreter.variables import VariableMapping
 from lrp_jupyter.language.lookup import as_defined, definition_of, find
 from lrp_jupyter.language.program import (
     Element,
@@ -39,7 +41,10 @@ def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) 
     if kind == "robot":
         return _robot(session)
     if kind == "variable":
-        return session.call(lambda: _variable(session, program, where, into))
+        past = None if opened.looking.tick(session) is None else opened.looking.shown(session).frame
+        if past is not None:
+            return session.call(lambda: _variable(past.values, past.program, where, into))
+        return session.call(lambda: _variable(session.interpreter.variables, program, where, into))
     element = find(program, kind, where)
     noun = definition_of(program, element)
     if isinstance(noun, Machine):
@@ -49,16 +54,20 @@ def inspect(opened: OpenProgram, kind: ElementKind, path: str, into: list[str]) 
     if isinstance(noun, Transition):
         return _transition(opened.view_state(), program, element.path, noun)
     if isinstance(noun, State):
-        return _state(opened.view_state(), program, element.path, noun)
+        return _state(opened.view_state(), program, element.path, noun, path_text(where))
     assert isinstance(noun, Event)
     return _view(f"event {noun.name}", program, noun.span, [])
 
 
-def _state(now: ViewState, program: Program, path: Path, state: State) -> InspectView:
+def _state(now: ViewState, program: Program, path: Path, state: State, asked: str) -> InspectView:
     machine = find_machine(program, path[:-1])
     name = path_text(path)
     visits = now["entered"].get(name, (0, 0))
-    facets = [_facet("active", "yes" if name in now["lit"] else "no"), _facet("entered", _times(visits))]
+    if any(each["path"] == asked.rpartition("/")[0] for each in now["instances"]):
+        active = any(f"{each}/".startswith(f"{asked}/") for each in now["active"])
+    else:
+        active = name in now["lit"]
+    facets = [_facet("active", "yes" if active else "no"), _facet("entered", _times(visits))]
     for part in ("onentry", "running", "onexit"):
         facets += [_facet(part, _action(action)) for action in getattr(state, part)]
     facets += [_facet("machine", str(inner.name)) for inner in state.machines]
@@ -120,9 +129,11 @@ def _robot(session: Session) -> InspectView:
 # -- values ----------------------------------------------------------------------------------------------
 
 
-def _variable(session: Session, program: Program, path: Path, into: Sequence[str]) -> InspectView:
-    path = session.interpreter.variables.path(path)
-    value = session.interpreter.variables[path]
+def _variable(
+    variables: ByPath[object] | VariableMapping, program: Program, path: Path, into: Sequence[str]
+) -> InspectView:
+    path = variables.path(path)
+    value = variables[path]
     title = path[-1]
     for step in into:
         for known, _, inner in _inside(value):

@@ -30,6 +30,7 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.text.finding_views import finding_id
 from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.views.goal import Goal
+from lrp_jupyter.widgets.views.instances import Instances
 from lrp_jupyter.widgets.views.layouts import Layouts
 from lrp_jupyter.widgets.views.shown_moment import MomentShown
 from lrp_jupyter.widgets.wire.packing import as_fields
@@ -79,7 +80,7 @@ class ViewStates:
         self._saver = saver
         self._layouts = layouts
         self._program = Program()
-        self._paths = DefinedPaths(self._program)
+        self._paths, self._instances = DefinedPaths(self._program), Instances(self._program)
         self._shown = Frame()
         self._program_view = program_view(self._shown.program)
         self._moved: dict[str, list[MovedElement]] = {}
@@ -99,14 +100,14 @@ class ViewStates:
         frame, looking = what
         now = session.frame
         if frame.program is not self._program:
-            self._program, self._paths = frame.program, DefinedPaths(frame.program)
+            self._program = frame.program
+            self._paths, self._instances = DefinedPaths(frame.program), Instances(frame.program)
         if shown is not self._shown:
             view = program_view(shown.program)
             self._shown = shown
             self._moved = {str(revision): _moved_elements(each) for revision, each in shown.moved}
             if view != self._program_view:  # white space makes another program, and the same view
                 self._program_view = view
-        paths = self._paths
         members = list(listed_members(session.bridge))
         return {
             "status": frame.status,
@@ -122,8 +123,8 @@ class ViewStates:
             "layouts": dict(layouts),
             "moved": self._moved,
             "active": [path_text(path) for path in frame.active],
-            "lit": paths.active_states(frame.active),
-            "users": paths.users(frame.active),
+            "lit": self._paths.active_states(frame.active),
+            "users": self._paths.users(frame.active),
             "entered": {
                 path_text(path): (count, frame.visited_at[path]) for path, count in frame.visits.items()
             },
@@ -131,13 +132,12 @@ class ViewStates:
                 id_of("transition", path): (count, frame.fired_at[path])
                 for path, count in frame.fired.items()
             },
+            "instances": self._instances.of(frame.active),
             "variables": {
-                path_text(paths.member(path)): (text, _finite(frame.numbers.get(path)))
+                path_text(path): (text, _finite(frame.numbers.get(path)))
                 for path, text in frame.variables.items()
             },
-            "outdated": {
-                path_text(paths.member(path)): _outdated_view(each) for path, each in frame.outdated.items()
-            },
+            "outdated": {path_text(path): _outdated_view(each) for path, each in frame.outdated.items()},
             "countdowns": {
                 id_of("transition", path): (round(each.since, 3), each.delay)
                 for path, each in frame.countdowns.items()
@@ -288,6 +288,7 @@ def _breakpoint_view(each: Breakpoint, program: Program) -> BreakpointView:
         "name": each.name,
         "expression": each.expression,
         "machine": path_text(each.machine),
+        "instance": path_text(each.instance),
         "enabled": each.enabled,
         "hits": each.hits,
         "after": each.after,

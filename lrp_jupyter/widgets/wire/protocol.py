@@ -50,7 +50,9 @@ convert to and from the character offsets of Python).
 **Names.** ``path`` is an element's path in the text, ``follower/looking/lookalgo``; a transition's is
 ``follower:tlooking``: the machine's path, a colon, its name or ``kind:from->to`` (`Machine.ids`).
 `path_of` and `id_of` of `page_places` convert. In a dataclass of the package, a transition's path has slashes
-alone, ``follower/tlooking``.
+alone, ``follower/tlooking``. A machine may run several times, so an instance and its variables are named by
+their paths *as spawned*, ``m/left/follow/side``. What a page sends may be either; a path in the text means
+the only instance.
 """
 
 from __future__ import annotations
@@ -85,6 +87,7 @@ class BreakpointView(TypedDict):
     name: str
     expression: str
     machine: str
+    instance: str  # the one that is meant, as spawned; empty for any
     enabled: bool
     hits: int  # counted whether it is enabled or not
     after: int  # the first hit at which it pauses
@@ -159,6 +162,14 @@ class OutdatedView(TypedDict):
 
     computed: str  # from which variable and when, a sentence
     initial: str  # the expression that recomputes it; empty if its initialiser is not an expression
+
+
+class InstanceView(TypedDict):
+    """A machine that runs: its path as spawned, and the one in the text."""
+
+    path: str
+    machine: str
+    settings: str  # what its spawn initialises: `side 2, keep 0.25`
 
 
 class StateItem(TypedDict):
@@ -461,8 +472,9 @@ class ViewState(TypedDict):
     users: dict[str, str]  # by such a path, if its machine runs in several states: the names of these
     entered: dict[str, CountAndTick]  # by state path, so that a visit too short to see leaves an afterglow
     fired: dict[str, CountAndTick]  # by transition; the one with the newest tick in its machine is marked
-    variables: dict[str, TextAndNumber]  # by path, of those that exist now
-    outdated: dict[str, OutdatedView]  # by path
+    instances: list[InstanceView]  # the machines that run, outer before inner
+    variables: dict[str, TextAndNumber]  # by path as spawned, of those that exist now
+    outdated: dict[str, OutdatedView]  # by path as spawned
     countdowns: dict[str, tuple[float, float]]  # by transition as spawned: since (s), how long (ms)
     events: dict[str, bool]  # path -> value at its last test, of those whose test returned one
     members: dict[str, str]  # member of `robot` -> its value now, as text
