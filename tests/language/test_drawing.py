@@ -577,6 +577,32 @@ def test_a_name_that_would_mean_something_else_is_refused(act: tuple[Any, ...]) 
         drawn(text, act)
 
 
+@every(
+    ("use", "sentence"),
+    [
+        ("(on n.a t -> s)", "Line 2 asks whether `n` is in `a`. Change that first, then move `a`."),
+        ("(event e [n.state in ('b', 'a')])", "Line 2 asks whether `n` is in `a`."),
+    ],
+)
+def test_a_state_that_is_asked_for_stays_in_its_machine(use: str, sentence: str) -> None:
+    text = (
+        "(machine m (state t (onentry (spawn n a)) (machine n (var e := [1]) (state a) (state b)))"
+        f" (state s)\n{use})"
+    )
+    for act in ((nesting.nest, ("m", "t", "n", "a"), "b"), (nesting.unnest, ("m", "t", "n", "a"))):
+        with pytest.raises(ValueError, match=re.escape(sentence)):
+            drawn(text, act)
+
+
+@every("use", ["(running [y = here])", "(onentry (spawn n a))", "(running [n.state])"])
+def test_an_event_or_a_machine_of_the_state_around_holds_a_state_there(use: str) -> None:
+    text = (
+        f"(machine m (state t (machine o (event here [1]) (state a {use}) (state b)) (machine n (state a))))"
+    )
+    with pytest.raises(ValueError, match=r"`a` uses `(n`, a machine|here`, an event) inside `t`"):
+        drawn(text, (nesting.unnest, ("m", "t", "o", "a")))
+
+
 def test_the_start_moves_to_another_state() -> None:
     text = "(machine m (state a) (state b)) (spawn m a)"
     assert drawn(text, (drawing.start_in, ("m", "b"))).endswith("(spawn m b)")

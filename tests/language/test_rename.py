@@ -49,7 +49,7 @@ CASES = [
     (
         "event",
         "old",
-        "(event «old» [old]) (machine m (on «old» old -> old) (on [old] a -> b)"
+        "(event «old» [old]) (machine m (on «old» old -> old) (on [«old»] a -> b)"
         "(state s (machine n (exit «old» a -> b))) (state t (machine n (event old [1]) (on old a -> b))))",
     ),
     ("transition", "m/old", "(machine m (on old old -> old «old») (eps old -> old other))"),
@@ -81,6 +81,44 @@ CASES = [
         "(machine m (state old) (state s (onentry (spawn n «old»)) "
         "(machine n (state «old») (exit e «old» -> old))))",
     ),
+    (
+        "state",
+        "move/old",
+        "(machine move (state «old») (on e «old» -> «old»)) (event e [move.state == '«old»' and 'old'])"
+        "(machine m (state s (onentry (spawn move «old»))) (on move . «old» for 5 s -> old)"
+        " (on [move.state in ['old ', \"«old»\"] or r'old' != move.state != '«old»'] s -> old)"
+        " (on other.old s -> old) (on [other.state == 'old' or move.old == 'old'] s -> old)"
+        " (on [f'{move.state == \"«old»\"}' == 'old'] s -> old)"
+        " (eps s -> t (effect [match move.state:\n case '«old»' | 'other': old = 'old'])))"
+        "(machine other (state old))",
+    ),
+    (
+        "machine",
+        "old",
+        "(machine «old» (var old := [1]) (state old)) (event e [«old».state == 'old' or «old».old and old()])"
+        "(machine m (state s (onentry (spawn «old» old (var old := [«old».state]))))"
+        " (on «old».old s -> old old)) (spawn «old» old)",
+    ),
+    (
+        "variable",
+        "move/old",
+        "(var old := [1]) (machine move (var «old» := [old]) (state s (running [«old» += 1])))"
+        "(machine m (state t (onentry (spawn move s (var «old» := [old]) (var other := [move.«old»]))))"
+        " (on [move.«old» > old and robot.old and old.old] t -> t (effect [old = move . «old».old])))",
+    ),
+    ("variable", "m/old", "(machine m (var «old» := [1]) (on old for «old» old -> old old))"),
+    (
+        "event",
+        "old",
+        "(event «old» [1]) (machine m (on [«old» and old() and (lambda old: old)(old=«old»)] a -> b)"
+        " (on «old» for [«old»] a -> b (effect [x = «old»])) (eps a -> b (effect [old = old]))"
+        " (state a (running [[old for old in x], «old»])))",
+    ),
+    (
+        "machine",
+        "old",
+        "(machine «old» (state s)) (event old [«old»]) (machine m (event e [old and «old».state]))",
+    ),
 ]
 
 
@@ -111,6 +149,16 @@ def test_every_place_of_an_element_leads_to_it(kind: str, path: str, text: str) 
         assert found is not None
         assert (found.element.kind, found.element.path) == (kind, tuple(path.split("/")))
         assert sorted({found.definition, *found.references}) == spans
+
+
+def test_two_machines_of_a_name_in_one_place_cannot_be_renamed() -> None:
+    text = (
+        "(machine m (state a (onentry (spawn n s)) (machine n (state s)))"
+        "(state b (onentry (spawn n s)) (machine n (state s))) (on n.s {a b} -> a))"
+    )
+    for kind, path in (("machine", "m/a/n"), ("state", "m/b/n/s")):
+        with pytest.raises(ValueError, match="is not the only one that line 1 can mean"):
+            renamed(text, kind, path, "new")
 
 
 def test_a_place_that_means_nothing_leads_nowhere() -> None:
@@ -168,6 +216,21 @@ def test_a_program_without_a_text_is_printed_first() -> None:
             "b",
             "is not valid everywhere",
         ),
+        ("(event a [1])(event e [a and b])", "event", "a", "b", "something else"),
+        ("(event a [1])(event e [b = a])", "event", "a", "b", "something else"),
+        ("(event a [1])(var b := [1])(event e [a])", "event", "a", "b", "something else"),
+        ("(event a [1])(var b := [1])(event e [a])", "variable", "b", "a", "something else"),
+        ("(var a := [1])(event e [elapsed > a])", "variable", "a", "elapsed", "something else"),
+        ("(machine n (var a := [1]))(event e [n.a])", "variable", "n/a", "state", "something else"),
+        ("(machine n (state s))(var b := [1])(event e [n.state])", "machine", "n", "b", "something else"),
+        (
+            "(machine n (state a)(state b))(event e [n.state == 'a'])(machine m (event e [n.state == 'b']))",
+            "state",
+            "n/a",
+            "b",
+            "another state",
+        ),
+        ("(machine n (state a))(event e [n.state in ('a', 'b')])", "state", "n/a", "b", "something else"),
         (
             "(machine n (exit e s -> a)) (machine m (state a)(state s (onentry (spawn n s))))"
             "(machine o (state a)(state s (onentry (spawn n s))))",

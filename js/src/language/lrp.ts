@@ -29,7 +29,7 @@ const configured = parser.configure({
       Comment: tags.lineComment,
       Number: tags.number,
       Arrow: tags.controlOperator,
-      "Assign Minus": tags.operator,
+      "Assign Minus Dot": tags.operator,
       Star: tags.special(tags.operator),
       "Machine/Definition/Name": tags.definition(tags.namespace),
       "State/Definition/Name": tags.definition(tags.className),

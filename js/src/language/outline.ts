@@ -108,12 +108,15 @@ function transition(node: SyntaxNode, prefix: string, seen: Seen, read: Read): I
   const before: SyntaxNode[] = [];
   const after: SyntaxNode[] = [];
   for (let part = keyword.nextSibling; part; part = part.nextSibling) {
-    if (/^(Name|Number|Block|Star|Minus|Group)$/.test(part.name))
-      (part.from < arrow.from ? before : after).push(part);
+    if (PART.test(part.name)) (part.from < arrow.from ? before : after).push(part);
   }
   const destination = after[0];
   if (!destination) return null;
-  const trigger = text(keyword) === "eps" ? "eps" : before[0] ? text(before.shift()!) : "";
+  let trigger = text(keyword) === "eps" ? "eps" : triggerOf(before.shift(), text);
+  if (before[0]?.name === "Keyword") {
+    const delay = before.splice(0, 2)[1];
+    trigger += ` for ${delay ? text(delay) : ""}`;
+  }
   const own = after[1]?.name === "Name" ? after[1] : null;
   const way = `${sources(before, text)}->${text(destination)}`;
   const called = own && text(own);
@@ -129,6 +132,14 @@ function transition(node: SyntaxNode, prefix: string, seen: Seen, read: Read): I
     nameFrom: place.from,
     nameTo: place.to,
   };
+}
+
+const PART = /^(Name|InState|Keyword|Number|Block|Star|Minus|Group)$/;
+
+/** What it waits for, as the kernel writes it. */
+function triggerOf(part: SyntaxNode | undefined, text: (part: SyntaxNode) => string): string {
+  if (part?.name === "InState") return part.getChildren("Name").map(text).join(".");
+  return part ? text(part) : "";
 }
 
 /** Sources as the kernel writes them: `a`, `*`, `*-{a b}`, `{a b}`. */

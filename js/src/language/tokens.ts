@@ -17,6 +17,7 @@ const WORDS: Record<string, number> = {
   ontime: terms.ontime,
   eps: terms.eps,
   exit: terms.exit,
+  effect: terms.effect,
   onpause: terms.onpause,
   onresume: terms.onresume,
 };
@@ -27,6 +28,20 @@ export const word = new ExternalTokenizer((input: InputStream) => {
   for (let char = input.next; isNameUnit(char); char = input.advance()) text += String.fromCharCode(char);
   const term = WORDS[text];
   if (term !== undefined) input.acceptToken(term);
+});
+
+/** `for` after what a transition waits for; before the arrow it is a state. */
+export const hold = new ExternalTokenizer((input: InputStream) => {
+  for (const char of "for") {
+    if (input.next !== char.charCodeAt(0)) return;
+    input.advance();
+  }
+  if (isNameUnit(input.next)) return;
+  let ahead = 0;
+  for (let char = input.next; isSpace(char) || isComment(char); char = input.peek(++ahead)) {
+    if (isComment(char)) while (!isBreak(input.peek(ahead + 1))) ahead++;
+  }
+  if (input.peek(ahead) !== 45 || input.peek(ahead + 1) !== 62) input.acceptToken(terms._for);
 });
 
 /** The inside of a block. One that is not closed ends with its line, so that the rest keeps its shape. */
@@ -44,6 +59,14 @@ export const python = new ExternalTokenizer((input: InputStream) => {
 
 function isBreak(char: number): boolean {
   return char < 0 || char === 10 || char === 13;
+}
+
+function isSpace(char: number): boolean {
+  return (char >= 9 && char <= 13) || char === 32 || char === 160;
+}
+
+function isComment(char: number): boolean {
+  return char === 59 || char === 35;
 }
 
 function isNameUnit(char: number): boolean {

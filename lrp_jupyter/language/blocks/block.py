@@ -141,30 +141,60 @@ def _is_simple(tree: ast.Module, source: str) -> bool:
     return True
 
 
+class MemberPlace(NamedTuple):
+    """The name after the dot of another one, and the strings that it is compared with."""
+
+    name: str
+    span: Span
+    strings: tuple[tuple[str, Span], ...]
+
+
 class Place(NamedTuple):
     """A place where a block uses a name that is not one of its inner functions: it may be a variable.
 
     `imported`: the module's whole name where it is bound by ``import x.y``, else empty.
+    `computed`: whether it means an event or a machine if no variable is called so: it is read, not called.
+    `member`: what follows its dot.
     """
 
     name: str
     span: Span
     imported: str
+    computed: bool
+    member: MemberPlace | None
 
 
 def block_names(block: Block) -> list[Place]:
     """Return the names of a block, in order of their positions in the program's text."""
-    return [place._replace(span=block.at(place.span)) for place in _names(block.text)]
+    return [_moved_place(block, place) for place in _names(block.text)]
+
+
+def _moved_place(block: Block, place: Place) -> Place:
+    member = place.member
+    if member is not None:
+        strings = tuple([(text, block.at(span)) for text, span in member.strings])
+        member = MemberPlace(member.name, block.at(member.span), strings)
+    return place._replace(span=block.at(place.span), member=member)
 
 
 @lru_cache(maxsize=20_000)
 def _names(text: str) -> tuple[Place, ...]:
     _, suite, _, (block, found, _) = read(text)
     places = []
+
+    def span(start: int, end: int) -> Span:
+        return Span(start + suite.shift, end + suite.shift)
+
     for use in found:
         if use.owner is block:
-            start = use.start + suite.shift
-            places.append(Place(use.name, Span(start, start + use.length), use.imported))
+            member = None
+            if use.member is not None:
+                name, strings = use.member
+                compared = tuple([(each.word, span(each.start, each.end)) for each in strings])
+                member = MemberPlace(name.word, span(name.start, name.end), compared)
+            computed = not use.called and use.name not in block.bound
+            whole = span(use.start, use.start + use.length)
+            places.append(Place(use.name, whole, use.imported, computed, member))
     return tuple(sorted(places, key=lambda place: place.span.start))
 
 

@@ -11,6 +11,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import chain, pairwise
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -26,6 +27,21 @@ _WORD_OR_QUOTE = re.compile(rf"{WORD.pattern}|['\"#]")
 _CONVERSION = re.compile(r"(?:=\s*)?(?:![A-Za-z]\s*)?\Z")
 
 
+class Written(NamedTuple):
+    """A word of the source and its range, in characters."""
+
+    word: str
+    start: int
+    end: int
+
+
+class Member(NamedTuple):
+    """The name after the dot of another one, and the strings that it is compared with."""
+
+    name: Written
+    strings: tuple[Written, ...] = ()
+
+
 class Use(NamedTuple):
     """One occurrence of a name; `start` is an offset in the source, in characters."""
 
@@ -35,6 +51,8 @@ class Use(NamedTuple):
     writes: bool
     scope: PythonScope
     imported: str = ""  # the module's whole name in `import x.y`
+    called: bool = False
+    member: Member | None = None
 
     @property
     def owner(self) -> PythonScope | None:
@@ -122,14 +140,29 @@ class _Visitor(Offsets):
         self.shift = shift
         self.found: list[Use] = [] if found is None else found
         self.global_places: list[tuple[str, int]] = []
+        self._compared: dict[ast.expr, list[Written]] = {}
 
-    def register(self, name: str, start: int, writes: bool, scope: PythonScope, imported: str = "") -> None:
+    def register(
+        self,
+        name: str,
+        start: int,
+        writes: bool,
+        scope: PythonScope,
+        imported: str = "",
+        called: bool = False,
+        member: Member | None = None,
+    ) -> None:
         """Register an occurrence of a name."""
         if writes:
             scope.bound.add(name)
+        _, begin, end = self.written(name, start)
+        self.found.append(Use(name, begin, end - begin, writes, scope, imported, called, member))
+
+    def written(self, name: str, start: int) -> Written:
+        """Return a name with its range."""
         match = WORD.match(self.source, start)
-        length = len(match[0]) if match else len(name)
-        self.found.append(Use(name, start + self.shift, length, writes, scope, imported))
+        end = match.end() if match else start + len(name)
+        return Written(name, start + self.shift, end + self.shift)
 
     def word(self, name: str, start: int) -> int:
         """Return the offset of the first word `name` of code at or after `start`."""
@@ -152,6 +185,46 @@ class _Visitor(Offsets):
 
     def on_name(self, node: ast.Name, scope: PythonScope) -> None:
         self.register(node.id, self.start_of(node), not isinstance(node.ctx, ast.Load), scope)
+
+    def on_attribute(self, node: ast.Attribute, scope: PythonScope) -> None:
+        inner = node.value
+        if not isinstance(inner, ast.Name):
+            self.visit(inner, scope)
+            return
+        name = self.written(node.attr, self.word(node.attr, self.end_of(inner)))
+        member = Member(name, tuple(self._compared.pop(node, ())))
+        self.register(inner.id, self.start_of(inner), False, scope, member=member)
+
+    def on_call(self, node: ast.Call, scope: PythonScope) -> None:
+        function = node.func
+        if isinstance(function, ast.Name):
+            self.register(function.id, self.start_of(function), False, scope, called=True)
+        else:
+            self.visit(function, scope)
+        self.visit_all([*node.args, *node.keywords], scope)
+
+    def on_compare(self, node: ast.Compare, scope: PythonScope) -> None:
+        operands = [node.left, *node.comparators]
+        for one, other in [*pairwise(operands), *pairwise(reversed(operands))]:
+            self._compare(one, getattr(other, "elts", [other]))
+        self.visit_all(operands, scope)
+
+    def on_match(self, node: ast.Match, scope: PythonScope) -> None:
+        cases = [case.pattern for case in node.cases]
+        every = chain.from_iterable(getattr(case, "patterns", [case]) for case in cases)
+        self._compare(node.subject, [getattr(pattern, "value", None) for pattern in every])
+        self.visit_all([node.subject, *node.cases], scope)
+
+    def _compare(self, one: ast.expr, others: Iterable[ast.AST | None]) -> None:
+        """Note the strings that an expression is compared with, without their quotes."""
+        if not isinstance(one, ast.Attribute):
+            return
+        for other in others:
+            if isinstance(other, ast.Constant) and isinstance(other.value, str):
+                start, end = self.start_of(other), self.end_of(other)
+                if self.source[start + 1 : end - 1] == other.value:
+                    places = (start + 1 + self.shift, end - 1 + self.shift)
+                    self._compared.setdefault(one, []).append(Written(other.value, *places))
 
     def on_global(self, node: ast.Global, scope: PythonScope) -> None:
         scope.global_names.update(node.names)
@@ -260,6 +333,10 @@ class _Visitor(Offsets):
 
 _METHODS: dict[str, Callable[[_Visitor, Any, PythonScope], None]] = {
     "Name": _Visitor.on_name,
+    "Attribute": _Visitor.on_attribute,
+    "Call": _Visitor.on_call,
+    "Compare": _Visitor.on_compare,
+    "Match": _Visitor.on_match,
     "Global": _Visitor.on_global,
     "Nonlocal": _Visitor.on_nonlocal,
     "alias": _Visitor.on_alias,

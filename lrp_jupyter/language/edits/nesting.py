@@ -14,11 +14,17 @@ from collections.abc import Collection, Iterator
 from itertools import chain
 
 from lrp_jupyter.errors import Edit, edited
-from lrp_jupyter.language.blocks.block import block_names
 from lrp_jupyter.language.edits.drawing import DrawnProgram, WrittenTransition, numbered
 from lrp_jupyter.language.edits.form_places import WrittenForm
+from lrp_jupyter.language.edits.mentions import (
+    Named,
+    named_by_spawn,
+    named_by_trigger,
+    named_in_block,
+)
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, State, path_text
+from lrp_jupyter.language.reading.forms import article
 from lrp_jupyter.language.resolution import Arrow, Scope
 
 
@@ -123,6 +129,7 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
     inner = scope.machines.get(into, {}).get(str(target.machines[0].name)) if target.machines else None
     move = _Move(drawing, scope, state)
     name = move.name
+    _refuse_watched(move)
     if inner:
         if name in inner.states:
             raise ValueError(f"`{name}` is taken in `{inner.path[-1]}`. Rename one of them first.")
@@ -165,6 +172,7 @@ def unnest(text: str, path: Path) -> list[Edit]:
     name = move.name
     if name in outer.states:
         raise ValueError(f"`{name}` is taken in `{outer.path[-1]}`. Rename one of them first.")
+    _refuse_watched(move)
     _refuse_lost(move, outer)
     for arrow, is_source in move.arrows():
         noun = arrow.noun
@@ -186,22 +194,24 @@ def unnest(text: str, path: Path) -> list[Edit]:
     return move.finish(drawing.form_of(outer))
 
 
-def _names(move: _Move) -> Iterator[tuple[str, str, Scope | None]]:
-    """Yield what a state and its transitions refer to: kind, name, and the scope that defines it."""
+def _names(move: _Move) -> Iterator[Named]:
+    """Yield what a state and its transitions refer to, looked up in the scopes around it."""
+    return (each for each in _all_names(move) if not each.inside)
+
+
+def _all_names(move: _Move) -> Iterator[Named]:
     names = move.drawing.names
     for element, codes in names.blocks.items():
         if _is_in(element.path, move.path) or _is_own(move, element.path):
             for code in codes:
-                for place in block_names(code.block):
-                    yield "variable", place.name, code.visible.get(place.name)
+                yield from named_in_block(code)
     for arrow in chain.from_iterable(names.arrows.values()):
         is_inside = _is_in(arrow.element.path, move.path) or _is_own(move, arrow.element.path)
-        if is_inside and arrow.noun.trigger.reference is not None:
-            kind, name = arrow.noun.trigger.reference
-            yield kind, str(name), arrow.owner
+        if is_inside:
+            yield from named_by_trigger(arrow)
     for spawning in names.spawns:
         if _is_in(spawning.spawner, move.path):
-            yield "machine", str(spawning.noun.machine), spawning.machine
+            yield from named_by_spawn(spawning)
 
 
 def _is_in(path: Path, around: Path) -> bool:
@@ -214,11 +224,25 @@ def _is_own(move: _Move, path: Path) -> bool:
     return any(arrow.element.path == path and move.name in arrow.noun.sources for arrow in arrows)
 
 
+def _refuse_watched(move: _Move) -> None:
+    """Raise if something asks whether the machine is in the state, which will not be in it any more."""
+    drawing = move.drawing
+    arrows = chain.from_iterable(drawing.names.arrows.values())
+    for each in chain(
+        chain.from_iterable(map(named_by_trigger, arrows)),
+        chain.from_iterable(map(named_in_block, drawing.names.all_blocks)),
+    ):
+        if (each.kind, each.name, each.scope) == ("state", move.name, move.scope):
+            line, _ = drawing.program.place(each.span.start)
+            problem = f"Line {line} asks whether `{move.scope.path[-1]}` is in `{move.name}`"
+            raise ValueError(f"{problem}. Change that first, then move `{move.name}`.")
+
+
 def _refuse_captured(move: _Move, inner: Scope) -> None:
     """Raise if a name used in the state would refer to something else in the machine that it moves into."""
     beside = inner.outer.machines[inner.state] if inner.outer else {}
     own: dict[str, Collection[str]] = {"variable": inner.variables, "event": inner.events, "machine": beside}
-    for kind, name, owner in _names(move):
+    for kind, name, _, owner, *_ in _names(move):
         if name in own[kind] and not (owner and _is_in(owner.path, move.path)):
             problem = f"`{name}` would mean another {kind} in `{path_text(inner.path)}`"
             raise ValueError(f"{problem}. Rename one of them first.")
@@ -227,7 +251,7 @@ def _refuse_captured(move: _Move, inner: Scope) -> None:
 def _refuse_lost(move: _Move, outer: Scope) -> None:
     """Raise if a name used in the state refers to something that is not defined outside."""
     around = (*outer.path, move.scope.state)
-    for kind, name, owner in _names(move):
+    for kind, name, _, owner, *_ in _names(move):
         if owner and _is_in(owner.path, around) and not _is_in(owner.path, move.path):
-            problem = f"`{move.name}` uses `{name}`, a {kind} inside `{move.scope.state}`"
+            problem = f"`{move.name}` uses `{name}`, {article(kind)} {kind} inside `{move.scope.state}`"
             raise ValueError(f"{problem}. Move that out first.")

@@ -13,13 +13,13 @@ from keyword import iskeyword
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit, LRPSyntaxError, UnknownElementError, edited
-from lrp_jupyter.language.blocks.block import block_names
 from lrp_jupyter.language.blocks.names_in_blocks import normal
+from lrp_jupyter.language.edits.mentions import named
 from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Element, Name, Path, Program, Span
-from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
+from lrp_jupyter.language.resolution import Resolution, resolve
 
 _KINDS = ("state", "machine", "event", "variable", "transition")
 
@@ -50,7 +50,7 @@ def symbols(program: Program) -> tuple[list[Symbol], list[Mention]]:
     names = resolve(program)
     found = {element: Symbol(element, name.span) for element, name in _definitions(names)}
     mentions = []
-    for kind, name, span, scope, imported in _mentions(names):
+    for kind, name, span, scope, _, imported in named(names):
         symbol = None if scope is None else found.get(Element(kind, scope.path_of(kind, name)))
         if symbol is not None:
             symbol.references.append(span)
@@ -69,31 +69,6 @@ def _definitions(names: Resolution) -> Iterator[tuple[Element, Name]]:
         for arrow in names.arrows[scope]:
             if arrow.noun.name is not None:
                 yield arrow.element, arrow.noun.name
-
-
-def _mentions(names: Resolution) -> Iterator[tuple[str, str, Span, Scope | None, str]]:
-    """Yield the kind, name and span of every reference, the scope that defines it, and what it imports."""
-    for spawning in names.spawns:
-        machine = spawning.noun.machine
-        yield "machine", str(machine), machine.span, spawning.machine, ""
-        yield "state", str(spawning.noun.state), spawning.noun.state.span, spawning.machine, ""
-    for arrows in names.arrows.values():
-        for arrow in arrows:
-            for kind, name, scope in _named_by(arrow):
-                yield kind, str(name), name.span, scope, ""
-    for codes in names.blocks.values():
-        for code in codes:
-            for word, span, imported in block_names(code.block):
-                yield "variable", word, span, code.visible.get(word), imported
-
-
-def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
-    if arrow.noun.trigger.reference is not None:
-        yield *arrow.noun.trigger.reference, arrow.owner
-    for source in arrow.noun.sources:
-        yield "state", source, arrow.scope
-    for home in arrow.homes or (None,):
-        yield "state", arrow.noun.destination, home
 
 
 def references(program: Program, offset: int) -> Symbol | None:
@@ -162,8 +137,10 @@ def _check_meaning(
 ) -> None:
     """Raise if any name has another meaning in the new text than before."""
     counts = Counter(use.span for use in uses if use.symbol)
-    if any(counts[span] > 1 for span in symbol.references):
-        problem = f"{symbol.element} is not the only one that its `exit` can lead to"
+    shared = next((span for span in symbol.references if counts[span] > 1), None)
+    if shared is not None:
+        line, _ = program.place(shared.start)
+        problem = f"{symbol.element} is not the only one that line {line} can mean"
         raise ValueError(f"{problem}. Rename it by hand.")
     if symbol.element.kind == "transition" and _shared(found, symbol, program):
         raise ValueError(f"{symbol.element} is not the only one of this name. Rename it by hand.")
