@@ -34,6 +34,34 @@ describe("the grammar", () => {
       "Transition(Keyword Star Minus Group(Name Name) Arrow Name Name)",
     );
   });
+  it("reads the state of a machine, however it is spaced, and half typed", () => {
+    expect(tree("(on move . reached a -> b)")).toBe(
+      "Transition(Keyword InState(Name Dot Name) Name Arrow Name)",
+    );
+    expect(tree("(exit move.)")).toBe("Transition(Keyword InState(Name Dot ⚠))");
+  });
+  it("takes `for` after what an `on` or `exit` waits for as a keyword, unless it is the source", () => {
+    for (const trigger of ["e", "m.s", "[x]", "for"])
+      expect(tree(`(on ${trigger} for 20 a -> b)`)).toMatch(
+        /^Transition\(Keyword \S.* Keyword Number Name Arrow Name\)$/,
+      );
+    expect(tree("(exit e for [x] a -> b)")).toBe(
+      "Transition(Keyword Name Keyword Block(Python) Name Arrow Name)",
+    );
+    expect(tree("(on e for for for -> for)")).toBe("Transition(Keyword Name Keyword Name Name Arrow Name)");
+    for (const text of ["(on e for -> b)", "(on e for ; x ->\n # y\n->b)"])
+      expect(tree(text).replace(/Comment /g, "")).toBe("Transition(Keyword Name Name Arrow Name)");
+    expect(tree("(on e form -> b)")).toBe("Transition(Keyword Name Name Arrow Name)");
+    expect(tree("(ontime for a -> b)")).toBe("Transition(Keyword Name Name Arrow Name)");
+  });
+  it("reads effects and settings as the forms they are", () => {
+    expect(tree("(eps a -> b n (effect [x] [y]))")).toBe(
+      "Transition(Keyword Name Arrow Name Name Action(Keyword Block(Python) Block(Python)))",
+    );
+    expect(tree("(spawn m s (var v := [1]))")).toBe(
+      "Spawn(Keyword Name Name Variable(Keyword Definition(Name) Assign Block(Python)))",
+    );
+  });
   it("keeps brackets in strings and comments inside a block", () => {
     expect(tree("(running [x = ']' # ]\n y[0]])")).toBe("Action(Keyword Block(Python))");
   });

@@ -75,6 +75,14 @@ describe("Enter", () => {
   it("goes on below the parts of a form that are indented differently", () => {
     expect(typed("(machine m\n      (state a)|)", "\n")).toBe("(machine m\n      (state a)\n      |)");
   });
+  it("puts an effect and a variable of a spawn below their form", () => {
+    expect(typed("(machine m\n  (on m.s for 20 a -> b|))", "\n(effect [x\ny")).toBe(
+      "(machine m\n  (on m.s for 20 a -> b\n    (effect [x\n             y|])))",
+    );
+    expect(typed("(state s\n  (onentry (spawn n a|)))", "\n(var v := [1")).toBe(
+      "(state s\n  (onentry (spawn n a\n             (var v := [1|]))))",
+    );
+  });
   it("ends a form at the top level", () => {
     expect(typed("(machine m\n  (state a))|", "\n")).toBe("(machine m\n  (state a))\n|");
   });

@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import { expect, it } from "vitest";
 import { outline } from "../src/language/outline";
 import { parser } from "../src/language/parser";
@@ -43,6 +44,20 @@ it("labels transitions as the kernel does, a second one with its number", () => 
   expect(labels).toEqual(["tgo", "go:a->c", "go:a->c#2", "eps:*-{a c}->c", "100:a->c", "[n == 1]:*->a"]);
 });
 
+it("labels what a transition waits for, and for how long, as the kernel does", () => {
+  const text =
+    "(machine m (on n . a for  200 a -> b) (exit e for [x] a -> b) (on e for -> b) (on [y] for t *-{a} -> b (effect [z]))" +
+    " (onentry (spawn n s (var v := [1]))))";
+  const found = read(text).items.filter(({ kind }) => kind !== "machine");
+  expect(found.map(({ kind }) => kind)).toEqual(Array(4).fill("transition"));
+  expect(found.map(({ name }) => name)).toEqual([
+    "n.a for 200:a->b",
+    "e for [x]:a->b",
+    "e:for->b",
+    "[y] for t:*-{a}->b",
+  ]);
+});
+
 it("sees inner variables before outer ones of the same name", () => {
   const scope = read(PROGRAM).inScope("variable", "m/a/inner");
   expect(scope.map((item) => item.path)).toEqual(["m/a/inner/n", "m/n", "lim"]);
@@ -61,4 +76,20 @@ it("finds the innermost element around an offset", () => {
 
 it("survives a text that is being typed", () => {
   expect(read("(machine m (state ) (on x a -> ").items.map((item) => item.path)).toEqual(["m"]);
+});
+
+interface Recorded {
+  text: string;
+  elements: string[];
+}
+
+const RECORDED = new URL("../../tests/language/outlines.json", import.meta.url);
+
+it("finds in every program what the kernel's parser finds", () => {
+  for (const { text, elements } of JSON.parse(readFileSync(RECORDED, "utf8")) as Recorded[]) {
+    const found = read(text).items.map(({ kind, path, name }) =>
+      kind === "transition" ? `${kind} ${path} ${name}` : `${kind} ${path}`,
+    );
+    expect([...new Set(found)].sort(), text).toEqual([...elements].sort());
+  }
 });

@@ -29,7 +29,7 @@ const program: ProgramView = {
       [
         ["near", "a", "b"],
         ["hit", "*-{c}", "b"],
-        ["far", "{b c}", "a"],
+        ["far for 200", "{b c}", "a"],
       ],
     ),
     machine("m/b/n", [], [["near", "x", "y"]]),

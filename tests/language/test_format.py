@@ -116,3 +116,23 @@ def test_a_byte_order_mark_is_white_space(text: str) -> None:
 def test_a_text_with_errors_is_not_formatted() -> None:
     with pytest.raises(LRPSyntaxError):
         formatted("(machine m (state a)")
+
+
+def test_the_parts_of_a_behaviour_are_laid_out() -> None:
+    text = (
+        "(machine m(state a(onentry(spawn n   s(var v:=[-1])\n(var w := [2]))))"
+        "(on n . s   for  20 a->b(effect [x=1][y])) (exit [x]for[y] a -> b t\n(effect [x\ny])))"
+    )
+    assert (
+        formatted(text)
+        == """\
+(machine m
+  (state a
+    (onentry (spawn n s (var v := [-1])
+               (var w := [2]))))
+  (on n.s for 20 a -> b (effect [x=1] [y]))
+  (exit [x] for [y] a -> b t
+    (effect [x
+             y])))
+"""
+    )

@@ -9,12 +9,12 @@ import {
 } from "@codemirror/autocomplete";
 import type { Extension } from "@codemirror/state";
 import { outlineOf } from "../language/lrp";
-import { nameOf } from "../language/paths";
+import { nameOf, parentOf } from "../language/paths";
 import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { shortened } from "../ui/cut";
 import { h, prose } from "../ui/dom";
-import { contextAt, spawnable } from "./context";
+import { contextAt, machineCalled, spawnable, visibleMachines } from "./context";
 import { FORMS } from "./forms";
 
 const PATIENCE = 250; // ms to wait for the kernel with what is known here
@@ -24,6 +24,7 @@ export function completion(lab: Lab): Extension {
     override: [(context) => complete(context, lab)],
     icons: false,
     activateOnTyping: true,
+    activateOnCompletion: ({ apply }) => typeof apply === "string" && apply.endsWith("."),
   });
 }
 
@@ -52,40 +53,85 @@ export function offered(
 }
 
 function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeof contextAt>): Completion[] {
-  const found = outlineOf(context.state);
   switch (place.wanted) {
     case "keyword":
       return keywords(place.form);
     case "event":
-      return found.inScope("event", place.scope).map(({ name, path }) => {
-        const value = besideGraph(lab.store.state).events[path];
-        return { label: name, type: "property", detail: String(value ?? "") };
-      });
+      return [...events(lab, context, place.scope), ...machines(context, place.scope)];
     case "delay":
       return variables(lab, context, place.scope);
+    case "held":
+      return [...states(lab, context, place.machine), ...keywords("", "for")];
     case "state":
-      return found.statesOf(place.machine).map(({ name, path }) => ({
-        label: name,
-        type: "class",
-        detail: besideGraph(lab.store.state).lit.includes(path) ? "active" : "",
-      }));
+      return states(lab, context, place.machine);
     case "machine":
       return spawnable(context.state, context.pos, place.scope).map((path) => ({
         label: nameOf(path),
         type: "namespace",
       }));
+    case "setting":
+      return settings(context, place.machine);
+    case "effect":
+      return context.explicit
+        ? [snippetCompletion("(effect [#{}])", { ...EFFECT, label: "(effect […])" })]
+        : [];
     default:
       return [];
   }
 }
 
-function keywords(form: string): Completion[] {
+/** The keywords that may stand in a form, or one of them. */
+function keywords(form: string, only?: string): Completion[] {
   return Object.entries(FORMS)
-    .filter(([, { inside }]) => inside.split(" ").includes(form) || form === "Unknown")
+    .filter(([label, { inside }]) =>
+      only ? label === only : inside && (inside.split(" ").includes(form) || form === "Unknown"),
+    )
     .map(([label, { template, detail, doc }]) => {
       const info = () => h("div", {}, ...prose(doc));
       return snippetCompletion(template, { label, detail, type: "keyword", info });
     });
+}
+
+function events(lab: Lab, context: CompletionContext, scope: string): Completion[] {
+  const values = besideGraph(lab.store.state).events;
+  return outlineOf(context.state)
+    .inScope("event", scope)
+    .map(({ name, path }) => ({ label: name, type: "property", detail: String(values[path] ?? "event") }));
+}
+
+/** Machines whose state can be asked for, with the dot that this takes. */
+function machines(context: CompletionContext, scope: string): Completion[] {
+  const names = visibleMachines(context.state, scope).map(nameOf);
+  return [...new Set(names)].map((label) => ({
+    label,
+    type: "namespace",
+    detail: "machine",
+    ...(context.state.sliceDoc(context.pos, context.pos + 1) === "." ? {} : { apply: `${label}.` }),
+  }));
+}
+
+function states(lab: Lab, context: CompletionContext, machine: string): Completion[] {
+  const { lit } = besideGraph(lab.store.state);
+  return outlineOf(context.state)
+    .statesOf(machine)
+    .map(({ name, path }) => ({ label: name, type: "class", detail: lit.includes(path) ? "active" : "" }));
+}
+
+/** The variables of a machine that its spawn can initialise, with what they begin with. */
+function settings(context: CompletionContext, machine: string): Completion[] {
+  const { state, pos } = context;
+  const isWhole = /^[\w\u0080-\uffff]*\s*:=/.test(state.sliceDoc(pos, pos + NEAR));
+  return variablesOf(context, machine).map(({ name, from, to }) => {
+    const detail = shortened(/\[.*\]/s.exec(state.sliceDoc(from, to))?.[0] ?? "", 30);
+    const option = { label: name, type: "variable", detail };
+    return isWhole ? option : snippetCompletion(`${name} := [#{}]`, option);
+  });
+}
+
+function variablesOf({ state }: CompletionContext, machine: string) {
+  return outlineOf(state)
+    .inScope("variable", machine)
+    .filter(({ path }) => parentOf(path) === machine);
 }
 
 function variables(lab: Lab, context: CompletionContext, scope: string): Completion[] {
@@ -108,11 +154,14 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   const before = context.state.sliceDoc(Math.max(0, from - NEAR), from);
   const after = context.state.sliceDoc(context.pos, context.pos + NEAR);
   const command = filledBy(prefix, before, after);
+  const compared = COMPARED.exec(context.state.sliceDoc(Math.max(0, context.pos - NEAR), context.pos));
+  if (compared)
+    return offered(context, context.pos - compared[2]!.length, statesOf(lab, context, scope, compared[1]!));
   const own = command
     ? []
     : prefix.includes(".")
-      ? members(lab, prefix)
-      : [...variables(lab, context, scope), ROBOT];
+      ? [...members(lab, prefix), ...results(lab, context, scope, prefix)]
+      : [...variables(lab, context, scope), ROBOT, ...computed(lab, context, scope)];
   const taking = prefix.includes(".") ? null : TAKING.exec(before);
   const questions = [command ?? prefix, ...(taking ? [`robot.${taking[1]}(${prefix}`] : [])];
   const begun = prefix.slice(prefix.lastIndexOf(".") + 1);
@@ -129,11 +178,62 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   return offered(context, from, [...own, ...more]);
 }
 
+/** Events and machines, which blocks read; a variable of the same name hides them. */
+function computed(lab: Lab, context: CompletionContext, scope: string): Completion[] {
+  const hidden = new Set(
+    outlineOf(context.state)
+      .inScope("variable", scope)
+      .map(({ name }) => name),
+  );
+  return [...events(lab, context, scope), ...machines(context, scope)].filter(
+    ({ label }) => !hidden.has(label),
+  );
+}
+
+/** What follows the dot of a machine: its state and its variables. */
+function results(lab: Lab, context: CompletionContext, scope: string, prefix: string): Completion[] {
+  const [name, ...rest] = prefix.split(".");
+  const machine = rest.length === 1 && machineIn(context, scope, name!);
+  if (!machine) return [];
+  const { variables, lit } = besideGraph(lab.store.state);
+  const active = lit.find((path) => parentOf(path) === machine);
+  const state = {
+    label: "state",
+    type: "property",
+    detail: active ? `"${nameOf(active)}"` : "None",
+    boost: 1,
+  };
+  const own = variablesOf(context, machine).map(({ name, path }) => ({
+    label: name,
+    type: "variable",
+    detail: shortened(variables[path]?.[0] ?? "", 30),
+  }));
+  return [state, ...own.filter(({ label }) => label !== "state")];
+}
+
+/** In a string that is compared with the state of a machine. */
+const COMPARED =
+  /([\w\u0080-\uffff]+)\.state\s*(?:[!=]=|(?:not\s+)?in\s*[([{][^)\]}]*)\s*["']([\w\u0080-\uffff]*)$/;
+
+function statesOf(lab: Lab, context: CompletionContext, scope: string, name: string): Completion[] {
+  const machine = machineIn(context, scope, name);
+  return machine ? states(lab, context, machine) : [];
+}
+
+/** The machine that a name in a block means. */
+function machineIn({ state }: CompletionContext, scope: string, name: string): string | undefined {
+  const isVariable = outlineOf(state)
+    .inScope("variable", scope)
+    .some((item) => item.name === name);
+  return isVariable ? undefined : machineCalled(state, scope, name);
+}
+
 /** The kernel's reply if it comes soon: a busy kernel must not hold up the other options. */
 function soon<T>(reply: Promise<T>): Promise<T | null> {
   return Promise.race([reply, new Promise<null>((resolve) => setTimeout(() => resolve(null), PATIENCE))]);
 }
 
+const EFFECT = { type: "keyword", detail: FORMS.effect!.detail };
 const NEAR = 1000; // characters in which a message gets its name
 /** In the brackets of a command, where an argument begins. */
 const TAKING = /\brobot\.([\w.]+)\((?:[^()]*,)?\s*$/;

@@ -3,23 +3,34 @@
 import type { EditorState } from "@codemirror/state";
 import type { SyntaxNode } from "@lezer/common";
 import { outlineOf, treeOf } from "../language/lrp";
+import type { Item } from "../language/outline";
 import { isIn, nameOf, parentOf } from "../language/paths";
 
-/** The kinds of names that may appear at a place. */
-type Wanted = "keyword" | "event" | "delay" | "state" | "machine" | "python" | "nothing";
+/** The kinds of names that may appear at a place; `held` is a state, or the `for` before it. */
+type Wanted =
+  | "keyword"
+  | "event"
+  | "delay"
+  | "held"
+  | "state"
+  | "machine"
+  | "setting"
+  | "effect"
+  | "python"
+  | "nothing";
 
 interface Context {
   wanted: Wanted;
   /** Path of the innermost enclosing machine. */
   scope: string;
-  /** The machine whose states can be named. */
+  /** The machine whose states or variables can be named. */
   machine: string;
   /** The kind of the enclosing form: `State`, `Transition`, …; `Program` at the top level. */
   form: string;
 }
 
 const FORM = /^(Variable|Machine|State|Event|Spawn|Action|Transition|Unknown|Program)$/;
-const WORD = /^(Name|Number|Block|Star|Minus|Group|Definition)$/;
+const WORD = /^(Name|InState|Keyword|Number|Block|Star|Minus|Group|Definition)$/;
 
 export function contextAt(state: EditorState, offset: number): Context {
   const scope = outlineOf(state).around(offset, "machine")?.path ?? "";
@@ -43,6 +54,8 @@ export function contextAt(state: EditorState, offset: number): Context {
   context.form = node.name;
   if (node.name === "Transition") return { ...context, ...inTransition(node, begin, state, scope) };
   if (node.name === "Spawn") return { ...context, ...inSpawn(node, begin, state, scope) };
+  if (node.name === "Variable" && node.parent?.name === "Spawn")
+    return { ...context, ...inSetting(node, begin, state, scope) };
   return context;
 }
 
@@ -59,9 +72,11 @@ function formAround(node: SyntaxNode): SyntaxNode {
   return at ?? node;
 }
 
+/** The words of a form before an offset, its keyword left out. */
 function wordsBefore(form: SyntaxNode, offset: number): SyntaxNode[] {
   const words: SyntaxNode[] = [];
-  for (let child = form.firstChild; child && child.to < offset; child = child.nextSibling) {
+  const first = form.getChild("Keyword")?.nextSibling ?? null;
+  for (let child = first; child && child.to < offset; child = child.nextSibling) {
     if (WORD.test(child.name) || child.name === "Arrow") words.push(child);
   }
   return words;
@@ -74,8 +89,15 @@ function inTransition(form: SyntaxNode, offset: number, state: EditorState, scop
   const arrow = words.findIndex((word) => word.name === "Arrow");
   if (arrow >= 0) {
     const outer = parentOf(parentOf(scope));
-    return words.length - arrow > 1 ? {} : { wanted: "state", machine: kind === "exit" ? outer : scope };
+    if (words.length - arrow > 1) return { wanted: "effect" };
+    return { wanted: "state", machine: kind === "exit" ? outer : scope };
   }
+  const machine = form.getChild("InState");
+  if (machine && machine.from < offset && /\.\s*$/.test(state.sliceDoc(machine.from, offset)))
+    return { wanted: "state", machine: machineCalled(state, scope, firstOf(machine, state)) ?? "" };
+  const isHeld = kind === "on" || kind === "exit";
+  if (isHeld && words.length === 1) return { wanted: "held" };
+  if (isHeld && words.length === 2 && words[1]!.name === "Keyword") return { wanted: "delay" };
   if (kind === "eps" || words.length) return { wanted: "state" };
   return { wanted: kind === "ontime" ? "delay" : "event" };
 }
@@ -83,20 +105,81 @@ function inTransition(form: SyntaxNode, offset: number, state: EditorState, scop
 function inSpawn(form: SyntaxNode, offset: number, state: EditorState, scope: string): Partial<Context> {
   const [first, second] = wordsBefore(form, offset);
   if (!first) return { wanted: "machine" };
-  if (second) return {};
-  const name = state.sliceDoc(first.from, first.to);
-  const machine = spawnable(state, form.from, scope).find((path) => nameOf(path) === name);
-  return { wanted: "state", machine: machine ?? "" };
+  return second ? {} : { wanted: "state", machine: spawned(form, state, scope) };
+}
+
+function inSetting(form: SyntaxNode, offset: number, state: EditorState, scope: string): Partial<Context> {
+  if (wordsBefore(form, offset).length) return {};
+  return { wanted: "setting", machine: spawned(form.parent!, state, scope) };
+}
+
+/** The path of the machine that a `spawn` starts; empty if there is none. */
+export function spawned(form: SyntaxNode, state: EditorState, scope: string): string {
+  const name = firstOf(form, state);
+  return spawnable(state, form.from, scope).find((path) => nameOf(path) === name) ?? "";
+}
+
+function firstOf(node: SyntaxNode, state: EditorState): string {
+  const name = node.getChild("Name");
+  return name ? state.sliceDoc(name.from, name.to) : "";
 }
 
 /** Paths of the machines that can be spawned at a place, inner before outer. */
 export function spawnable(state: EditorState, offset: number, scope: string): string[] {
-  const found = outlineOf(state);
-  const here = found.around(offset, "state")?.path ?? "";
-  return found.items
-    .filter(({ kind, path }) => kind === "machine" && isIn(here, parentOf(path)) && !isIn(scope, path))
+  const here = outlineOf(state).around(offset, "state")?.path ?? "";
+  return machines(state, (around) => isIn(here, around), scope);
+}
+
+/** Paths of the machines that the states of a machine can spawn, which its transitions and blocks can name. */
+export function visibleMachines(state: EditorState, scope: string): string[] {
+  return machines(state, (around) => parentOf(around) === scope || isIn(scope, around), scope);
+}
+
+function machines(state: EditorState, isSeen: (around: string) => boolean, scope: string): string[] {
+  return outlineOf(state)
+    .items.filter(({ kind, path }) => kind === "machine" && isSeen(parentOf(path)) && !isIn(scope, path))
     .map(({ path }) => path)
     .sort((a, b) => b.length - a.length);
+}
+
+export function machineCalled(state: EditorState, scope: string, name: string): string | undefined {
+  return visibleMachines(state, scope).find((path) => nameOf(path) === name);
+}
+
+/** What a dotted name means in a machine: the state `move.reached` in a transition, the variable `move.tries` in a block. */
+export function partOf(
+  state: EditorState,
+  scope: string,
+  kind: "state" | "variable",
+  chain: string,
+): Item | undefined {
+  const [name, part] = chain.split(".");
+  const machine = part && machineCalled(state, scope, name!);
+  return machine ? outlineOf(state).find(kind, `${machine}/${part}`) : undefined;
+}
+
+/** The element that a name means where it stands in the program; in blocks, the kernel knows. */
+export function namedAt(state: EditorState, offset: number, chain: string): Item | undefined {
+  const found = outlineOf(state);
+  const scope = found.around(offset, "machine")?.path ?? "";
+  const { parent } = treeOf(state).resolveInner(offset, 1);
+  const machine = (path: string | undefined) => found.find("machine", path ?? "");
+  if (parent?.name === "InState")
+    return chain.includes(".")
+      ? partOf(state, scope, "state", chain)
+      : machine(machineCalled(state, scope, chain));
+  if (parent?.name === "Spawn") {
+    const path = spawned(parent, state, scope);
+    return parent.getChild("Name")!.from === offset ? machine(path) : found.find("state", `${path}/${chain}`);
+  }
+  const spawn = parent?.parent?.parent;
+  if (spawn?.name === "Spawn") return found.find("variable", `${spawned(spawn, state, scope)}/${chain}`);
+  return (
+    found.items.find(({ nameFrom, name }) => nameFrom === offset && name === chain) ??
+    found.statesOf(scope).find(({ name }) => name === chain) ??
+    found.inScope("event", scope).find(({ name }) => name === chain) ??
+    found.inScope("variable", scope).find(({ name }) => name === chain)
+  );
 }
 
 /** The dotted name at an offset: `robot.light.data`. */

@@ -19,9 +19,9 @@ export const FORMS: Record<string, Form> = {
   var: form(
     "var #{name} := [#{value}]",
     "a variable",
-    "Program Machine",
+    "Program Machine Spawn",
     "(var name := [value])",
-    "A variable. At the top level it gets its value when the program starts; in a machine, whenever the machine is spawned.",
+    "A variable. At the top level it gets its value when the program starts; in a machine, whenever the machine is spawned. In a `spawn` it gives a variable of that machine another value for this use.",
   ),
   machine: form(
     "machine #{name}\n\t#{}",
@@ -49,7 +49,7 @@ export const FORMS: Record<string, Form> = {
     "start a machine",
     "Program Action",
     "(spawn machine state)",
-    "Starts a machine in a state: at the top level when the program starts, in `onentry` when the state is entered.",
+    "Starts a machine in a state: at the top level when the program starts, in `onentry` when the state is entered. `(var name := [value])` after the state initialises a variable of the machine for this use.",
   ),
   onentry: form(
     "onentry [#{}]",
@@ -77,7 +77,7 @@ export const FORMS: Record<string, Form> = {
     "when an event occurs",
     "Machine",
     "(on event source -> destination)",
-    "Leads to another state as soon as an event occurs. The event can also be a condition: `[robot.bumper.data == 1]`. The source `*` means every other state.",
+    "Leads to another state as soon as an event occurs. The event can also be a condition: `[robot.bumper.data == 1]`, or the state of a machine that the source spawned: `move.reached`. The source `*` means every other state.",
   ),
   ontime: form(
     "ontime #{milliseconds} #{source} -> #{destination}",
@@ -99,6 +99,20 @@ export const FORMS: Record<string, Form> = {
     "Machine",
     "(exit event source -> destination)",
     "Leaves a nested machine: the destination is a state of the machine around it.",
+  ),
+  for: form(
+    "for #{milliseconds}",
+    "only if it holds for so long",
+    "",
+    "(on event for milliseconds source -> destination)",
+    "The event must hold for so many milliseconds without a break: a number, a variable, or Python in brackets. The count begins when the source is entered, at the earliest.",
+  ),
+  effect: form(
+    "effect [#{}]",
+    "when the transition fires",
+    "Transition",
+    "(effect [action])",
+    "Runs when the transition fires, before its source is left: the machines in the source still have their values.",
   ),
   onpause: form(
     "onpause [#{}]",

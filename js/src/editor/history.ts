@@ -6,7 +6,7 @@ import { outlineOf } from "../language/lrp";
 import { openHistory } from "../parts/history";
 import type { Lab } from "../session/store";
 import { ofEvent, ofReading, ofVariable, type Subject } from "../timeline/spark";
-import { chainAt } from "./context";
+import { chainAt, partOf } from "./context";
 
 const LONGEST = 80; // letters of a reading's name
 
@@ -27,7 +27,9 @@ export function subjectAt(lab: Lab, state: EditorState, offset: number): Subject
   const scope = found.around(chain.from, "machine")?.path ?? "";
   const called = (kind: "variable" | "event") =>
     found.inScope(kind, scope).find(({ name }) => name === chain.text);
-  const variable = isDefined ? undefined : called("variable");
+  const variable = isDefined
+    ? undefined
+    : (called("variable") ?? partOf(state, scope, "variable", chain.text));
   if (variable) return { ...ofVariable(variable.path), event: within };
   const named = called("event");
   return named ? ofEvent(named.path) : null;

@@ -2,13 +2,14 @@
 
 import { EditorState, type Extension } from "@codemirror/state";
 import { closeHoverTooltips, hoverTooltip } from "@codemirror/view";
-import { outlineOf, treeOf } from "../language/lrp";
+import { treeOf } from "../language/lrp";
+import { nameOf, parentOf } from "../language/paths";
 import { lookedAt } from "../parts/study";
 import type { HoverView } from "../protocol";
 import type { Lab } from "../session/store";
 import { spark } from "../timeline/spark";
 import { h, prose } from "../ui/dom";
-import { chainAt, contextAt } from "./context";
+import { chainAt, contextAt, namedAt } from "./context";
 import { FORMS } from "./forms";
 import { subjectAt } from "./history";
 import { scrubbed } from "./scrub";
@@ -69,14 +70,8 @@ interface ProgramCard extends HoverView {
 function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: number }): ProgramCard | null {
   const form = treeOf(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
-  const found = outlineOf(state);
   const { lit, events, variables, entered, fired } = lab.store.state;
-  const scope = found.around(chain.from, "machine")?.path ?? "";
-  const item =
-    found.items.find(({ nameFrom, name }) => nameFrom === chain.from && name === chain.text) ??
-    found.statesOf(scope).find(({ name }) => name === chain.text) ??
-    found.inScope("event", scope).find(({ name }) => name === chain.text) ??
-    found.inScope("variable", scope).find(({ name }) => name === chain.text);
+  const item = namedAt(state, chain.from, chain.text);
   if (!item) return null;
   const { kind, path } = item;
   const card = { title: `${kind} ${item.name}`, type: "", value: "", doc: "", kind, path };
@@ -92,7 +87,8 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
   if (item.kind === "event")
     return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
   if (item.kind === "variable") return { ...card, value: variables[item.path]?.[0] ?? "no value now" };
-  return card;
+  const active = lit.find((state) => parentOf(state) === path);
+  return { ...card, value: active ? `in ${nameOf(active)}` : "not running" };
 }
 
 async function ofPython(lab: Lab, chain: string, scope: string): Promise<HoverView | null> {

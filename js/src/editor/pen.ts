@@ -8,8 +8,10 @@ import { invertedEffects } from "@codemirror/commands";
 import { type Extension, StateEffect, type Transaction } from "@codemirror/state";
 import type { EditorView } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
+import { nameOf, parentOf } from "../language/paths";
 import type { DrawRequest, ElementKind } from "../protocol";
 import type { Lab } from "../session/store";
+import { visibleMachines } from "./context";
 import { changesOf } from "./places";
 
 /** One act on the graph, without what the message adds. */
@@ -89,9 +91,14 @@ export class Pen {
 
   /** The names that a trigger in a machine can be. */
   triggers(machine: string): string[] {
-    const found = outlineOf(this.view.state);
-    return (["event", "variable"] as const).flatMap((kind) =>
-      found.inScope(kind, machine).map(({ name }) => name),
-    );
+    const { state } = this.view;
+    const found = outlineOf(state);
+    const states = visibleMachines(state, machine).flatMap((path) => found.statesOf(path));
+    return [
+      ...(["event", "variable"] as const).flatMap((kind) =>
+        found.inScope(kind, machine).map(({ name }) => name),
+      ),
+      ...states.map(({ path, name }) => `${nameOf(parentOf(path))}.${name}`),
+    ];
   }
 }

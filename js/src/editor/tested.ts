@@ -10,7 +10,7 @@ export function testedEvents({ program, lit }: Pick<LabState, "program" | "lit">
     const active = lit.filter((state) => parentOf(state) === path);
     for (const { trigger, source, destination } of transitions) {
       const waits = active.some((state) => leaves(source, destination, state.slice(path.length + 1)));
-      const event = waits && inScope(events, trigger, path);
+      const event = waits && inScope(events, trigger.split(" ")[0]!, path);
       if (event) tested.add(event);
     }
   }

@@ -18,7 +18,7 @@ from lrp_jupyter.language.reading.tokens import keyword_of, tokenize
 
 _WIDTH = 90
 _WHITE = re.compile(r"[\s\ufeff]*")  # as in `tokens`: a text may begin with a byte order mark
-_GLUED = frozenset({("STAR", "MINUS"), ("MINUS", "LBRACE")})
+_GLUED = frozenset({("STAR", "MINUS"), ("MINUS", "LBRACE"), ("NAME", "DOT"), ("DOT", "NAME")})
 
 
 def formatted(text: str) -> str:
