@@ -53,6 +53,7 @@ const arrow = (source: string, fields: Partial<TransitionShape> = {}): Transitio
   title: "t",
   broken: null,
   lands: false,
+  watched: "",
   ...fields,
 });
 const layout = (states: StateShape[], transitions: TransitionShape[] = []): Layout => ({

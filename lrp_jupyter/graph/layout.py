@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from textwrap import dedent
 
 from lrp_jupyter.graph.arrangement import GAP_X
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
@@ -138,7 +139,7 @@ class _Edge:
         title = _source_text(transition) + (f" of {path_text(path[:-1])}" if self.lands else "")
         self.title = f"{title}: {broken}" if broken else title
         if transition.effect:
-            self.title += "\n/ " + " ".join(f"[{block.text.strip()}]" for block in transition.effect)
+            self.title += "\n/ " + " ".join(f"[{dedent(block.text).strip()}]" for block in transition.effect)
         kind, name = transition.trigger.reference or ("", "")
         self.watched = str(name) if kind == "machine" else ""
 

@@ -491,7 +491,7 @@ def test_the_card_of_an_arrow_has_what_it_waits_for_and_its_effect():
     inner = "(machine move (state there))"
     text = f"(machine m (state a {inner}) (on move.there for 2000 a -> a {effect}) (eps a -> a))"
     full, plain = lay(text)["transitions"]
-    assert full["title"] == "(on move.there for 2000 a -> a)\n/ [x = 1] [y = 2\n z = 3]"
+    assert full["title"] == "(on move.there for 2000 a -> a)\n/ [x = 1] [y = 2\nz = 3]"
     assert (full["watched"], plain["watched"]) == ("move", "")
     assert plain["title"] == "(eps a -> a)"
 
