@@ -16,6 +16,7 @@ import { onPinch } from "../ui/pinch";
 import { isTouch, middleOf, type Point, pointOf } from "../ui/point";
 import { AutoFit } from "./autofit";
 import { type Box, Camera } from "./camera";
+import { CountBars, cardOf } from "./countdowns";
 import { drawDots } from "./dots";
 import { Dragging } from "./drag";
 import { drawCones, drawMachines } from "./draw";
@@ -54,8 +55,10 @@ export function graphView(lab: Lab): HTMLElement {
   const mode = () => store.state.settings.graph;
 
   const mark = marking({ root }, store.state);
+  const counts = new CountBars(store.state);
   const place = () => {
     setAttribute(root, "transform", camera.transform);
+    counts.place(camera);
     scrollBars.update(camera, contents(), size());
   };
   const size = () => ({ width: svg.clientWidth, height: svg.clientHeight });
@@ -152,6 +155,7 @@ export function graphView(lab: Lab): HTMLElement {
     drawDots(root, store.state);
     keepOneTabStop(svg);
     mark();
+    counts.draw(places, drawn);
     svg.setAttribute("aria-label", `State graph of ${nest.map((path) => layouts[path]!.name).join(", ")}`);
     if (other) {
       camera = store.state.cameras[nest[0]!] ??= new Camera();
@@ -253,7 +257,7 @@ export function graphView(lab: Lab): HTMLElement {
       iconButton("fit", "Show all", "zoom-fit", whole),
       more,
     ],
-    h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab)),
+    h("div", { class: "lrp-graph-body" }, svg, counts.element, ...scrollBars.elements, emptyNote(lab)),
   );
 
   if (isLab) heading.after(pathView(lab));
@@ -272,6 +276,10 @@ export function graphView(lab: Lab): HTMLElement {
   store.watch(
     ["active", "lit", "users", "entered", "fired", "machine", "layouts", "chosen", "settings"],
     mark,
+  );
+  store.watch(
+    ["countdowns", "time", "lit", "status", "looking", "link", "speed", "achieved_speed", "settings"],
+    () => counts.update(),
   );
   store.watch(["breakpoints"], () => drawDots(root, store.state));
   followRun(
@@ -419,6 +427,19 @@ export function graphView(lab: Lab): HTMLElement {
     else if (key === "ContextMenu" || (key === "F10" && shiftKey) || key === "m") openMenuOf(it, at);
     else return false;
     return true;
+  });
+  /** The card of an arrow, also of its label, is of the moment at which it is asked for. */
+  svg.addEventListener("pointerover", ({ target }) => {
+    const part = (target as Element).closest("[data-of]");
+    const machine = part?.closest("[data-drawing]")?.getAttribute("data-drawing") ?? "";
+    const [id, source] = [part?.getAttribute("data-of"), part?.getAttribute("data-key")?.split(" ").at(-2)];
+    const shape = drawn[machine]?.transitions.find((each) => each.id === id && each.source === source);
+    if (!part || !shape) return;
+    const isLabel = part.localName === "text";
+    const title = part.querySelector(":scope > title") ?? s("title");
+    if (isLabel) part.append(title); // only while it is pointed at: a label is a text
+    title.textContent = cardOf(store.state, shape, machine);
+    if (isLabel) part.addEventListener("pointerleave", () => title.remove(), { once: true });
   });
   walkWithArrows(svg, (focused) => {
     const { left, top, width, height } = focused.getBoundingClientRect();

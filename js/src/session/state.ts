@@ -57,9 +57,15 @@ export interface LabState extends ViewState, Told {
 }
 
 /** The parts of the run that are shown unasked. */
-type Run = Pick<ViewState, "active" | "lit" | "users" | "entered" | "fired" | "variables" | "events">;
+type Run = Pick<
+  ViewState,
+  "active" | "lit" | "users" | "entered" | "fired" | "countdowns" | "variables" | "events"
+>;
 
-const NOTHING: Run = { active: [], lit: [], users: {}, entered: {}, fired: {}, variables: {}, events: {} };
+const NOTHING: Run = {
+  ...{ active: [], lit: [], users: {}, entered: {}, fired: {} },
+  ...{ countdowns: {}, variables: {}, events: {} },
+};
 
 /** The run as the graph shows it: a static one shows nothing of it. */
 export function inGraph(state: LabState): Run {
