@@ -282,8 +282,8 @@ export function attachPencil(
         const target = now && targetAt(now);
         const arrow = now && !target && awaiting(now, path);
         if (arrow) {
-          await acts.awaitState(arrow.dataset.of!, asTrigger(path));
           put(path, ...home);
+          await acts.awaitState(arrow.dataset.of!, asTrigger(path));
         }
         if (!target) return;
         const refusal = await acts.draw({ act: "nest", kind: "state", path, to: nameOf(pathOf(target)) });

@@ -51,6 +51,7 @@ export function graphView(lab: Lab): HTMLElement {
   let shown = ""; // the machine
   let form: Shape = "one";
   let places: Inside[] = []; // of this machine, or of its whole nest
+  let held: Inside[] | null = null; // what they are while a state is dragged: nothing moves under the pointer
   let drawn: Record<string, Layout> = {}; // the layouts of these, and of the machines inside their states
   const mode = () => store.state.settings.graph;
 
@@ -88,7 +89,11 @@ export function graphView(lab: Lab): HTMLElement {
   });
   const dragging = new Dragging(
     (path, x, y) => lab.send({ do: "pin", path: parentOf(path), name: nameOf(path), x, y }),
-    () => fitting.release(),
+    () => {
+      held = null;
+      fitting.release();
+      store.touch(["layouts"]); // machines may now have to make room
+    },
   );
   const contents = (): Box => boxAround(places, drawn);
   /** The state that must be in view: the innermost active one, or where the machine starts. */
@@ -130,7 +135,14 @@ export function graphView(lab: Lab): HTMLElement {
     const other = next !== form || places[0]?.machine !== nest[0];
     const parts = nest.flatMap((each) => layoutsIn(each, layouts));
     const old = Object.values(drawn);
-    const isSame = !other && parts.length === old.length && parts.every((part, i) => part === old[i]);
+    const isHeld =
+      !other && held?.length === nest.length && held.every(({ machine }, i) => machine === nest[i]);
+    const placed = isHeld ? held! : placesOf(nest, layouts, next, other ? [] : places);
+    const isSame =
+      !other &&
+      parts.length === old.length &&
+      parts.every((part, i) => part === old[i]) &&
+      placed.every(({ x, y }, i) => x === places[i]?.x && y === places[i]?.y);
     const isChosen =
       shown !== machine && (!shown || store.state.program.machines.some(({ path }) => path === shown));
     if (isSame && !force) {
@@ -145,7 +157,7 @@ export function graphView(lab: Lab): HTMLElement {
     const known = spots();
     if (next !== form) store.state.cameras = {}; // they are of another drawing
     form = next;
-    places = placesOf(nest, layouts, form, other ? [] : places);
+    places = placed;
     drawn = Object.fromEntries(parts.map((part) => [part.machine, part]));
     const now = [...spots()];
     const fresh = now.flatMap(([id]) => (known.has(id) ? [] : [id]));
@@ -355,6 +367,7 @@ export function graphView(lab: Lab): HTMLElement {
       begin() {
         if (!node) return;
         fitting.hold();
+        held = places;
         dragging.begin(node);
       },
       move(now) {
