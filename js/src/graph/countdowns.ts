@@ -2,7 +2,8 @@
  * What the arrows count: a bar below the label of each that waits for a time, and what their cards say of it.
  *
  * The page learns a moment; from there the browser fills a bar by an animation that needs neither styles nor layout of
- * the page. An SVG has no such animations, so the bars are in a layer of their own above it.
+ * the page, and goes on where the page is hidden for a while. An SVG has no such animations, so the bars are in a layer
+ * of their own above it.
  */
 
 import { parentOf } from "../language/paths";
@@ -16,6 +17,7 @@ const SHORTEST = 300; // ms of a time that can be seen to pass
 const DRIFT = 120; // ms by which a moment may be told late
 const NARROWEST = 24; // px
 const ABOVE = 1.5; // px, from the lower edge of a label
+const FILLING = ["scaleX(0)", "scaleX(1)"].map((transform) => ({ transform }));
 
 /** The time that a transition waits for, and how much of it has passed; all in seconds. */
 export interface Count {
@@ -55,7 +57,7 @@ export class CountBars {
   readonly element = h("div", { class: "lrp-counts", "aria-hidden": "true" }, this.drawing);
   private placed = new Map<string, Placed[]>();
   /** What the animations that run are of, and when they end. */
-  private readonly running = new WeakMap<Element, { of: string; end: number }>();
+  private readonly running = new WeakMap<Element, { of: string; end: number; animation: Animation }>();
 
   constructor(private readonly state: LabState) {}
 
@@ -92,13 +94,14 @@ export class CountBars {
       this.drawing,
       bars,
       ({ shape, machine }) => `${machine} ${shape.id} ${shape.source}`,
-      () => h("div"),
+      () => h("div", {}, h("div")),
       (element, bar) => {
         const { label, style } = bar.shape;
         const width = Math.max(NARROWEST, label.width - 4);
         const [left, top] = [bar.x + label.x - width / 2, bar.y + label.y + label.height / 2 - ABOVE];
         setAttribute(element, "class", `lrp-count lrp-${style}`);
         setAttribute(element, "style", `left: ${left}px; top: ${top}px; width: ${width}px`);
+        setAttribute(element, "data-fills", lasts && !isStill);
         if (lasts && !isStill) this.run(element, bar.count, pace);
         else this.stand(element, bar.count, isStill && lasts);
       },
@@ -112,18 +115,20 @@ export class CountBars {
     const of = `${since} ${whole}`;
     const known = this.running.get(element);
     if (known?.of === of && Math.abs(known.end - end) < DRIFT + length / 50) return;
-    this.running.set(element, { of, end });
-    const style = `animation: lrp-count ${length.toFixed()}ms linear ${(-elapsed).toFixed()}ms both`;
-    element.replaceChildren(h("div", { style })); // one that runs would keep its beginning
+    known?.animation.cancel();
+    const animation = element.firstElementChild!.animate(FILLING, {
+      ...{ duration: length, delay: -elapsed, fill: "both" },
+    });
+    this.running.set(element, { of, end, animation });
   }
 
   /** Without motion, a bar grows in few steps. */
   private stand(element: Element, { passed, whole }: Count, inSteps: boolean): void {
+    this.running.get(element)?.animation.cancel();
     this.running.delete(element);
     const share = passed / whole;
-    const style = `transform: scaleX(${inSteps ? Math.floor(10 * share) / 10 : Number(share.toFixed(3))})`;
-    if (element.firstElementChild?.getAttribute("style") !== style)
-      element.replaceChildren(h("div", { style }));
+    const shown = inSteps ? Math.floor(10 * share) / 10 : Number(share.toFixed(3));
+    setAttribute(element.firstElementChild!, "style", `transform: scaleX(${shown})`);
   }
 }
 
