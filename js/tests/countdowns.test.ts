@@ -102,7 +102,7 @@ describe("the bar of an arrow that waits for a time", () => {
       show(PLAIN());
       Object.assign(lab, fields);
       bars.update();
-      expect(styleOf(fill())).toBe("transform: scaleX(0.25)");
+      expect([styleOf(fill()), filled.get(fill())]).toEqual(["transform: scaleX(0.25)", null]);
       const before = fill();
       now += 900;
       bars.update();
