@@ -229,3 +229,108 @@ it("a finger beside a state draws from its border, but not where it is in anothe
   frames.other.x = 60; // it covers a part of the first one
   expect(draws(84, 22, "touch")).toBe(false);
 });
+
+describe("a state of a machine that is spawned", () => {
+  const FRAMES: Record<string, DOMRect> = {
+    "m/a": new DOMRect(0, 0, 80, 40),
+    "m/c": new DOMRect(0, 100, 80, 40),
+    "m/b": new DOMRect(200, 0, 80, 40),
+    "car/go": new DOMRect(0, 300, 80, 40),
+    "other/x": new DOMRect(200, 300, 80, 40),
+  };
+  const spawning = (id: string) => ({ id, name: id.at(-1), machines: [], spawns: [{ machine: "car" }] });
+  let drawn: ReturnType<typeof vi.fn>;
+  let said: string[];
+  let lab: Lab;
+  let svg: SVGSVGElement;
+  let put: ReturnType<typeof vi.fn>;
+  let under: Element[];
+  const open = (...users: string[]) => {
+    const states = Object.entries(FRAMES).map(([path, frame]) => {
+      const box = s("rect", { class: "lrp-box" });
+      box.getBoundingClientRect = () => frame;
+      return s("g", { class: "lrp-state", "data-lrp-state": path, transform: "translate(7 8)" }, box);
+    });
+    const arrows = ["a", "b", "*"].map((source) =>
+      s("g", { class: "lrp-transition", "data-of": `m:${source}`, "data-key": `m:${source} ${source} 0` }),
+    );
+    const root = s("g", {}, ...arrows, ...states);
+    const host = h("div", {}, s("svg", {}, root));
+    document.body.replaceChildren(host);
+    svg = host.querySelector("svg")!;
+    Object.assign(svg, { setPointerCapture() {}, hasPointerCapture: () => false });
+    [drawn, said, put, under] = [vi.fn(async () => null), [], vi.fn(), []];
+    document.elementsFromPoint = () => under;
+    const pen = {
+      triggers: () => [],
+      transition: () => ({ keyword: "on", trigger: "e for d", hold: "d", effect: "" }),
+      draw: drawn,
+    };
+    lab = { store: new Store(), root: host, notify: (each: string) => said.push(each) } as unknown as Lab;
+    const m = { states: users.map(spawning), transitions: [] };
+    Object.assign(lab.store.state, { layouts: { m }, lit: ["m/c"] });
+    attachPencil(lab, svg, root, pen as unknown as Pen, put as never);
+    return arrows;
+  };
+  const press = (x: number, y: number, type: string) =>
+    new PointerEvent(type, {
+      ...{ clientX: x, clientY: y, pointerId: 1, button: 0, buttons: 1 },
+      ...{ bubbles: true, cancelable: true },
+    });
+  const drag = (from: [number, number], to: [number, number]) => {
+    svg.dispatchEvent(press(...from, "pointerdown"));
+    window.dispatchEvent(press(...to, "pointermove"));
+    const marked = svg.querySelector("[data-drop]");
+    window.dispatchEvent(press(...to, "pointerup"));
+    return marked;
+  };
+  const fields = () =>
+    [...document.querySelectorAll<HTMLInputElement>(".lrp-field .lrp-input")].map(({ ariaLabel, value }) => [
+      ariaLabel ?? "",
+      value,
+    ]);
+
+  it("leads from its border to a state beside the one that spawns it: that one waits for it", () => {
+    open("m/a");
+    drag([40, 301], [240, 20]);
+    expect(fields().map(([, value]) => value)).toEqual(["car.go"]);
+    document.querySelector("form")!.dispatchEvent(new Event("submit", { cancelable: true }));
+    expect(drawn.mock.calls[0]![0]).toEqual({
+      ...{ act: "transition", kind: "state", path: "m/a", to: "b", form: "car.go" },
+    });
+  });
+
+  it("asks which of several states that spawn it is meant, the active one first", () => {
+    open("m/a", "m/c");
+    drag([40, 301], [240, 20]);
+    expect(fields().map(([, value]) => value)).toEqual(["c", "car.go"]);
+    document.querySelector<HTMLInputElement>(".lrp-field .lrp-input")!.value = "a";
+    document.querySelector("form")!.dispatchEvent(new Event("submit", { cancelable: true }));
+    expect(drawn.mock.calls[0]![0]).toMatchObject({ path: "m/a", to: "b", form: "car.go" });
+  });
+
+  it("leads nowhere from a machine that nothing there spawns, and the sentence says where to", () => {
+    open("m/a");
+    drag([240, 301], [240, 20]);
+    drag([240, 1], [40, 320]); // from outside into it
+    expect([fields(), said.length]).toEqual([[], 2]);
+    expect(said[0]).toContain("the machine that spawns it");
+  });
+
+  it("that is dropped on an arrow of the state that spawns it is what that waits for, and goes home", async () => {
+    const [ofUser, ofOther, ofAny] = open("m/a");
+    under = [ofUser!];
+    expect(drag([40, 320], [140, 20])).toBe(ofUser);
+    await vi.waitFor(() => expect(put).toHaveBeenCalledWith("car/go", 7, 8));
+    const act = { act: "trigger", kind: "transition", path: "m:a", form: "car.go for d" };
+    expect(drawn.mock.calls).toEqual([[act]]);
+    under = [ofAny!];
+    expect(drag([40, 320], [140, 20])).toBe(ofAny);
+    for (const other of [ofOther!, s("text", { "data-of": "m:gone" })]) {
+      under = [other];
+      expect(drag([40, 320], [140, 20])).toBeNull();
+    }
+    under = [ofUser!];
+    expect(drag([240, 320], [140, 20])).toBeNull(); // of a machine that the source does not spawn
+  });
+});

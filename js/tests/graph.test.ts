@@ -53,6 +53,7 @@ const arrow = (source: string, fields: Partial<TransitionShape> = {}): Transitio
   title: "t",
   broken: null,
   lands: false,
+  watched: "",
   ...fields,
 });
 const layout = (states: StateShape[], transitions: TransitionShape[] = []): Layout => ({
@@ -750,6 +751,21 @@ describe("a state that is dragged", () => {
     dragging.drawn([layout([shape("a"), shape("b", { y: 60 })])]);
     expect(ended).toHaveBeenCalledOnce();
   });
+});
+
+it("a state that is put home while it is dragged is not pinned where it is dropped", () => {
+  const pinned = vi.fn();
+  const dragging = new Dragging(pinned, () => {});
+  draw(layers, layout([shape("a")]));
+  dragging.begin(node("m/a")!);
+  dragging.move(500, 0, 0);
+  pinned.mockClear();
+  dragging.put("m/a", 0, 0);
+  dragging.drop();
+  expect(pinned.mock.calls).toEqual([
+    ["m/a", 0, 0],
+    ["m/a", 0, 0],
+  ]);
 });
 
 describe("arrow keys", () => {

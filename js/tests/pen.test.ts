@@ -111,3 +111,49 @@ it("knows the source and the triggers of the machine that is drawn on", () => {
   expect(pen.source("transition", "m:on:a->a")).toBe("on go a -> a");
   expect(pen.triggers("m")).toEqual(["go"]);
 });
+
+describe("the forms of behaviours", () => {
+  const write = (doc: string) =>
+    view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: doc } });
+
+  it("are read from a transition part by part", () => {
+    write(
+      "(machine m (state a (machine i (state x))) (state b) (on i . x for 2000 a -> b (effect [n = 1] [\n  k = 2])) " +
+        "(exit [y] for [d] {a b} -> c t) (ontime 300 a -> b) (eps a -> b (effect [ n[0] = 1 ])) (eps b -> a (effect [[n for n in k]])) (eps a -> a (effect [n] [k])))",
+    );
+    const read = (id: string) => Object.values(pen.transition(`m:${id}`)!);
+    expect(read("on:a->b")).toEqual(["on", "i . x for 2000", "2000", "[n = 1] [\n  k = 2]"]);
+    expect(read("t")).toEqual(["exit", "[y] for [d]", "[d]", ""]);
+    expect(read("ontime:a->b")).toEqual(["ontime", "300", "", ""]);
+    expect(read("eps:a->b")).toEqual(["eps", "", "", "n[0] = 1"]);
+    expect(read("eps:b->a")[3]).toBe("[[n for n in k]]");
+    expect(read("eps:a->a")[3]).toBe("[n] [k]");
+    expect(pen.transition("m:none")).toBeNull();
+  });
+
+  it("are read from what a state spawns: the machine's variables, and the values that it gives them", () => {
+    write(
+      "(machine car (var me := [robot]) (var n := [2]) (state go)) (machine m (state a (machine i (state x)) " +
+        "(onentry [k = 1] (spawn car go (var n := [3]) (var kep := [4])) (spawn i x) (spawn none x))))",
+    );
+    const found = pen.spawns("m/a").map(({ machine, variables, settings }) => ({
+      machine,
+      variables: Object.fromEntries(variables),
+      settings: Object.fromEntries(settings),
+    }));
+    expect(found).toEqual([
+      { machine: "car", variables: { me: "robot", n: "2" }, settings: { n: "3", kep: "4" } },
+      { machine: "m/a/i", variables: {}, settings: {} },
+      { machine: "", variables: {}, settings: {} },
+    ]);
+    expect(pen.spawns("m")).toEqual([]);
+  });
+
+  it("wait for the states of machines that the sources can spawn", () => {
+    write(
+      "(machine car (state go)) (machine m (event e [1]) (state a (machine i (state x))) (state b (machine j (state y))) (eps a -> b))",
+    );
+    expect(pen.triggers("m").sort()).toEqual(["car.go", "e", "i.x", "j.y"]);
+    expect(pen.triggers("m", ["b"]).sort()).toEqual(["car.go", "e", "j.y"]);
+  });
+});

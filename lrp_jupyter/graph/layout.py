@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from textwrap import dedent
 
 from lrp_jupyter.graph.arrangement import GAP_X
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
@@ -137,6 +138,10 @@ class _Edge:
         self.size = (width + 4.0, LABEL_FONT + 4.0 + LABEL_LINE * (len(lines) - 1))
         title = _source_text(transition) + (f" of {path_text(path[:-1])}" if self.lands else "")
         self.title = f"{title}: {broken}" if broken else title
+        if transition.effect:
+            self.title += "\n/ " + " ".join(f"[{dedent(block.text).strip()}]" for block in transition.effect)
+        kind, name = transition.trigger.reference or ("", "")
+        self.watched = str(name) if kind == "machine" else ""
 
 
 class _Drawing:
@@ -387,6 +392,7 @@ class _Drawing:
             title=edge.title,
             broken=edge.broken,
             lands=edge.lands,
+            watched=edge.watched,
         )
 
 
@@ -431,7 +437,7 @@ def _state_size(
 def _source_text(transition: Transition) -> str:
     words: list[str] = [transition.kind]
     if transition.trigger.text:
-        words.append(transition.trigger.text)
+        words.append(transition.trigger_text)
     words += [transition.source_text, "->", str(transition.destination)]
     if transition.name:
         words.append(str(transition.name))

@@ -101,6 +101,7 @@ class TransitionShape(TypedDict):
     title: str
     broken: str | None  # why it can never fire
     lands: bool  # an `exit` of a machine that the source spawns
+    watched: str  # the machine whose state it waits for: its name; else empty
 
 
 class Port(TypedDict):

@@ -131,12 +131,14 @@ class Delay(Trigger):
     @property
     def arrow(self) -> str:
         """The delay, with its unit where it is known."""
-        return self.duration if isinstance(self.amount, int) else f"after {self.text}"
+        return f"{self.amount} ms" if isinstance(self.amount, int) else f"after {self.text}"
 
     @property
     def duration(self) -> str:
-        """The delay as it is written, with its unit where it is known."""
-        return f"{self.amount} ms" if isinstance(self.amount, int) else self.text
+        """How long it is, with its unit where it is known: whole seconds in seconds."""
+        if not isinstance(self.amount, int):
+            return self.text
+        return f"{self.amount} ms" if self.amount % 1000 else f"{self.amount // 1000} s"
 
     @property
     def reference(self) -> Reference | None:

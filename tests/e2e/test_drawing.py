@@ -53,6 +53,37 @@ MOVED = """\
 (spawn m counting)
 (var all := [0])
 """
+COURIER = """\
+(machine move
+  (var tries := [3])
+  (state send)
+  (state reached)
+  (ontime 900000 send -> reached))
+(machine m
+  (var n := [0])
+  (event near [n >= 0])
+  (state carrying (onentry (spawn move send)) (running [n = n + 1]))
+  (state look)
+  (state climb)
+  (on near for 800000 carrying -> climb))
+(spawn m carrying)
+"""
+DELIVERED = """\
+(machine move
+  (var tries := [3])
+  (state send)
+  (state reached)
+  (ontime 900000 send -> reached))
+(machine m
+  (var n := [0])
+  (event near [n >= 0])
+  (state carrying (onentry (spawn move send (var tries := [5]))) (running [n = n + 1]))
+  (state look)
+  (state climb)
+  (on move.reached for 90000 carrying -> climb (effect [n = 0]))
+  (on move.reached carrying -> look))
+(spawn m carrying)
+"""
 
 
 def becomes(lab, text, name):
@@ -191,3 +222,53 @@ def move_what_is_there(lab, drawer):
     lab.state("m/b/inner/e")
     drawer.choose_free(0.04, 0.1, "draw-var", "left", "n")
     drawer.choose_free(0.04, 0.1, "draw-var", "all", "0", check=True)
+
+
+def test_what_a_machine_reports_is_drawn_between_machines_while_it_runs(open_lab):
+    """Its state is led out by its border and dropped on an arrow; nothing of that restarts."""
+    lab = open_lab(COURIER)
+    drawer = Drawer(lab)
+    lab.press('[data-lrp="graph"] [data-lrp-action="enlarge"]')
+    lab.goes_on()
+    lab.sees(".lrp-count[data-fills]")
+    lead_out(lab, drawer)
+    for action, value in {"hold": "90 s", "effect": "n = 0"}.items():
+        choose_of(lab, "m:on:carrying->climb", f"draw-{action}")
+        drawer.fill(value)
+    drawer.choose("m/carrying", "draw-settings", "5")
+    drop_on_arrow(lab, drawer)
+    becomes(lab, DELIVERED, "m")
+    lab.is_active("m/carrying")
+    assert lab.find(".lrp-notice:visible").count() == 0
+    lab.pause()
+    lab.sees(".lrp-count:not([data-fills])")
+
+
+def lead_out(lab, drawer):
+    box = drawer.box("move/reached")
+    drawer.drag((box["x"] + box["width"] * 0.3, box["y"] + 1), drawer.middle("m/look"))
+    assert lab.sees(".lrp-field input").input_value() == "move.reached"
+    drawer.fill()
+    lab.sees('.lrp-transition[data-of="m:on:carrying->look"]')
+
+
+def drop_on_arrow(lab, drawer):
+    """The arrow is marked while the state is over it, which goes home."""
+    home = drawer.box("move/reached")
+    arrow = middle(lab.at_rest('.lrp-layer-labels [data-of="m:on:carrying->climb"]'))
+    revision = lab.revision
+    mouse, start = drawer.mouse, middle(home)
+    mouse.move(*start)
+    mouse.down()
+    mouse.move(start[0] + 6, start[1] + 6)
+    mouse.move(*arrow, steps=6)
+    lab.sees('.lrp-transition[data-drop="trigger"][data-of="m:on:carrying->climb"]')
+    mouse.up()
+    lab.until("(root, before) => Number(root.dataset.lrpRevision) > before", argument=revision)
+    assert drawer.box("move/reached")["x"] == home["x"]
+
+
+def choose_of(lab, transition, action):
+    label = lab.at_rest(f'.lrp-layer-labels [data-of="{transition}"]')
+    lab.page.mouse.click(*middle(label), button="right")
+    lab.choose(action)

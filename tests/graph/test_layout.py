@@ -486,6 +486,16 @@ def test_an_arrow_with_a_long_condition_has_the_name_of_its_transition(drawn):
     assert kept["transitions"][0]["label"]["text"] == "[x > 2]"
 
 
+def test_the_card_of_an_arrow_has_what_it_waits_for_and_its_effect():
+    effect = "(effect [x = 1] [\n y = 2\n z = 3\n])"
+    inner = "(machine move (state there))"
+    text = f"(machine m (state a {inner}) (on move.there for 2000 a -> a {effect}) (eps a -> a))"
+    full, plain = lay(text)["transitions"]
+    assert full["title"] == "(on move.there for 2000 a -> a)\n/ [x = 1] [y = 2\nz = 3]"
+    assert (full["watched"], plain["watched"]) == ("move", "")
+    assert plain["title"] == "(eps a -> a)"
+
+
 def test_the_sign_of_an_effect_stays_at_the_end_of_a_name(monkeypatch):
     monkeypatch.setattr(Transition, "arrow_text", f"[{'x > 2 and ' * 9}] /")
     named, plain = lay("(machine m (state a) (on e a -> a found) (on e a -> a))")["transitions"]

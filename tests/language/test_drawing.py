@@ -307,6 +307,7 @@ def a_transition_gets_another_trigger_a_time_to_hold_and_an_effect(text: str, da
         (drawing.set_hold, "2 s", replace(old, hold=two)),
         (drawing.set_hold, "", replace(old, hold=None)),
         (drawing.set_effect, "y = 1", replace(old, effect=(block,))),
+        (drawing.set_effect, "[y = 1] [y = 1]", replace(old, effect=(block, block))),
         (drawing.set_effect, "", replace(old, effect=())),
     ]
     act, written, new = data.draw(st.sampled_from(cases))

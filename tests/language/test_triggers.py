@@ -29,6 +29,15 @@ def test_a_trigger_is_read_shown_and_printed(written: str, trigger: Trigger, arr
     assert parse(to_source(program)) == program
 
 
+def test_an_arrow_tells_how_long_its_trigger_has_to_hold_and_that_there_is_an_effect() -> None:
+    waits = {"2000": "2 s", "1500": "1500 ms", "d": "d", "[2 * d]": "[2 * d]"}
+    for delay, shown in waits.items():
+        program = parse(f"(machine m (on near for {delay} a -> b (effect [x = 1])))")
+        assert program.machines[0].transitions[0].arrow_text == f"near for {shown} /"
+    (after,) = parse("(machine m (ontime 2000 a -> b (effect [x = 1])))").machines[0].transitions
+    assert after.arrow_text == "2000 ms /"
+
+
 def test_an_exit_leads_outward_whatever_it_waits_for() -> None:
     program = parse("(machine m (exit hit a -> b) (exit [True] a -> b))")
     one, other = program.machines[0].transitions

@@ -131,6 +131,17 @@ def test_what_comes_with_every_tick_keeps_a_distance_of_80_ms(bench):
     assert page.last("frame").keys() - {"asks"} == {"type", "view", "frame", "tick", "time", "variables"}
 
 
+def test_a_condition_that_holds_at_every_other_tick_is_calm_news(bench):
+    lab = bench(CALM.replace("(machine m", "(machine m (on [count % 2 == 1] for 9000 a -> a)"))
+    page = lab.page()
+    lab.session.step()
+    publish_all(lab)
+    for came in ([], [84 - 60], [84 - (60 - 24)]):
+        lab.session.step()
+        assert frames_in(lab, page, 60) == came
+    assert any("countdowns" in frame for frame in page.all("frame"))
+
+
 def test_calm_changes_after_a_rest_are_sent_at_once(bench):
     lab = bench(CALM)
     page = lab.page()

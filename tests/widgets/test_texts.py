@@ -141,6 +141,13 @@ def test_an_edit_of_what_a_machine_spawns_is_drawn_in_it(bench):
     assert ([line["machine"] for line in state["spawns"]], arrows) == (["k"], [])
 
 
+def test_an_edited_effect_is_in_the_card_of_its_arrow(bench):
+    text = "(machine m (state a) (eps a -> a (effect [x = 1])) (var x := [0])) (spawn m a)"
+    page = bench(text).page()
+    page.type(text.replace("x = 1", "x = 2"))
+    assert page.merged("layouts")["m"]["transitions"][0]["title"] == "(eps a -> a)\n/ [x = 2]"
+
+
 def test_an_edited_delay_leaves_the_transition_what_it_was(bench):
     lab = bench(NESTED)
     page = lab.page()

@@ -1,7 +1,8 @@
 /** The acts on a state graph, as fields that ask for a name or a trigger, and as menus: everything by keyboard. */
 
 import type { Act, Pen } from "../editor/pen";
-import { nameOf, parentOf } from "../language/paths";
+import { machineOf, nameOf, parentOf } from "../language/paths";
+import type { TransitionShape } from "../protocol";
 import type { Lab } from "../session/store";
 import { item, type MenuItem } from "../ui/menu";
 import type { Point } from "../ui/point";
@@ -11,6 +12,21 @@ import { showMachine } from "./shown";
 
 const TRIGGER = "event, n > 3, or 2 s";
 const AT_ONCE = "An event, a condition or a time. Nothing, or `eps`: at once, without waiting.";
+
+const HOLDING = /^(on|exit)$/;
+const SETTINGS = "What is left empty has the machine's own value.";
+
+/** What a drawn transition is known to be before one is asked: its possible sources, and what it waits for. */
+interface Known {
+  sources?: readonly string[];
+  trigger?: string;
+}
+
+/** A delay as one reads it: `2000` as `2 s`. */
+function duration(delay: string): string {
+  const ms = /^\d+$/.test(delay) ? Number(delay) : Number.NaN;
+  return Number.isNaN(ms) ? delay : ms % 1000 ? `${ms} ms` : `${ms / 1000} s`;
+}
 
 /** What a block contains, in its brackets. */
 const block = (text: string) => (/^\s*(\[[\s\S]*\]|\(spawn\b[\s\S]*\))\s*$/.test(text) ? text : `[${text}]`);
@@ -71,23 +87,29 @@ export class Acts {
     destination: string,
     place: readonly [number, number] | null = null,
     closed?: () => void,
+    { sources = [source], trigger }: Known = {},
   ): void {
     const machine = parentOf(source);
     const options = ["eps", ...this.pen.triggers(machine)];
-    const when: Entry = { label: "When", placeholder: TRIGGER, optional: true, options };
+    const when: Entry = {
+      ...{ label: "When", placeholder: TRIGGER, optional: true, options },
+      ...(trigger ? { value: trigger } : {}),
+    };
     const to: Entry = { label: "To", value: this.freeName(machine), options: this.statesOf(machine) };
+    const from: Entry = { label: "From", value: nameOf(source), options: sources.map(nameOf) };
     openField(this.lab.root, at, {
       title: `Transition from ${nameOf(source)}`,
-      entries: destination ? [when] : [to, when],
+      entries: [...(sources.length > 1 ? [from] : []), ...(destination ? [] : [to]), when],
       note: AT_ONCE,
       about: this.boxes(source, `${machine}/${destination}`),
       ...(closed ? { closed } : {}),
       ...(nameOf(source) === "*" ? {} : { check: "from any state" }),
       submit: (values, every) => {
         const form = values.at(-1)!;
-        const to = destination || values[0]!;
+        const to = destination || values.at(-2)!;
         const fresh = !this.statesOf(machine).includes(to);
-        const path = every ? `${machine}/*` : source;
+        const begin = sources.length > 1 ? values[0]! : nameOf(source);
+        const path = `${machine}/${every ? "*" : begin}`;
         return this.pen.draw({ act: "transition", kind: "state", path, to, form }, () => {
           if (fresh) this.pin(machine, to, place);
         });
@@ -110,6 +132,82 @@ export class Acts {
       entries: [{ label: "Transition", value: this.pen.source("transition", path) }],
       submit: ([form = ""]) => this.pen.draw({ act: "change", kind: "transition", path, form }),
     });
+  }
+
+  /** When a transition fires, for how long that has to hold, and what it does then: each with what is there. */
+  private trigger(at: Point, path: string): void {
+    const written = this.pen.transition(path);
+    const { keyword = "", trigger = "" } = written ?? {};
+    const machine = machineOf(path);
+    const sources = this.arrowsOf(path).map(({ source }) => source);
+    const options = this.pen.triggers(machine, sources.includes("*") ? undefined : sources);
+    const shown = /^\d+$/.test(trigger) ? duration(trigger) : `ontime ${trigger}`;
+    const value = { eps: "eps", ontime: shown }[keyword] ?? trigger;
+    const isExit = keyword === "exit";
+    openField(this.lab.root, at, {
+      title: `When ${path} fires`,
+      entries: [{ label: "When", value, placeholder: TRIGGER, optional: !isExit, options }],
+      ...(isExit ? {} : { note: AT_ONCE }),
+      submit: ([form = ""]) => this.pen.draw({ act: "trigger", kind: "transition", path, form }),
+    });
+  }
+
+  private hold(at: Point, path: string): void {
+    const value = duration(this.pen.transition(path)?.hold ?? "");
+    openField(this.lab.root, at, {
+      title: `How long it has to hold before ${path} fires`,
+      entries: [{ label: "Has to hold for", value, placeholder: "2 s", optional: true }],
+      note: "A time, a variable or a `[block]` with milliseconds. Nothing: it fires at once.",
+      submit: ([form = ""]) => this.pen.draw({ act: "hold", kind: "transition", path, form }),
+    });
+  }
+
+  private effect(at: Point, path: string): void {
+    const value = this.pen.transition(path)?.effect ?? "";
+    openField(this.lab.root, at, {
+      title: `Effect of ${path}`,
+      entries: [{ label: "Effect", value, placeholder: "Python", optional: true }],
+      note: "Runs when the transition fires, before anything is left.",
+      submit: ([form = ""]) => this.pen.draw({ act: "effect", kind: "transition", path, form }),
+    });
+  }
+
+  /** The values with which a state spawns a machine; only those that were changed are written. */
+  private settings(at: Point, path: string, machine: string): void {
+    const written = () => this.pen.spawns(path).find((each) => each.machine === machine);
+    const { variables, settings } = written() ?? { variables: new Map(), settings: new Map() };
+    const names = [...new Set([...variables.keys(), ...settings.keys()])];
+    const to = nameOf(machine);
+    openField(this.lab.root, at, {
+      title: `Start values of ${to} in ${nameOf(path)}`,
+      entries: names.map((label) => ({
+        ...{ label, value: settings.get(label) ?? "", optional: true },
+        placeholder: variables.get(label) ?? "",
+      })),
+      note: SETTINGS,
+      about: this.boxes(path),
+      submit: async (values) => {
+        for (const [index, old] of names.entries()) {
+          const form = values[index]!;
+          if (form === (written()?.settings.get(old) ?? "")) continue;
+          const refusal = await this.pen.draw({ act: "setting", kind: "state", path, to, old, form });
+          if (refusal) return refusal;
+        }
+        return null;
+      },
+    });
+  }
+
+  private arrowsOf(path: string): TransitionShape[] {
+    const { transitions = [] } = this.lab.store.state.layouts[machineOf(path)] ?? {};
+    return transitions.filter(({ id, lands }) => id === path && !lands);
+  }
+
+  /** Let a transition wait for a state of a machine; what it waits for has to hold as long as before. */
+  async awaitState(path: string, trigger: string): Promise<void> {
+    const { hold = "" } = this.pen.transition(path) ?? {};
+    const form = hold ? `${trigger} for ${hold}` : trigger;
+    await this.draw({ act: "trigger", kind: "transition", path, form });
   }
 
   private form(
@@ -174,6 +272,15 @@ export class Acts {
       action("running", "While active"),
       action("onexit", "On exit"),
       item("New machine inside…", "draw-inside", () => this.newMachine(at, path)),
+      ...this.pen
+        .spawns(path)
+        .flatMap(({ machine, variables, settings }, index) =>
+          variables.size + settings.size
+            ? item(`Start values of ${nameOf(machine)}…`, `draw-settings${index ? `-${index}` : ""}`, () =>
+                this.settings(at, path, machine),
+              )
+            : [],
+        ),
       item("Start here", "draw-start", () => void this.draw({ act: "start", kind: "state", path })),
       item(
         "Move into…",
@@ -195,7 +302,8 @@ export class Acts {
   }
 
   ofTransition(path: string, at: Point): MenuItem[] {
-    const machine = path.slice(0, path.indexOf(":"));
+    const machine = machineOf(path);
+    const canHold = HOLDING.test(this.pen.transition(path)?.keyword ?? "");
     const homes = Object.values(this.lab.store.state.layouts).filter(({ transitions }) =>
       transitions.some(({ id, lands }) => lands && id === path),
     );
@@ -210,6 +318,9 @@ export class Acts {
       );
     return [
       item("Edit…", "draw-change", () => this.change(at, path), { hint: "F2" }),
+      item("When…", "draw-trigger", () => this.trigger(at, path)),
+      ...(canHold ? [item("Has to hold for…", "draw-hold", () => this.hold(at, path))] : []),
+      item("Effect…", "draw-effect", () => this.effect(at, path)),
       lead("source", "From another state"),
       lead("destination", "To another state"),
       item("Reverse", "draw-reverse", () => void this.draw({ act: "reverse", kind: "transition", path })),

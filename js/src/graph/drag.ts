@@ -55,10 +55,10 @@ export class Dragging {
     this.timer = setTimeout(() => this.end(), PATIENCE);
   }
 
-  /** Pin a state to a place, also one that was dropped elsewhere a moment ago and is not drawn there yet. */
+  /** Pin a state to a place, also one that is being dragged, or was dropped elsewhere and is not drawn there yet. */
   put(path: string, x: number, y: number): void {
-    const { dragged, dropped } = this;
-    if (dropped && dragged?.path === path) {
+    const { dragged } = this;
+    if (dragged?.path === path) {
       Object.assign(dragged, { x, y });
       moveState(dragged.node, x, y);
     }

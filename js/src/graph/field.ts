@@ -1,10 +1,11 @@
 /** A small form in the graph: a name or a trigger is written where it is drawn. */
 
-import { freshId, h, prose, setProse } from "../ui/dom";
+import { consume, freshId, h, prose, setProse } from "../ui/dom";
 import { type Point, placeInSight } from "../ui/point";
 import { openPopup } from "../ui/popup";
 
 const EDGE = 6; // px between the form and the edge of what can be seen
+const MOST_LINES = 8; // of code that are seen at a time
 
 export interface Entry {
   label: string;
@@ -43,6 +44,10 @@ export function openField(host: HTMLElement, at: Point, field: Field): void {
       "aria-label": field.title,
       onkeydown: (event: KeyboardEvent) => {
         if (event.key === "Escape") close(true);
+        else if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) {
+          consume(event);
+          form.requestSubmit();
+        }
       },
       onsubmit: async (event: Event) => {
         event.preventDefault();
@@ -77,18 +82,22 @@ export function openField(host: HTMLElement, at: Point, field: Field): void {
   else first.setSelectionRange(cursor, cursor);
 }
 
-function input(entry: Entry): { row: HTMLElement; control: HTMLInputElement } {
-  const list = entry.options?.length ? freshId() : null;
-  const control = h("input", {
+/** Several lines stay so: there Enter begins another one, and Ctrl+Enter applies. */
+function input(entry: Entry): { row: HTMLElement; control: HTMLInputElement | HTMLTextAreaElement } {
+  const { value = "" } = entry;
+  const lines = value.split("\n").length;
+  const list = entry.options?.length && lines === 1 ? freshId() : null;
+  const about = {
     class: "lrp-input",
-    type: "text",
-    value: entry.value ?? "",
     placeholder: entry.placeholder ?? "",
     spellcheck: "false",
     autocomplete: "off",
     "aria-label": entry.label,
-    list,
-  });
+  };
+  const control =
+    lines > 1
+      ? h("textarea", { ...about, rows: Math.min(lines, MOST_LINES), title: "Ctrl+Enter applies" }, value)
+      : h("input", { ...about, type: "text", value, list });
   const options = entry.options?.map((value) => h("option", { value })) ?? [];
   const offer = list && h("datalist", { id: list }, ...options);
   const row = h("label", {}, h("span", {}, entry.label), control, offer);

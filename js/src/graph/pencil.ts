@@ -5,7 +5,7 @@
  */
 
 import type { Pen } from "../editor/pen";
-import { nameOf, parentOf } from "../language/paths";
+import { machineOf as machineOfPath, nameOf, parentOf } from "../language/paths";
 import type { Lab } from "../session/store";
 import { consume, focusLab, s, setAttribute } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
@@ -15,8 +15,11 @@ import { focusedAround } from "../ui/root";
 import { Acts } from "./acts";
 import { placeOf } from "./draw";
 import { drawnAt } from "./elements";
+import { machinesIn } from "./inside";
 
 const NEAR = 7; // px from the border of a state that count as the border
+const ELSEWHERE =
+  "A transition leads to a state of its own machine, or to one of the machine that spawns it. Release it there, or on free space.";
 const HANDLE = 6; // px, radius of the end of a selected transition
 
 /** `put` pins a state to a place. */
@@ -179,27 +182,63 @@ export function attachPencil(
       },
     });
 
+  /** The states of a machine that spawn another one, those that are active first. */
+  const spawners = (machine: string | undefined, inner: string): string[] => {
+    const { layouts, lit } = lab.store.state;
+    const shapes = layouts[machine ?? ""]?.states ?? [];
+    const found = shapes.filter((shape) => machinesIn(shape).includes(inner)).map(({ id }) => id);
+    return found.sort((a, b) => Number(lit.includes(b)) - Number(lit.includes(a)));
+  };
+  /** The trigger that a state is for the machine that spawns its own. */
+  const asTrigger = (path: string) => `${nameOf(parentOf(path))}.${nameOf(path)}`;
+  /** The arrow at a point that may wait for a state: one of the machine that spawns the state's. */
+  const awaiting = ({ x, y }: Point, path: string) => {
+    const { elementsFromPoint } = svg.getRootNode() as Document;
+    for (const element of elementsFromPoint.call(svg.getRootNode(), x, y)) {
+      const id = element.closest("[data-of]")?.getAttribute("data-of");
+      const arrows = id ? [...root.querySelectorAll<SVGElement>(".lrp-transition")] : [];
+      const arrow = arrows.find((each) => {
+        if (each.dataset.of !== id || each.hasAttribute("data-lands")) return false;
+        const source = each.getAttribute("data-key")?.split(" ").at(-2) ?? "";
+        const users = spawners(machineOfPath(id!), parentOf(path)).map(nameOf);
+        return source === "*" ? users.length : users.includes(source);
+      });
+      if (arrow) return arrow;
+    }
+    return null;
+  };
+
   const drawTransition = (event: PointerEvent, node: SVGGElement) => {
     const source = pathOf(node);
     const from = pointOf(event);
+    /** The state at a point; none in the free space of the machine drawn in, also where that is inside of a state. */
+    const targetAt = (now: Point) => {
+      const target = stateAt(now);
+      return target !== node && target?.contains(node) && spaceAt(now)[1] === machineOf(node) ? null : target;
+    };
     follow(
       event,
       (now) => {
         rubber(from, now);
-        const target = stateAt(now);
+        const target = targetAt(now);
         mark(target && isReal(target) ? target : null, "transition");
       },
       (now) => {
         const end = () => rubber(from, null);
-        const target = now && stateAt(now);
+        const target = now && targetAt(now);
+        const to = target && isReal(target) ? pathOf(target) : "";
+        const users = isReal(node) ? spawners(parentOf(to), parentOf(source)) : [];
         if (!now) end();
         else if (!target)
           acts.newTransition(now, source, "", inside(now, node.parentNode as SVGGElement), end);
-        else if (isReal(target) && parentOf(pathOf(target)) === parentOf(source))
-          acts.newTransition(now, source, nameOf(pathOf(target)), null, end);
-        else {
+        else if (to && parentOf(to) === parentOf(source))
+          acts.newTransition(now, source, nameOf(to), null, end);
+        else if (users.length) {
+          const known = { sources: users, trigger: asTrigger(source) };
+          acts.newTransition(now, users[0]!, nameOf(to), null, end, known);
+        } else {
           end();
-          lab.notify("A transition leads to a state of its own machine. Release it there, or on free space.");
+          lab.notify(ELSEWHERE);
         }
       },
     );
@@ -235,9 +274,17 @@ export function attachPencil(
     };
     follow(
       event,
-      (now) => mark(targetAt(now), "nest"),
+      (now) => {
+        const target = targetAt(now);
+        mark(target ?? awaiting(now, path), target ? "nest" : "trigger");
+      },
       async (now) => {
         const target = now && targetAt(now);
+        const arrow = now && !target && awaiting(now, path);
+        if (arrow) {
+          put(path, ...home);
+          await acts.awaitState(arrow.dataset.of!, asTrigger(path));
+        }
         if (!target) return;
         const refusal = await acts.draw({ act: "nest", kind: "state", path, to: nameOf(pathOf(target)) });
         if (refusal) put(path, ...home);

@@ -16,6 +16,7 @@ import { onPinch } from "../ui/pinch";
 import { isTouch, middleOf, type Point, pointOf } from "../ui/point";
 import { AutoFit } from "./autofit";
 import { type Box, Camera } from "./camera";
+import { CountBars, cardOf } from "./countdowns";
 import { drawDots } from "./dots";
 import { Dragging } from "./drag";
 import { drawCones, drawMachines } from "./draw";
@@ -50,12 +51,15 @@ export function graphView(lab: Lab): HTMLElement {
   let shown = ""; // the machine
   let form: Shape = "one";
   let places: Inside[] = []; // of this machine, or of its whole nest
+  let held: Inside[] | null = null; // what they are while a state is dragged: nothing moves under the pointer
   let drawn: Record<string, Layout> = {}; // the layouts of these, and of the machines inside their states
   const mode = () => store.state.settings.graph;
 
   const mark = marking({ root }, store.state);
+  const counts = new CountBars(store.state);
   const place = () => {
     setAttribute(root, "transform", camera.transform);
+    counts.place(camera);
     scrollBars.update(camera, contents(), size());
   };
   const size = () => ({ width: svg.clientWidth, height: svg.clientHeight });
@@ -85,7 +89,11 @@ export function graphView(lab: Lab): HTMLElement {
   });
   const dragging = new Dragging(
     (path, x, y) => lab.send({ do: "pin", path: parentOf(path), name: nameOf(path), x, y }),
-    () => fitting.release(),
+    () => {
+      held = null;
+      fitting.release();
+      store.touch(["layouts"]); // machines may now have to make room
+    },
   );
   const contents = (): Box => boxAround(places, drawn);
   /** The state that must be in view: the innermost active one, or where the machine starts. */
@@ -127,7 +135,14 @@ export function graphView(lab: Lab): HTMLElement {
     const other = next !== form || places[0]?.machine !== nest[0];
     const parts = nest.flatMap((each) => layoutsIn(each, layouts));
     const old = Object.values(drawn);
-    const isSame = !other && parts.length === old.length && parts.every((part, i) => part === old[i]);
+    const isHeld =
+      !other && held?.length === nest.length && held.every(({ machine }, i) => machine === nest[i]);
+    const placed = isHeld ? held! : placesOf(nest, layouts, next, other ? [] : places);
+    const isSame =
+      !other &&
+      parts.length === old.length &&
+      parts.every((part, i) => part === old[i]) &&
+      placed.every(({ x, y }, i) => x === places[i]?.x && y === places[i]?.y);
     const isChosen =
       shown !== machine && (!shown || store.state.program.machines.some(({ path }) => path === shown));
     if (isSame && !force) {
@@ -142,7 +157,7 @@ export function graphView(lab: Lab): HTMLElement {
     const known = spots();
     if (next !== form) store.state.cameras = {}; // they are of another drawing
     form = next;
-    places = placesOf(nest, layouts, form, other ? [] : places);
+    places = placed;
     drawn = Object.fromEntries(parts.map((part) => [part.machine, part]));
     const now = [...spots()];
     const fresh = now.flatMap(([id]) => (known.has(id) ? [] : [id]));
@@ -152,6 +167,7 @@ export function graphView(lab: Lab): HTMLElement {
     drawDots(root, store.state);
     keepOneTabStop(svg);
     mark();
+    counts.draw(places, drawn);
     svg.setAttribute("aria-label", `State graph of ${nest.map((path) => layouts[path]!.name).join(", ")}`);
     if (other) {
       camera = store.state.cameras[nest[0]!] ??= new Camera();
@@ -253,7 +269,7 @@ export function graphView(lab: Lab): HTMLElement {
       iconButton("fit", "Show all", "zoom-fit", whole),
       more,
     ],
-    h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab)),
+    h("div", { class: "lrp-graph-body" }, svg, counts.element, ...scrollBars.elements, emptyNote(lab)),
   );
 
   if (isLab) heading.after(pathView(lab));
@@ -272,6 +288,10 @@ export function graphView(lab: Lab): HTMLElement {
   store.watch(
     ["active", "lit", "users", "entered", "fired", "machine", "layouts", "chosen", "settings"],
     mark,
+  );
+  store.watch(
+    ["countdowns", "time", "lit", "status", "looking", "link", "speed", "achieved_speed", "settings"],
+    () => counts.update(),
   );
   store.watch(["breakpoints"], () => drawDots(root, store.state));
   followRun(
@@ -347,6 +367,7 @@ export function graphView(lab: Lab): HTMLElement {
       begin() {
         if (!node) return;
         fitting.hold();
+        held = places;
         dragging.begin(node);
       },
       move(now) {
@@ -419,6 +440,19 @@ export function graphView(lab: Lab): HTMLElement {
     else if (key === "ContextMenu" || (key === "F10" && shiftKey) || key === "m") openMenuOf(it, at);
     else return false;
     return true;
+  });
+  /** The card of an arrow, also of its label, is of the moment at which it is asked for. */
+  svg.addEventListener("pointerover", ({ target }) => {
+    const part = (target as Element).closest("[data-of]");
+    const machine = part?.closest("[data-drawing]")?.getAttribute("data-drawing") ?? "";
+    const [id, source] = [part?.getAttribute("data-of"), part?.getAttribute("data-key")?.split(" ").at(-2)];
+    const shape = drawn[machine]?.transitions.find((each) => each.id === id && each.source === source);
+    if (!part || !shape) return;
+    const isLabel = part.localName === "text";
+    const title = part.querySelector(":scope > title") ?? s("title");
+    if (isLabel) part.append(title); // only while it is pointed at: a label is a text
+    title.textContent = cardOf(store.state, shape, machine);
+    if (isLabel) part.addEventListener("pointerleave", () => title.remove(), { once: true });
   });
   walkWithArrows(svg, (focused) => {
     const { left, top, width, height } = focused.getBoundingClientRect();

@@ -6,14 +6,14 @@ export const parentOf = (path: string) => path.slice(0, Math.max(0, path.lastInd
 /** The transition at a path: its machine, a colon, its name. */
 export const transitionAt = (path: string) => path && `${parentOf(path)}:${nameOf(path)}`;
 
+/** The machine of an element: `m` of `m/a`, and of `m:go`. */
+export const machineOf = (path: string) =>
+  path.includes(":") ? path.slice(0, path.indexOf(":")) : parentOf(path);
+
 export const nameOf = (path: string) => path.slice(path.lastIndexOf("/") + 1);
 
 /** Whether a path is `around`, or that of something in it. */
 export const isIn = (path: string, around: string) => !around || `${path}/`.startsWith(`${around}/`);
-
-/** The machine of an element: `m` of `m/a`, and of `m:go`. */
-export const machineOf = (path: string) =>
-  path.includes(":") ? path.slice(0, path.indexOf(":")) : parentOf(path);
 
 /** What tells paths apart: each without the names with which all of them begin and end. */
 export function differences(paths: readonly string[]): string[] {

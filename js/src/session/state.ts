@@ -62,12 +62,21 @@ export interface LabState extends ViewState, Told {
 /** The parts of the run that are shown unasked. */
 type Run = Pick<
   LabState,
-  "active" | "lit" | "users" | "instances" | "instance" | "entered" | "fired" | "variables" | "events"
+  | "active"
+  | "lit"
+  | "users"
+  | "instances"
+  | "instance"
+  | "entered"
+  | "fired"
+  | "countdowns"
+  | "variables"
+  | "events"
 >;
 
 const NOTHING: Run = {
   ...{ active: [], lit: [], users: {}, instances: [], instance: "" },
-  ...{ entered: {}, fired: {}, variables: {}, events: {} },
+  ...{ entered: {}, fired: {}, countdowns: {}, variables: {}, events: {} },
 };
 
 /** The run as the graph shows it: a static one shows nothing of it. */

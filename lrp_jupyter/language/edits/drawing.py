@@ -249,6 +249,14 @@ def _is_block(text: str) -> bool:
     return text[:1] == "[" and block_end(text, 0) == len(text) - 1
 
 
+def _are_blocks(text: str) -> bool:
+    while text[:1] == "[" and (end := block_end(text, 0)) >= 0:
+        text = text[end + 1 :].lstrip()
+        if not text:
+            return True
+    return False
+
+
 def _delay(text: str) -> str:
     """Return a delay as the language writes it; empty if the text is none."""
     delay = _milliseconds(text.strip())
@@ -400,13 +408,13 @@ def set_hold(text: str, path: Path, delay: str) -> list[Edit]:
 def set_effect(text: str, path: Path, code: str) -> list[Edit]:
     """Return the edits that change what a transition does when it fires; empty: nothing.
 
-    `code`: Python, with or without its square brackets.
+    `code`: Python, with or without its square brackets, or several blocks.
     Raises ValueError: it is not valid.
     """
     drawing = DrawnProgram(text)
     written = drawing.written(drawing.arrow(path))
     code = code.strip()
-    form = f"(effect {code if _is_block(code) else f'[{code}]'})"
+    form = f"(effect {code if _are_blocks(code) else f'[{code}]'})"
     if written.shape.effect is None:
         end = written.form.span(len(written.form.items))[1]
         return drawing.edits([Edit(end, end, f" {form}")] if code else [])

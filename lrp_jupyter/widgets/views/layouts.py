@@ -157,6 +157,7 @@ def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[st
                 transition.kind,
                 transition.trigger_text,
                 transition.arrow_text,
+                transition.effect,
                 transition.source_text,
                 str(transition.destination),
                 id_,

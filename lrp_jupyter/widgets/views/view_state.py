@@ -56,7 +56,7 @@ PRINTED = 500
 RESTARTS = 20
 """The last restarts, which a view lists."""
 _TIME = {"tick", "time", "rate", "achieved_rate", "speed", "achieved_speed"}
-_CALM = _TIME | {"members", "variables", "printed", "hands", "criteria"}
+_CALM = _TIME | {"countdowns", "members", "variables", "printed", "hands", "criteria"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
 """Kinds of issues that a check of the same text reports as `LRP3…`."""
