@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fired, Spawned
 from lrp_jupyter.language.lookup import line_of_element
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, spawns_of
 from lrp_jupyter.live.why.entries import restart_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import restart_text, time_text
+from lrp_jupyter.live.why.wording import listed, restart_text, time_text
 
 
 def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so: str) -> None:
@@ -38,12 +38,17 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
             return
     draft.say(f"{so}: `{name}` was not running.")
     _how_it_ended(draft, run, path, tick)
-    for spawning in spawns:
-        line = line_of(program, spawning.noun)
-        spawner = spawning.spawner
-        when = f"when `{spawner[-1]}` is entered" if spawner else "when the program starts"
-        draft.say(f"It is spawned {when} (line {line}).", line)
-    if not spawns:
+    lines = [line_of(program, spawning.noun) for spawning in spawns]
+    names = [spawning.state for spawning in spawns]
+    whens = [
+        f"when `{name if names.count(name) == 1 else path_text(spawning.spawner)}` is entered (line {line})"
+        if name
+        else f"when the program starts (line {line})"
+        for spawning, name, line in zip(spawns, names, lines, strict=True)
+    ]
+    if whens:
+        draft.say(f"It is spawned {listed(whens, 'or')}.", *lines)
+    else:
         draft.say(f"No `(spawn {name} …)` starts it.")
 
 

@@ -751,6 +751,25 @@ def test_a_state_of_a_machine_that_does_not_run_needs_the_machine_first():
         )
 
 
+SHARED = """(machine i (state x) (on [False] x -> x go))
+(machine m
+  (state a (onentry (spawn i x)))
+  (state b)
+  (state c (onentry (spawn i x))))
+(machine n (state a (onentry (spawn i x))) (state b))
+(spawn m b)
+(spawn n b)"""
+
+
+def test_every_state_that_spawns_a_machine_that_does_not_run_is_named_so_that_it_is_known():
+    with session(SHARED) as live:
+        live.run(0.1)
+        assert str(live.why_not("go")).endswith(
+            "It is spawned when `m/a` is entered (line 3), when `c` is entered (line 5) "
+            "or when `n/a` is entered (line 6)."
+        )
+
+
 def test_a_state_to_which_nothing_leads_is_said_to_be_one():
     with session(BESIDE) as live:
         live.run(0.3)
