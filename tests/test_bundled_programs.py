@@ -191,6 +191,15 @@ def _driving(name):
     return Session(text, "sim", world=programs.heading(text).world, seed=1, noise=NOISE)
 
 
+@pytest.mark.parametrize("name", ["patrol", "waiter"])
+def test_the_trail_shows_the_machine_that_drives_and_not_one_beside_it(name):
+    """It has the colours of the machine that is spawned first."""
+    with _driving(name) as session:
+        session.run(40)
+        first = session.frame.active[0][0]
+        assert len([state for machine, *state in session.frame.visits if machine == first]) > 1
+
+
 def test_the_transporter_begins_again_and_asks_for_help_when_its_box_is_gone():
     with _driving("transport") as session:
         session.run(6)
