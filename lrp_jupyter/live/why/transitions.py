@@ -246,7 +246,7 @@ def _source_inactive(draft: AnswerDraft, case: Case) -> None:
     how, line = entry_text(case.run, machine, case.tick)
     other = "a state other than " if noun.wildcard else ""
     names = (*noun.sources, noun.destination) if noun.wildcard else noun.sources
-    sources = listed([f"`{name}`" for name in names], "or")
+    sources = listed([f"`{name}`" for name in dict.fromkeys(names)], "or")
     draft.say(
         f"{case.did_not_fire}: it leaves {other}{sources}, but `{machine.path[-1]}` was in "
         f"`{machine.state[-1]}`, entered at {time_text(machine.entered)}{how}.",

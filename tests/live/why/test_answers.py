@@ -717,6 +717,7 @@ WORDS = """(var s := ["x"])
   (state a) (state b) (state c)
   (on [True] {b c d} -> a back)
   (on [False] *-{a b} -> c wild)
+  (on [False] *-{a b} -> a twice)
   (ontime [s] a -> b late)
   (on [
     y = 1
@@ -729,6 +730,7 @@ def test_answers_list_states_and_name_delays_as_one_writes_in_english():
         live.run(0.2)
         assert "it leaves `b`, `c` or `d`, but `m` was in `a`" in str(live.why_not("back"))
         assert "it leaves a state other than `a`, `b` or `c`, but" in str(live.why_not("wild"))
+        assert "it leaves a state other than `a` or `b`, but" in str(live.why_not("twice"))
         assert "its delay is `s`. A delay must be a number" in str(live.why_not("late"))
         assert "did not fire at 0.1 s: `y = 1 …` was False. The" in str(live.why_not("long"))
 
