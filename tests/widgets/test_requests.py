@@ -134,6 +134,9 @@ def test_hover_explains_events_machines_and_times_in_blocks_with_their_values(be
 
     assert card("near") == ("event", "", "An event")
     assert card("follow") == ("machine", "track, track", "A machine")
+    assert page.ask("hover", chain="follow", scope="m")["hover"]["doc"] == (
+        "A machine: `follow.state` is its active state. Its variables: `follow.side`, `follow.found`."
+    )
     assert card("follow.state")[:2] == ("str", "'track', 'track'")
     assert card("follow.side") == ("int", "m/left/follow: -1\nn/one/follow: 1", "")
     assert card("follow.found.upper")[0] == "builtin_function_or_method"

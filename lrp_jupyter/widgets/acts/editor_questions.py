@@ -323,7 +323,9 @@ def _machine_card(session: Session, title: str, member: str, machines: tuple[Sco
     if member:
         doc = "The name of the active state of the machine; `None` while it does not run."
         return _hover_view(title, "str", ", ".join(repr(each[-1]) for each in states) or "None", doc)
-    doc = f"A machine: `{title}.state` is its active state, and `{title}.` gives its variables."
+    names = dict.fromkeys(f"`{title}.{name}`" for machine in machines for name in machine.variables)
+    variables = f" Its variables: {', '.join(names)}." if names else ""
+    doc = f"A machine: `{title}.state` is its active state.{variables}"
     return _hover_view(title, "machine", ", ".join(each[-1] for each in states) or "not running", doc)
 
 
