@@ -128,6 +128,7 @@ def test_a_bundled_program_describes_what_it_does_and_where(name):
     assert heading.description.endswith(".")
     assert len(heading.description) <= 100
     assert heading.world == "none" or load_world(heading.world)
+    assert not [line for line in programs.load(name).splitlines() if line.startswith(";") and "**" in line]
 
 
 @every("name", NAMES)
