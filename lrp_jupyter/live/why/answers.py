@@ -73,10 +73,16 @@ def _instance(run: RecordedRun, element: Element, wanted: Path, tick: int) -> tu
 
     Raises UnknownElementError: it ran several times.
     """
-    home, name = element.path[:-1], element.path[-1]
+    home, name, machine = element.path[:-1], element.path[-1], wanted[:-1]
     known = [each.path for each in run.state(tick).walk() if each.state[:-1] == home]
-    if wanted[:-1] in known or resolve(run.program(tick)).defined(wanted[:-1]) == home != wanted[:-1]:
-        return wanted[:-1], tick
+    names = resolve(run.program(tick))
+    places = dict.fromkeys([*known, *(names.places(home) if home in names.by_path else ())])
+    meant = [path for path in places if path == machine]
+    if machine != home and not meant:  # a path that begins below the top
+        meant = [path for path in places if path[-len(machine) :] == machine]
+        meant = [path for path in meant if path in known] or meant
+    if len(meant) == 1 and (machine != home or meant[0] in known):
+        return meant[0], tick
     if len(known) > 1:
         texts = [path_text((*path, name)) for path in known]
         raise UnknownElementError.ambiguous(f"{element.kind}s", path_text(wanted), texts)
