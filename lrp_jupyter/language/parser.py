@@ -364,9 +364,10 @@ class _Reader:
 
     def _misplaced(self, keyword: str, form: _Form, index: int, end: int) -> None:
         around = form.keyword
-        homes = [_where(home) for home, legal in LEGAL.items() if keyword in legal]
+        homes = [home for home, legal in LEGAL.items() if keyword in legal]
         start = self.text.index(keyword, form.tokens[index][1])
-        message = f"`{keyword}` is not allowed {_where(around)}. Put it {' or '.join(homes)}."
+        places = ["at the end of a transition"] if homes == [*FORMS] else [*map(_where, homes)]
+        message = f"`{keyword}` is not allowed {_where(around)}. Put it {_one_of(places)}."
         is_right = form.parts[index] is not None  # else it may be meant for another form
         edits = self._relocated(keyword, form, index, end) if is_right and len(self.findings) <= _MANY else ()
         self.strays.append(Stray(len(self.findings), form.parts[index], *form.tokens[index][1:]))
@@ -443,5 +444,8 @@ def _where(keyword: str) -> str:
 
 
 def _either(words: Iterable[str]) -> str:
-    *head, last = [f"`{word}`" for word in words]
-    return f"{', '.join(head)} or {last}" if head else last
+    return _one_of([f"`{word}`" for word in words])
+
+
+def _one_of(words: Sequence[str]) -> str:
+    return f"{', '.join(words[:-1])} or {words[-1]}" if words[1:] else words[0]

@@ -83,9 +83,13 @@ JOINING = {
     "unless": "and not",
 }
 """What stands between conditions, as Python writes it; a comma means one thing here and another there."""
+HOLDING = frozenset({"for", "during", "hold", "holds", "holding", "lasting"})
+"""What is written in place of `for`."""
 GUARD_WORDS = frozenset({"guard", "cond", "condition", "if", "when", "where", "given"})
 ASKING = frozenset({"in", "In", "in_state", "instate", "inState", "is_in", "isIn", "done", "final"})
-EFFECT_WORDS = frozenset({"/", "do", "then", "effect", "effects", "action", "actions", "execute", "assign"})
+EFFECT_WORDS = frozenset(
+    {"/", ":", "=>", "do", "then", "effect", "effects", "action", "actions", "execute", "assign"}
+)
 ASSIGN_WORDS = frozenset({"is", "be", "equals", "becomes", "to"})
 UNITS = {
     "": 0,

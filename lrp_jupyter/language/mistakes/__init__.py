@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.mistakes import bare_python as python
+from lrp_jupyter.language.mistakes import conditions, keywords, notations, settings, unclosed, wrong_brackets
 from lrp_jupyter.language.mistakes import foreign_words as words
 from lrp_jupyter.language.mistakes import form_order as order
-from lrp_jupyter.language.mistakes import keywords, notations, unclosed, wrong_brackets
 from lrp_jupyter.language.mistakes.text_draft import (
     Correction,
     Corrections,
@@ -74,11 +74,17 @@ RULES = (
     _rule(unclosed.ends, "UNCLOSED"),
     _rule(wrong_brackets.lost, "NAME"),
     _rule(wrong_brackets.bare_form, "NAME"),
+    _rule(order.effects, "", _TRANSITIONS),
+    _rule(conditions.machine_states, "", _TRANSITIONS),
+    _rule(conditions.holds, "", _TRANSITIONS),
+    _rule(conditions.no_delay, "", "on exit"),
     _rule(notations.guards_and_effects, "", _TRANSITIONS),
     _rule(notations.asked_states, "", "on exit"),
     _rule(notations.delays, "INTEGER AMOUNT", "on exit eps"),
     _rule(notations.arrows, "NAME", "machine"),
     _rule(notations.labels, "NAME", "state"),
+    _rule(settings.settings, "", "spawn"),
+    _rule(settings.settings_first, "", "spawn"),
     _rule(words.import_lines, "NAME", "program"),
     _rule(words.import_forms, "FORM", "program"),
     _rule(wrong_brackets.doubled, "FORM"),
@@ -98,10 +104,12 @@ RULES = (
     _rule(order.trigger_last, "", "on ontime exit"),
     _rule(order.other_keyword, "", "on eps"),
     _rule(order.name_last, "", "var event"),
+    _rule(order.several_variables, "", "var"),
     _rule(order.several_words, "NAME", "var event state machine"),
     _rule(order.action, "BLOCK", "state"),
     _rule(words.commas, "STRAY", is_later=True),
     _rule(words.strays, "STRAY"),
+    _rule(settings.after_state, "", "spawn"),
 )
 """The cheapest first. Each can be left out: then its mistakes are reported by what the parser expects."""
 
@@ -140,6 +148,9 @@ def _mend(draft: TextDraft, form: DraftForm, guesses: list[Correction]) -> None:
         for guess in rule(draft, form):
             found.append(guess)
             form.keyword, form.items = guess.keyword, list(guess.items)
+    while belonging := next(order.behind(draft, form), None):
+        found.append(belonging)
+        form.items = list(belonging.items)
     for _ in range(_MOST):
         at = first_wrong(form.keyword, form.items, ignored)
         if at is None:

@@ -36,7 +36,10 @@ def _place(form: DraftForm, at: int) -> int | None:
         first = 2 if kinds[1:2] in (("ASSIGN",), ("SIGN",)) else 1
     else:
         first = 0 if keyword in ("on", "exit", "ontime") else len(kinds)
-    return first if first < len(kinds) and kinds[first] not in ("BLOCK", "INVALID", "UNCLOSED") else None
+    if first >= len(kinds) or kinds[first] in ("BLOCK", "INVALID", "UNCLOSED"):
+        return None
+    item = form.items[first]
+    return None if isinstance(item, DraftForm) and item.kinds[:1] == ("ASSIGN",) else first  # `(x := [1])`
 
 
 def quoted(draft: TextDraft, form: DraftForm, at: int) -> Corrections:

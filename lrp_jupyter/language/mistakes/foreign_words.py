@@ -72,16 +72,22 @@ def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
             unit = draft.word(rest[0])
             if unit.lower() in UNITS:
                 end, amount, rest = rest[0].end, AMOUNT.fullmatch(word + unit), rest[1:]
-        if not amount or amount[2].lower() not in UNITS or (item.kind == "INTEGER" and end == item.end):
+        meant = milliseconds(amount[0]) if amount else ""
+        if not meant or (item.kind == "INTEGER" and end == item.end):
             return
-        number = float(amount[1].replace("_", ""))
-        factor = UNITS[amount[2].lower()] or (1000 if number % 1 or (number < 20 and "." in word) else 1)
-        if not number * factor < 1e15:
-            return
-        meant = str(round(number * factor))
         message = f"`{draft.text[item.start : end]}` is not a whole number of milliseconds. Write `{meant}`."
     items = [*form.items[:at], Piece("INTEGER", item.start, end), *rest]
     yield Correction("LRP108", message, item.start, end, (Edit(item.start, end, meant),), items)
+
+
+def milliseconds(word: str) -> str:
+    """Return a delay, which may have a unit or a point, in milliseconds; empty if it is none."""
+    amount = AMOUNT.fullmatch(word)
+    if not amount or amount[2].lower() not in UNITS:
+        return ""
+    number = float(amount[1].replace("_", ""))
+    factor = UNITS[amount[2].lower()] or (1000 if number % 1 or (number < 20 and "." in word) else 1)
+    return str(round(number * factor)) if number * factor < 1e15 else ""
 
 
 def names(draft: TextDraft, form: DraftForm, at: int) -> Corrections:

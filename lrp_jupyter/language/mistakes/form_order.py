@@ -13,9 +13,14 @@ from lrp_jupyter.language.mistakes.text_draft import (
     DraftForm,
     Piece,
     TextDraft,
+    as_if,
+    is_complete,
 )
-from lrp_jupyter.language.reading.forms import USAGE
+from lrp_jupyter.language.python.scanner import line_end
+from lrp_jupyter.language.reading.forms import USAGE, article
+from lrp_jupyter.language.reading.tokens import LEGAL
 from lrp_jupyter.language.spellings import ARROW_WORDS, ASSIGN_WORDS
+from lrp_jupyter.language.triggers import FORMS
 
 _ACTION = re.compile(r"\brobot\.(?!stop\b|pen\b|lamp\b)\w+(?:\s*\(|\s+as\b)|[+\-*/]=")
 """What is probably meant to be repeated: a robot that gets no command for a while stops."""
@@ -122,7 +127,7 @@ def trigger_last(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
 
 def other_keyword(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Transitions with the parts of another kind."""
-    kinds, start = form.kinds, form.head - len(form.keyword)
+    kinds, start = form.kinds, form.first
     if form.keyword == "on" and kinds[:1] == ("INTEGER",):
         meant, reason = "ontime", "A delay belongs in `ontime`"
     elif form.keyword == "eps" and kinds[1:3] in (("NAME", "ARROW"), ("STAR", "ARROW")):
@@ -134,6 +139,17 @@ def other_keyword(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         edit = Edit(start, form.head, meant)
         message = f"{reason}. Write `{meant}`."
         yield Correction("LRP108", message, start, form.head, (edit,), form.items, keyword=meant)
+
+
+def several_variables(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Several variables in one `var`."""
+    rest = form.items[3:]
+    comma = rest[:1] if rest and draft.word(rest[0]) == "," else []
+    if form.kinds[:3] == ("NAME", "ASSIGN", "BLOCK") and is_complete("var", as_if(rest[len(comma) :])):
+        name = rest[len(comma)]
+        message = f"Each variable has a `var` of its own. Write `(var {draft.word(name)} := [value])`."
+        edit = Edit(form.items[2].end, name.start, ") (var ")
+        yield Correction("LRP108", message, name.start, rest[-1].end, (edit,), form.items[:3])
 
 
 def name_last(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
@@ -167,6 +183,81 @@ def action(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     edits = Edit(start, start, f"({keyword} "), Edit(end, end, ")")
     parts = form.replaced(at, at, Piece(f"{keyword.upper()}_FORM", start, end))
     yield Correction("LRP117", message, start, end, edits, parts)
+
+
+def effects(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Effects that do not come last, and several of them."""
+    items, kinds, text = form.items, form.kinds, draft.text
+    rest = [item for item in items if item.kind != "EFFECT_FORM"]
+    found = [index for index, kind in enumerate(kinds) if kind == "EFFECT_FORM"]
+    if not found or not is_complete(form.keyword, as_if(rest)):
+        return
+    first, last = items[found[0]], items[found[-1]]
+    if len(found) == 1:
+        before = items[found[0] - 1].end if found[0] else form.head
+        usage = f"{USAGE[form.keyword][:-1]} {USAGE['effect']})"
+        message = f"The effect comes last. Write `{usage}`."
+        edits = Edit(before, first.end, ""), Edit(rest[-1].end, rest[-1].end, f" {draft.word(first)}")
+        is_certain = not text[before : first.start].strip()
+        yield Correction("LRP108", message, first.start, first.end, edits, [*rest, first], is_certain)
+    elif kinds[found[0] :] == ("EFFECT_FORM", "EFFECT_FORM") and isinstance(last, DraftForm):
+        message = (
+            "A transition has one effect, with a block for each action. Write `(effect [action] [action])`."
+        )
+        is_certain = not text[first.end : last.start].strip()
+        edit = Edit(first.end - 1, last.head, "")
+        whole = Piece("EFFECT_FORM", first.start, last.end)
+        yield Correction("LRP108", message, last.start, last.end, (edit,), [*rest, whole], is_certain)
+
+
+def behind(draft: TextDraft, form: DraftForm) -> Corrections:
+    """Forms behind the one in which they belong: a `var` of a `spawn`, the effect of a transition."""
+    legal = LEGAL.get(form.keyword, frozenset())
+    for index, owner in enumerate([] if draft.missing else form.items):
+        if not isinstance(owner, DraftForm) or owner.keyword not in _LAST_INSIDE:
+            continue
+        inner: list[DraftForm] = []
+        for item in form.items[index + 1 :]:
+            if not isinstance(item, DraftForm) or item.keyword in legal:
+                break
+            inner += [item] if is_complete(item.keyword, as_if(item.items)) else []
+        kinds = (*as_if(owner.items), *[item.kind for item in inner])
+        if not inner or not is_complete(owner.keyword, kinds) or not _is_next(draft, form, owner, inner[0]):
+            continue
+        word, start, end = inner[0].keyword, inner[0].head, inner[-1].end
+        where = f"{article(form.keyword)} `{form.keyword}`"
+        message = f"`{word}` is not allowed in {where}. Put it in the `{owner.keyword}` before it."
+        edits = Edit(owner.end - 1, owner.end, ""), Edit(end, end, ")")
+        parts = form.replaced(index, index + len(inner), Piece(owner.kind, owner.start, end))
+        names = [draft.word(item.items[0]) for item in inner if item.keyword == "var"]
+        machine = draft.word(owner.items[0])
+        is_certain = draft.members.get(machine, set()).issuperset(names)
+        yield Correction("LRP107", message, start - len(word), start, edits, parts, is_certain, alone=True)
+        break
+
+
+def _is_next(draft: TextDraft, form: DraftForm, owner: DraftForm, inner: DraftForm) -> bool:
+    """Return whether a form certainly belongs to the one before it, and not to another one."""
+    owners = [item for item in form.items if isinstance(item, DraftForm)]
+    owners = [item for item in owners if inner.keyword in LEGAL.get(item.keyword, ())]
+    between = draft.text[owner.end : inner.start]
+    if between.strip():
+        return False
+    if len(owners) == 1:
+        return True
+    if "\n" in between or "\r" in between:
+        return _column(draft, owner) < _column(draft, inner)
+    line = line_end(draft.text, inner.end)
+    return not any(inner.end < item.start < line for item in owners)
+
+
+def _column(draft: TextDraft, form: DraftForm) -> int:
+    before = draft.text[: form.start]
+    return form.start - max(before.rfind("\n"), before.rfind("\r"))
+
+
+_LAST_INSIDE = frozenset({"spawn", *FORMS})
+"""The forms that contain others, and those after everything else."""
 
 
 def source_length(kinds: Sequence[str]) -> int:

@@ -62,7 +62,7 @@ def misspelt(draft: TextDraft, form: DraftForm) -> Corrections:
         edit = Edit(start + 1, start + 1, f"{inferred} ")
         yield Correction("LRP106", message, start, start + 1, (edit,), [*name, *form.items], keyword=inferred)
     elif remark:
-        place = form.head - len(word), form.head
+        place = form.first, form.head
         message = f"`{word}` is not a keyword. {remark}"
         yield Correction("LRP106", message, *place, (), form.items, False, keyword=word)
 
@@ -104,7 +104,7 @@ def _labelled(draft: TextDraft, form: DraftForm) -> tuple[int, Sequence[Item]]:
 def _guess(
     draft: TextDraft, form: DraftForm, meant: str, end: int, items: Sequence[Item], is_certain: bool = True
 ) -> Correction:
-    start = form.head - len(form.keyword)
+    start = form.first
     word = draft.text[start:end]
     is_same = word.lower() == meant
     problem, remark = f"`{word}` is not a keyword.", REMARKS.get(_plain(word), "")

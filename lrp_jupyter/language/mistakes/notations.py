@@ -20,6 +20,7 @@ from lrp_jupyter.language.mistakes.text_draft import (
     Item,
     Piece,
     TextDraft,
+    expression,
     is_python,
 )
 from lrp_jupyter.language.python.scanner import line_end
@@ -58,10 +59,10 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
     if not starts or form.kinds[arrow + 1 : rest] != ("NAME",) or text[form.end - 1] != ")":
         return
     source = starts[-1] - 2 * (form.kinds[max(0, starts[-1] - 2) : starts[-1]] == ("STAR", "MINUS"))
-    if form.kinds[rest : rest + 1] == ("NAME",) and draft.word(items[rest]).lower() not in _WORDS:
-        rest += 1
+    is_named = form.kinds[rest : rest + 1] == ("NAME",) and draft.word(items[rest]).lower() not in _WORDS
+    rest += is_named and form.kinds[rest + 1 : rest + 2] != ("SIGN",)  # not the `x` of `x = 1`
     is_tight = rest < len(items) and items[rest - 1].end == items[rest].start
-    if is_tight and form.kinds[rest] not in _BRACKETS and draft.word(items[rest]) != ",":
+    if is_tight and form.kinds[rest] not in _BRACKETS and draft.word(items[rest]) not in (",", ":"):
         return  # `a -> have-rest`
     stop = len(items)
     stop -= form.kinds[-1] == "EFFECT_FORM"
@@ -82,7 +83,7 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
     remarks = []
     if doubtful:
         is_certain, both = False, _joined([*conditions, doubtful])[0]
-        if _value(doubtful.python) is None:
+        if expression(doubtful.python) is None:
             both = both.replace("=", "==")
         what = "A transition has one condition, before its source, and its effect at the end"
         remarks.append(f"{what}. Write `[{both}]`, or `(effect [{doubtful.python}])`.")
@@ -104,7 +105,7 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
     if changes and meant == keyword and source:
         edits.append(Edit(items[0].start, end, f"[{made}]"))
     elif changes:
-        edits.append(Edit(form.head - len(keyword), end, f"{meant} [{made}]"))
+        edits.append(Edit(form.first, end, f"{meant} [{made}]"))
     elif len(before) > 1:
         edits.append(Edit(items[0].end, end, ""))
     if after or effects:
@@ -221,7 +222,7 @@ def _is_several(parts: Sequence[_Part]) -> bool:
 
 def _before(draft: TextDraft, form: DraftForm, items: Sequence[Item]) -> list[_Part] | None:
     """Return the parts before the source; for a delay, the condition that it is."""
-    if form.keyword != "ontime":
+    if form.keyword != "ontime" and [item.kind for item in items[:1]] != ["INTEGER"]:
         found = _parts(draft, items)
         return found and [part._replace(kind="either") if _may_compare(part) else part for part in found]
     others = _parts(draft, items[1:])
@@ -231,7 +232,7 @@ def _before(draft: TextDraft, form: DraftForm, items: Sequence[Item]) -> list[_P
     seconds = f"{int(word) / 1000:g}" if word.isdecimal() else f"{word} / 1000"
     if items[0].kind == "BLOCK":
         seconds = f"({word[1:-1].strip()}) / 1000"
-    if _value(seconds) is None and any(part.kind != "effect" for part in others):
+    if expression(seconds) is None and any(part.kind != "effect" for part in others):
         return None
     return [_Part(f"elapsed >= {seconds}", is_event=True), *others]
 
@@ -250,12 +251,12 @@ def _parts(draft: TextDraft, items: Sequence[Item]) -> list[_Part] | None:
         item, word = items[index], words[index].lower()
         stop = index + 1
         parts: list[_Part] = []
-        if words[index] in draft.events or (item.kind == "NAME" and joined.endswith("not")):
-            parts = [_Part(words[index], is_event=True)]
-        elif words[index] in draft.defined["machine"] and words[stop : stop + 1] == ["."]:
+        if words[index] in draft.defined["machine"] and words[stop : stop + 1] == ["."]:
             stop += 2
             asked = [f'{words[index]}.state == "{state}"' for state in words[stop - 1 : stop]]
             parts = [_Part(python, is_event=True) for python in asked]
+        elif words[index] in draft.events or (item.kind == "NAME" and joined.endswith("not")):
+            parts = [_Part(words[index], is_event=True)]
         elif word in JOINING:
             joined, index = f"{joined} {JOINING[word]}", stop
             continue
@@ -303,21 +304,13 @@ def _bracketed(draft: TextDraft, item: Item, acts: bool) -> list[_Part]:
 def _part(python: str, acts: bool) -> list[_Part]:
     """Return what Python is in a transition; an empty list if it is none."""
     python = python.strip()
-    value = _value(python)
+    value = expression(python)
     if not is_python(python) or isinstance(value, ast.Constant):
         return []
     kind = "effect" if value is None else "either" if isinstance(value, ast.Call) else "condition"
     if acts and kind == "condition":
         return []  # `a -> b/c`
     return [_Part(python, "effect" if acts else kind, is_foreign=acts)]
-
-
-def _value(python: str) -> ast.expr | None:
-    """Return the tree of an expression; None for anything else."""
-    try:
-        return ast.parse(python.strip(), mode="eval").body
-    except SyntaxError:
-        return None
 
 
 def _joined(parts: Sequence[_Part]) -> tuple[str, bool]:
@@ -329,6 +322,9 @@ def _joined(parts: Sequence[_Part]) -> tuple[str, bool]:
         python = part.python
         if "not" in words:
             python = f"not {_enclosed(python, ast.BoolOp)}"
+            python = (
+                part.python.replace(" == ", " != ") if " == " in part.python and part.is_event else python
+            )
         elif sign == "and" and len(parts) > 1:
             python = _enclosed(python, ast.Or)
         if index:
@@ -342,6 +338,6 @@ def _joined(parts: Sequence[_Part]) -> tuple[str, bool]:
 
 def _enclosed(python: str, loose: type[ast.AST]) -> str:
     """Return an expression, in parentheses if they are needed beside another one."""
-    value = _value(python)
+    value = expression(python)
     operator = value.op if isinstance(value, ast.BoolOp) else None
     return f"({python})" if isinstance(value, _LOOSE | loose) or isinstance(operator, loose) else python

@@ -44,12 +44,14 @@ class Piece(NamedTuple):
 class DraftForm:
     """A form of a wrong text.
 
-    `head` is the end of its keyword, `around` the keyword of the form around, and `row` the parts of that.
+    `first` and `head` are the start and the end of its keyword as it is written. `around` is
+    the keyword of the form around, and `row` the parts of that.
     """
 
     def __init__(self, keyword: str, start: int, head: int, around: str) -> None:
         self.keyword = keyword
         self.start = start
+        self.first = head - len(keyword)
         self.head = self.end = head
         self.around = around
         self.items: list[Item] = []
@@ -75,7 +77,7 @@ class DraftForm:
 
     def name(self) -> list[Piece]:
         """Return what is in the place of its keyword as a part."""
-        return [Piece("NAME", self.head - len(self.keyword), self.head)] if self.keyword else []
+        return [Piece("NAME", self.first, self.head)] if self.keyword else []
 
 
 Item = Piece | DraftForm
@@ -143,6 +145,21 @@ class TextDraft:
     def definitions(self) -> set[str]:
         """What forms define, as it is written, valid or not."""
         return set(_DEFINED.findall(self.text))
+
+    @cached_property
+    def members(self) -> dict[str, set[str]]:
+        """The names that the machines define, by the names of these."""
+        found: dict[str, set[str]] = {}
+        around = [""]  # the names of machines, and nothing for other forms
+        for token, after in zip(self.tokens, [*self.tokens[1:], ("", 0, 0)], strict=True):
+            if token[0] == "OPEN":
+                keyword, name = keyword_of(self.text, token), self.word(after)
+                if keyword in NAMED:
+                    found.setdefault(around[-1], set()).add(name)
+                around.append(name if keyword == "machine" else "")
+            elif token[0] == "CLOSE" and len(around) > 1:
+                around.pop()
+        return found
 
     def word(self, item: Item | Token) -> str:
         """Return the text of a part."""
@@ -217,7 +234,8 @@ class TextDraft:
         if kind in ("ARROW", "ASSIGN", "MINUS", "STRAY") and SIGN.fullmatch(word):
             sign = before[-1] if before else None
             apart = "" if [item.kind for item in before[-2:]] == ["STAR", "MINUS"] else " "
-            if sign and sign.kind in SIGNS and text[sign.end : start] in ("", apart):
+            joins = sign and not (word == "-" and text[sign.end - 1] in "=:")  # `:= -1`
+            if sign and joins and sign.kind in SIGNS and text[sign.end : start] in ("", apart):
                 before[-1] = Piece("SIGN", sign.start, end)
                 return []
             return [Piece("SIGN" if kind == "STRAY" else kind, start, end)]
@@ -262,6 +280,14 @@ def as_if(items: Sequence[Item]) -> tuple[str, ...]:
 def is_complete(keyword: str, kinds: Sequence[str]) -> bool:
     """Return whether a form is right that has these parts."""
     return keyword in KEYWORDS and not isinstance(shape_of((keyword.upper(), *kinds)), Mistake)
+
+
+def expression(text: str) -> ast.expr | None:
+    """Return the tree of an expression; None for anything else."""
+    try:
+        return ast.parse(text.strip(), mode="eval").body
+    except SyntaxError:
+        return None
 
 
 def is_python(text: str) -> bool:

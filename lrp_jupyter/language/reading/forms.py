@@ -71,7 +71,7 @@ class _Tokens(Lexer):
 _GRAMMAR = files("lrp_jupyter.language").joinpath("grammar.lark").read_text(encoding="utf-8")
 _LARK = Lark(_GRAMMAR, parser="lalr", lexer=_Tokens, start=["form", "program"], maybe_placeholders=True)
 _REPEATABLE = frozenset(["BLOCK", *(f"{keyword.upper()}_FORM" for keyword in USAGE)])
-_SINGLE = frozenset({"VAR", "EVENT"})  # forms with one block
+_SINGLE = frozenset({"VAR", "EVENT", *map(str.upper, FORMS)})  # forms with one block or one effect
 
 
 @lru_cache(maxsize=4096)
