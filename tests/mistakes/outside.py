@@ -684,6 +684,128 @@ _effects("notation: `do` for an effect", " (do [print(1)])")
 _effects("notation: `actions` for an effect", " (actions [print(1)])")
 
 
+@kind("effect: behind its transition")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all(*TRANSITIONS):
+        if "EFFECT_FORM" not in form.types and not form.forms:
+            yield _instead(source, form.last, form.end, " (effect [print(1)]))", ") (effect [print(1)])")
+
+
+@kind("effect: before the destination")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all(*TRANSITIONS):
+        if not form.forms:
+            _, start, end = form.of("ARROW")[0]
+            words = source.text[end : form.last].rstrip()
+            if ";" not in words:
+                right = f"->{words} (effect [print(1)])"
+                yield _instead(source, start, form.last, right, f"-> (effect [print(1)]){words}")
+
+
+@kind("effect: two")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all(*TRANSITIONS):
+        if not form.forms:
+            two = " (effect [print(1)]) (effect [print(2)])"
+            yield _instead(source, form.last, form.last, " (effect [print(1)] [print(2)])", two)
+
+
+# Variables that a spawn sets, times for which a condition holds, and states of machines
+
+
+def _settings(name: str, wrong: str) -> None:
+    @kind(f"setting: {name}")
+    def _(source: Source) -> Iterator[Slip]:
+        for form in source.all("spawn"):
+            machine = source.word(form.of("NAME")[0])
+            for variable in _variables(source, machine) if form.around == "onentry" else ():
+                right = f" (var {variable} := [-1]))"
+                yield _instead(source, form.last, form.end, right, wrong.format(variable))
+
+
+def _named(source: Source, machine: str) -> Iterator[Form]:
+    return (form for form in source.all("machine") if source.word(form.of("NAME")[0]) == machine)
+
+
+def _variables(source: Source, machine: str) -> list[str]:
+    inner = [form for each in _named(source, machine) for form in each.forms if form.keyword == "var"]
+    return [source.word(form.of("NAME")[0]) for form in inner]
+
+
+_settings("behind the spawn", ") (var {} := [-1])")
+_settings("no block", " (var {} := -1))")
+_settings("`name=value`", " {}=-1)")
+_settings("`name := [value]`", " {} := [-1])")
+_settings("without `var`", " ({} := [-1]))")
+_settings("`:name value`", " :{} -1)")
+_settings("`set`", " (set {} [-1]))")
+_settings("in square brackets", " [{} = -1])")
+
+
+def _holds(name: str, wrong: str, last: str = "") -> None:
+    @kind(f"time: {name}")
+    def _(source: Source) -> Iterator[Slip]:
+        for form in source.all("on", "exit"):
+            _, start, end = form.tokens[1]
+            if "FOR" not in form.types and "DOT" not in form.types and not form.forms:
+                word, rest = source.text[start:end], source.text[end : form.last].rstrip()
+                if ";" not in rest:
+                    slip_of = wrong.format(word) + rest + last
+                    yield _instead(source, start, form.last, f"{word} for 500{rest}", slip_of)
+
+
+_holds("no `for`", "{} 500")
+_holds("`during`", "{} during 500")
+_holds("`for` with a unit", "{} for 0.5s")
+_holds("`(for …)`", "{} (for 500)")
+_holds("before the condition", "for 500 {}")
+_holds("behind the destination", "{}", " for 500")
+_holds("no delay", "{} for")
+
+
+@kind("time: `ontime` for a condition that holds")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all("on"):
+        _, start, end = form.tokens[1]
+        if form.types[1] == "NAME" and not {"FOR", "DOT"} & set(form.types):
+            word, (first, _) = source.text[start:end], _keyword(form, source)
+            yield _instead(source, first, end, f"on {word} for 500", f"ontime {word} for 500")
+
+
+def _states(name: str, wrong: str, right: str = "{}.{}") -> None:
+    @kind(f"state of a machine: {name}")
+    def _(source: Source) -> Iterator[Slip]:
+        for outer in source.all("machine"):
+            spawned = {
+                source.word(state.of("NAME")[0]): source.word(spawn.of("NAME")[0])
+                for state in outer.forms
+                for action in state.forms
+                for spawn in action.forms
+                if spawn.keyword == "spawn"
+            }
+            for form in outer.forms:
+                if form.keyword != "on" or form.types[1] not in ("NAME", "BLOCK") or form.types[2] != "NAME":
+                    continue
+                _, start, end = form.tokens[1]
+                machine = spawned.get(source.word(form.tokens[2]), "")
+                for inner in _named(source, machine):
+                    names = [
+                        source.word(each.of("NAME")[0]) for each in inner.forms if each.keyword == "state"
+                    ]
+                    for state in names:
+                        pair = machine, state
+                        yield _instead(source, start, end, right.format(*pair), wrong.format(*pair))
+
+
+_states("`m/s`", "{}/{}")
+_states("`m::s`", "{}::{}")
+_states("`m s`", "{} {}")
+_states("in quotes", '"{}.{}"')
+_states("in round brackets", "({}.{})")
+_states("`not`", "not {}.{}", '[{}.state != "{}"]')
+_states("as Python", '{}.state == "{}"', '[{}.state == "{}"]')
+
+
 @kind("notation: transition as a drawing")
 def _(source: Source) -> Iterator[Slip]:
     for form in source.all("on", "eps"):
