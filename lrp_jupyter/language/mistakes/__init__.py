@@ -76,6 +76,7 @@ RULES = (
     _rule(wrong_brackets.bare_form, "NAME"),
     _rule(order.effects, "", _TRANSITIONS),
     _rule(conditions.machine_states, "", _TRANSITIONS),
+    _rule(conditions.half_named_states, "", "on exit"),
     _rule(conditions.holds, "", _TRANSITIONS),
     _rule(conditions.no_delay, "", "on exit"),
     _rule(notations.guards_and_effects, "", _TRANSITIONS),

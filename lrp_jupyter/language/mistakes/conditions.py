@@ -46,7 +46,7 @@ def machine_states(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
             continue
         written = f"{found['machine']}.{found['state']}"
         meant = form.keyword if form.keyword in HELD else "on"
-        message = f"A condition on another machine names it and its state. Write `{written}`."
+        message = f"The state of a machine is written `machine.state`. Write `{written}`."
         edits = [Edit(start, end, written)]
         if meant != form.keyword:
             message = f"`{form.keyword}` has no condition. Write `{meant} {written}`."
@@ -56,6 +56,27 @@ def machine_states(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         trigger = [Piece(kind, start, end) for kind in ("NAME", "DOT", "NAME")]
         parts = [*trigger, *items[stop:]]
         yield Correction("LRP108", message, start, end, tuple(edits), parts, is_certain, keyword=meant)
+
+
+def half_named_states(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """States of machines without the name of the state or of the machine: ``move.``, ``.reached``."""
+    items, words = form.items, [draft.word(item) for item in form.items[:3]]
+    if len(words) < 3 or not isinstance(items[0], Piece):
+        return
+    start, end = items[0].start, items[1].end
+    if words[0] == ".":
+        machines = [name for name, inside in draft.members.items() if name and words[1] in inside]
+        if len(machines) == 1 and words[1] in draft.states:
+            written = f"{machines[0]}.{words[1]}"
+            message = f"The name of the machine is missing. Write `{written}`."
+            trigger = [Piece(kind, start, end) for kind in ("NAME", "DOT", "NAME")]
+            edits = (Edit(start, end, written),)
+            yield Correction("LRP108", message, start, end, edits, [*trigger, *items[2:]])
+    elif form.kinds[:4] == ("NAME", "DOT", "NAME", "ARROW") and words[2] in draft.states:
+        message = f"The name of a state is missing after `{words[0]}.`. Write `(on machine.state a -> b)`."
+        parts = [*items[:2], Piece("NAME", end, end), *items[2:]]
+        edits = (Edit(end, end, f"{words[2]} "),)
+        yield Correction("LRP108", message, start, end, edits, parts, False)
 
 
 def holds(draft: TextDraft, form: DraftForm, at: int) -> Corrections:

@@ -239,7 +239,7 @@ def behind(draft: TextDraft, form: DraftForm) -> Corrections:
 def _is_next(draft: TextDraft, form: DraftForm, owner: DraftForm, inner: DraftForm) -> bool:
     """Return whether a form certainly belongs to the one before it, and not to another one."""
     owners = [item for item in form.items if isinstance(item, DraftForm)]
-    owners = [item for item in owners if inner.keyword in LEGAL.get(item.keyword, ())]
+    owners = [item for item in owners if item is owner or _may_have(draft, item, inner)]
     between = draft.text[owner.end : inner.start]
     if between.strip():
         return False
@@ -249,6 +249,12 @@ def _is_next(draft: TextDraft, form: DraftForm, owner: DraftForm, inner: DraftFo
         return _column(draft, owner) < _column(draft, inner)
     line = line_end(draft.text, inner.end)
     return not any(inner.end < item.start < line for item in owners)
+
+
+def _may_have(draft: TextDraft, owner: DraftForm, inner: DraftForm) -> bool:
+    if owner.keyword == "spawn" and owner.items and inner.keyword == "var":
+        return draft.word(inner.items[0]) in draft.members.get(draft.word(owner.items[0]), ())
+    return inner.keyword in LEGAL.get(owner.keyword, ())
 
 
 def _column(draft: TextDraft, form: DraftForm) -> int:
