@@ -108,7 +108,7 @@ def _follows_trigger(text: str, tokens: Sequence[Token]) -> bool:
     """Return whether what follows the tokens stands after an event or condition, where `for` is a keyword."""
     for kinds in _TRIGGERS:
         before = tokens[-len(kinds) - 1 :]
-        if before[0][0] == "OPEN" and tuple(token[0] for token in before[1:]) == kinds:
+        if before and before[0][0] == "OPEN" and tuple(token[0] for token in before[1:]) == kinds:
             return keyword_of(text, before[0]) in HELD
     return False
 
