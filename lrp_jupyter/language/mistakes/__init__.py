@@ -16,9 +16,10 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.mistakes import bare_python as python
-from lrp_jupyter.language.mistakes import conditions, keywords, notations, settings, unclosed, wrong_brackets
+from lrp_jupyter.language.mistakes import condition_forms as conditions
 from lrp_jupyter.language.mistakes import foreign_words as words
 from lrp_jupyter.language.mistakes import form_order as order
+from lrp_jupyter.language.mistakes import keywords, notations, settings, unclosed, wrong_brackets
 from lrp_jupyter.language.mistakes.text_draft import (
     Correction,
     Corrections,

@@ -213,7 +213,8 @@ def effects(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
 def behind(draft: TextDraft, form: DraftForm) -> Corrections:
     """Forms behind the one in which they belong: a `var` of a `spawn`, the effect of a transition."""
     legal = LEGAL.get(form.keyword, frozenset())
-    for index, owner in enumerate([] if draft.missing else form.items):
+    is_known = form.around and legal and not draft.missing
+    for index, owner in enumerate(form.items if is_known else []):
         if not isinstance(owner, DraftForm) or owner.keyword not in _LAST_INSIDE:
             continue
         inner: list[DraftForm] = []

@@ -73,7 +73,7 @@ def after_state(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
     """Anything else after the names of the machine and its state."""
     if at >= 2 and form.kinds[:2] == ("NAME", "NAME") and at < len(form.items):
         stop = next((index for index in range(at, len(form.items)) if form.kinds[index] == "VAR_FORM"), None)
-        items = form.items[at:stop]
+        items = form.items[at:stop] or form.items[at:]
         start, end = items[0].start, items[-1].end
         message = f"Only variables of the machine can follow its start state. Write `{_USAGE}`."
         parts = form.replaced(at, at + len(items) - 1)

@@ -8,11 +8,13 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from keyword import kwlist
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks.block import facts_of, read
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED, TIMES
+from lrp_jupyter.language.python.block_suite import no_warnings
+from lrp_jupyter.language.python.python_parser import parse_python
 from lrp_jupyter.language.reading.forms import Mistake, shape_of
 from lrp_jupyter.language.reading.tokens import HELD, KEYWORDS, LEGAL, NAMED, Token, keyword_of, tokenize
 from lrp_jupyter.language.spellings import ARROWS, SIGN
@@ -285,8 +287,9 @@ def is_complete(keyword: str, kinds: Sequence[str]) -> bool:
 def expression(text: str) -> ast.expr | None:
     """Return the tree of an expression; None for anything else."""
     try:
-        return ast.parse(text.strip(), mode="eval").body
-    except SyntaxError:
+        with no_warnings():
+            return cast(ast.expr, parse_python(text.strip(), mode="eval").body)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
 
 

@@ -89,12 +89,14 @@ def holds(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
             continue
         inside = item.items if isinstance(item, DraftForm) else items[first + is_word :]
         delay, count = _delay(draft, inside)
+        if not delay:
+            continue
         stop = first + 1 if isinstance(item, DraftForm) else first + is_word + count
         before = first - (first > 0 and draft.word(items[first - 1]) == ",")
         others = [*items[:before], *items[stop:]]
         length = _trigger(draft, others)
         is_right = item.kind == "FOR" and before == length and isinstance(inside[0], Piece)
-        if not delay or is_right or (not is_word and first != length):
+        if is_right or (not is_word and first != length):
             continue
         if is_word and not first and is_complete("ontime", ("INTEGER", *as_if(others))):
             yield _timed(form, delay, stop)
