@@ -116,7 +116,8 @@ def test_a_fork_and_a_rewind_keep_both_instances(session):
 def test_a_path_that_begins_at_a_machine_inside_means_the_instance_that_runs():
     text = """(machine leaf (state x) (state y) (ontime 100 x -> y))
     (machine middle (state on (onentry (spawn leaf x))))
-    (machine m (state a (onentry (spawn middle on))) (state b (onentry (spawn middle on))) (ontime 500 a -> b))
+    (machine m (state a (onentry (spawn middle on))) (state b (onentry (spawn middle on)))
+      (ontime 500 a -> b))
     (spawn m a)"""
     with Session(text) as session:
         session.run(0.3)
