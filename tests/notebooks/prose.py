@@ -14,7 +14,7 @@ JAVASCRIPT = Path(__file__).parents[2] / "js" / "src"
 _TEXT = r'"((?:[^"\\]|\\.)+)"'
 _NAMED = re.compile(
     rf"""\b(?:label|title):\s*{_TEXT}          # a button
-    |\b(?:item|switchItem|toggle)\(\s*{_TEXT}  # an item of a menu, a switch
+    |\b(?:item|placed|switchItem|toggle)\(\s*{_TEXT}  # an item of a menu, a switch
     |\biconButton\(\s*"[\w-]+",\s*{_TEXT}      # a button without words
     |\bpanel\(\s*"[\w-]+",\s*{_TEXT}           # a part of the lab
     |h\("span",\s*\{{\}},\s*{_TEXT}            # what stands beside a slider

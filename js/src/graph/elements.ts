@@ -38,16 +38,20 @@ export function menuOf(
   const { state } = lab.store;
   const named = addressed(state, path);
   const place = placeOf(state, machineOf(named)); // of the instance that is meant, of several
-  const here = place && ` in ${place}`;
+  const placed = (label: string) => (place ? label.replace(/(?=\?$)|$/, ` in ${place}`) : label);
   const forState = (item: MenuItem) => (isState ? [item] : []);
   return [
     ...(isState
       ? [
-          item(`Transition here${here}`, "transition", () => void lab.act({ do: "transition", path: named })),
-          item(`Teleport here${here}`, "teleport", () => void lab.act({ do: "teleport", path: named })),
+          item(
+            placed("Transition here"),
+            "transition",
+            () => void lab.act({ do: "transition", path: named }),
+          ),
+          item(placed("Teleport here"), "teleport", () => void lab.act({ do: "teleport", path: named })),
         ]
-      : [item(`Fire now${here}`, "fire", () => void lab.act({ do: "fire", path: named }))]),
-    item(`${isState ? "Why" : "Why not"}${here}?`, "why", () => askWhy(lab, kind, path, at), { hint: "?" }),
+      : [item(placed("Fire now"), "fire", () => void lab.act({ do: "fire", path: named }))]),
+    item(placed(isState ? "Why?" : "Why not?"), "why", () => askWhy(lab, kind, path, at), { hint: "?" }),
     ...breakpointItems(lab, kind, path),
     null,
     ...opens,
