@@ -13,7 +13,7 @@ from functools import cached_property
 from itertools import chain, islice
 from typing import Literal, NamedTuple, TypeVar
 
-from lrp_jupyter.language.blocks.builtin_names import TIMES
+from lrp_jupyter.language.blocks.builtin_names import PROVIDED, TIMES
 from lrp_jupyter.language.program import (
     Block,
     Element,
@@ -176,11 +176,13 @@ class PlacedBlock(NamedTuple):
     def event(self, name: str) -> Scope | None:
         """Return the scope that defines the event whose value a name means here; a variable hides it."""
         itself = self.element.kind == "event" and self.element.path[-1] == name
-        return None if name in self.visible or itself else self.scope.owner("event", name)
+        hidden = itself or name in self.visible or name in PROVIDED
+        return None if hidden else self.scope.owner("event", name)
 
     def machines(self, name: str) -> tuple[Scope, ...]:
         """Return the machines that a name can mean here; a variable hides them."""
-        return () if name in self.visible else self.scope.machines_called(name)
+        hidden = name in self.visible or name in PROVIDED
+        return () if hidden else self.scope.machines_called(name)
 
 
 class Spawning(NamedTuple):
@@ -306,7 +308,7 @@ class Resolution:
         """The names that mean a computed value in some block, and the names of the machines."""
         events = (name for scope in self.scopes for name in scope.events)
         machines = (scope.path[-1] for scope in self.scopes if scope.noun)
-        return TIMES.union(events), frozenset(machines)
+        return TIMES.union(events) - PROVIDED, frozenset(machines) - PROVIDED
 
     @cached_property
     def by_path(self) -> dict[Path, Scope]:

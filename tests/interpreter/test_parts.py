@@ -333,3 +333,11 @@ def test_a_function_computes_names_after_its_machine_was_removed():
     i.set_variable("q/v", "-1")
     i.step(0.5)
     assert i.variables["k"] == (False, -1, "x")
+
+
+def test_a_machine_or_an_event_called_robot_hides_nothing():
+    text = "(event print [True]) (machine robot (state a (running [print(robot)]))) (spawn robot a)"
+    seen = []
+    i = Interpreter(parse(text), robot="the robot", output=seen.append)
+    i.step(0.0)
+    assert (seen, list(i.issues)) == (["the robot"], [])

@@ -97,11 +97,6 @@ class _ComputedUses:
 
     def _uses(self, place: PlacedBlock, name: str) -> None:
         owner, machines = place.event(name), place.machines(name)
-        if name == "robot":
-            kind, noun = ("event", owner.events[name].name) if owner else ("machine", machines[0].name)
-            message = f"The {kind} `robot` hides the robot from blocks"
-            self._tell("LRP203", noun or Name(name), message, "it")
-            return
         if owner is not None:
             if machines:
                 problem = f"`{name}` is an event and a machine, and in blocks the name alone is the event"
