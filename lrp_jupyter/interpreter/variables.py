@@ -52,7 +52,7 @@ class VariableMapping(Mapping[Path, object]):
         """Return all paths and values at once, in one walk over the machines."""
         return [
             ((*environment.path, name), value)
-            for environment in self._run.live.values()
+            for environment in (self._run.globals, *self._run.walk())  # in the order of a tick
             for name, slot in environment.own.items()
             if (value := content(slot.cell)) is not UNSET
         ]
