@@ -323,9 +323,9 @@ CALLED, OWNER = " called", " as owner"
 
 
 def provided(name):
-    if name != "degrees" and not hasattr(builtins, name):
+    if not hasattr(builtins, name):
         raise KeyError(name)
-    return math.radians if name == "degrees" else getattr(builtins, name)
+    return getattr(builtins, name)
 
 
 class Space(dict):
@@ -334,6 +334,7 @@ class Space(dict):
     def __init__(self, reference, m, place):
         super().__init__(**reference.namespace)
         self.update(robot=reference.robot, print=lambda *a: None)
+        self.setdefault("degrees", math.radians)
         self.reference, self.m, self.place, self.owners = reference, m, place, {}
         scope = m.scope if m else reference.globals
         while scope is not None:
