@@ -18,7 +18,7 @@ from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.interpreter.tree import Activation, Edge, Row, bind_block, chained
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
-from lrp_jupyter.language.lookup import find
+from lrp_jupyter.language.lookup import find, places_called
 from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.language.resolution import resolve
 
@@ -31,12 +31,9 @@ def find_state(run: Run, wanted: str | Path) -> Path:
     Raises UnknownElementError: there is none, or there are several.
     """
     path, named = find(run.program, "state", wanted).path, as_path(wanted)
-    machine, there = path[:-1], named[:-1]
-    possible = resolve(run.program).places(machine) or [machine]
-    if there == machine or there not in possible:
-        running = [act.path for act in run.walk() if act.defined == machine]
-        there = _chosen(running or possible, there, machine, named)
-    return (*there, path[-1])
+    machine = path[:-1]
+    running = [act.path for act in run.walk() if act.defined == machine]
+    return (*_chosen(run, machine, named, running), path[-1])
 
 
 def find_edge(run: Run, wanted: str | Path) -> tuple[Path, Edge]:
@@ -48,29 +45,27 @@ def find_edge(run: Run, wanted: str | Path) -> tuple[Path, Edge]:
     element = find(run.program, "transition", wanted)
     edges = (edge for act in run.walk() for edge in chained(act.row.edge))
     found = {edge.path: edge for edge in edges if edge.plan.site.element == element}
-    if not found:
+    machine = _chosen(run, element.path[:-1], as_path(wanted), list(found)) if found else ()
+    if machine not in found:
         arrow = resolve(run.program).arrow(element)
         source = arrow and arrow.noun.source_text
         raise ValueError(f"None of the states that `{element.shown[-1]}` leaves is active: {source}.")
-    machine = _chosen(list(found), as_path(wanted)[:-1], element.path[:-1], as_path(wanted))
     edge = found[machine]
     if edge.target is None:
         raise ValueError(edge.missing)
     return (*edge.home.path, edge.target.name), edge
 
 
-def _chosen(places: Sequence[Path], wanted: Path, defined: Path, named: Path) -> Path:
-    """Return the instance of a machine that is meant, of several: the wanted one, the only one, or its own.
+def _chosen(run: Run, machine: Path, named: Path, running: Sequence[Path]) -> Path:
+    """Return the instance of a machine that the path of an element in it means, or where one can run.
 
     Raises UnknownElementError: several are possible.
     """
-    if len(places) == 1:
-        return places[0]
-    for choice in (wanted, defined):
-        if choice in places:
-            return choice
-    texts = [path_text((*place, named[-1])) for place in places]
-    raise UnknownElementError.ambiguous("states", path_text(named), texts)
+    places = places_called(run.program, machine, named[:-1], running) or [machine]
+    if len(places) > 1:
+        texts = [path_text((*place, named[-1])) for place in places]
+        raise UnknownElementError.ambiguous("states", path_text(named), texts)
+    return places[0]
 
 
 def force(run: Run, where: Path, how: How, edge: Edge | None = None) -> StatePlan:

@@ -58,6 +58,26 @@ def as_defined(program: Program, kind: str, path: Path) -> Path:
     return (*resolve(program).defined(path[:end]), *path[end:]) if is_machine else path
 
 
+def places_called(program: Program, machine: Path, wanted: Path, running: Sequence[Path] = ()) -> list[Path]:
+    """Return the places of a machine that can be meant, by paths as spawned; none if it runs nowhere.
+
+    A path as spawned, or the end of one, means that place. The path of definition and a bare name mean the
+    place that has the same path, else each instance that runs, or each that can.
+
+    `wanted`: the path of the machine as it is written; empty if only an element in it is named.
+    `running`: the instances that run.
+    """
+    names = resolve(program)
+    possible = names.places(machine) if machine in names.by_path else ()
+    if wanted not in ((), machine):
+        every = [*dict.fromkeys([*running, *possible])]
+        found = [wanted] if wanted in every else [place for place in every if place[-len(wanted) :] == wanted]
+        if found:
+            return [place for place in found if place in running] or found
+    found = list(running or possible)
+    return [machine] if machine in found else found
+
+
 def means(program: Program, wanted: str | Path, state: Path) -> bool:
     """Return whether a state, by its path as defined or as spawned, can be meant."""
     path = as_path(wanted)

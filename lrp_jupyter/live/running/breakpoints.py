@@ -15,7 +15,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.interpreter.variables import BlockTest, check_expression
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
-from lrp_jupyter.language.lookup import find
+from lrp_jupyter.language.lookup import find, places_called
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running.breakpoint import Breakpoint, BreakpointKind
@@ -65,8 +65,8 @@ def breakpoint_of(
 def _inside(program: Program, wanted: Path, machine: Path) -> tuple[Path, ...] | None:
     """Return the states around the instance of a machine that is wanted by its path as spawned, if any."""
     names = resolve(program)
-    is_place = wanted != machine and names.defined(wanted) == machine
-    return names.around(wanted) if is_place and len(names.places(machine)) > 1 else None
+    found = places_called(program, machine, wanted) if wanted not in ((), machine) else []
+    return names.around(found[0]) if len(found) == 1 and len(names.places(machine)) > 1 else None
 
 
 class Breakpoints:

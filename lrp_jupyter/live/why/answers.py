@@ -8,7 +8,7 @@ from typing import Literal
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
-from lrp_jupyter.language.lookup import find_first
+from lrp_jupyter.language.lookup import find_first, places_called
 from lrp_jupyter.language.program import Element, Path, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import Reason
@@ -75,14 +75,9 @@ def _instance(run: RecordedRun, element: Element, wanted: Path, tick: int) -> tu
     """
     home, name, machine = element.path[:-1], element.path[-1], wanted[:-1]
     known = [each.path for each in run.state(tick).walk() if each.state[:-1] == home]
-    names = resolve(run.program(tick))
-    places = dict.fromkeys([*known, *(names.places(home) if home in names.by_path else ())])
-    meant = [path for path in places if path == machine]
-    if machine != home and not meant:  # a path that begins below the top
-        meant = [path for path in places if path[-len(machine) :] == machine]
-        meant = [path for path in meant if path in known] or meant
-    if len(meant) == 1 and (machine != home or meant[0] in known):
-        return meant[0], tick
+    found = places_called(run.program(tick), home, machine, known)
+    if len(found) == 1 and (len(known) > 1 or machine not in ((), home)):
+        return found[0], tick
     if len(known) > 1:
         texts = [path_text((*path, name)) for path in known]
         raise UnknownElementError.ambiguous(f"{element.kind}s", path_text(wanted), texts)
