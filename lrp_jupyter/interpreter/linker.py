@@ -19,7 +19,6 @@ from typing import NamedTuple
 from lrp_jupyter.interpreter.cells import captures_of
 from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.language.blocks.block import compile_block, words_of
-from lrp_jupyter.language.blocks.builtin_names import TIMES
 from lrp_jupyter.language.blocks.computed_names import value_cell
 from lrp_jupyter.language.program import (
     Element,
@@ -32,7 +31,7 @@ from lrp_jupyter.language.program import (
     effect_of,
 )
 from lrp_jupyter.language.python.scanner import LINE_END
-from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
+from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Resolution, Scope, Spawning, resolve
 from lrp_jupyter.language.triggers import Delay
 
 
@@ -204,12 +203,28 @@ def show_in_tracebacks(program: Program) -> None:
     linecache.cache[program.filename] = (len(program.text), None, lines, program.filename)
 
 
+def compiled(place: PlacedBlock, names: Resolution, filename: str, name: str) -> CodeType:
+    """Compile a block of a program, or one that is evaluated in a scope of it.
+
+    Raises SyntaxError: a `nonlocal` whose variable was removed, which the parser cannot know.
+    """
+    words = words_of(place.block)
+    values, machines = names.computed
+    return compile_block(
+        place.block,
+        place.visible,
+        filename,
+        name,
+        frozenset([word for word in words & values if place.is_computed(word)]),
+        frozenset([word for word in words & machines if place.machines(word)]),
+    )
+
+
 class _Linker:
     def __init__(self, program: Program) -> None:
         self.plan = Plan()
         self.filename = program.filename
         self.names = resolve(program)
-        self.computed = self.names.computed
         self.machines: dict[Scope, MachinePlan] = {}
         self.blocks: list[BlockPlan] = []
         self.spawns: dict[Path, dict[int, SpawnPlan]] = {}  # by the path of the state that spawns
@@ -303,17 +318,8 @@ class _Linker:
         self.plan.places.setdefault(element, block.span.start)
         name = f"{element.shown[-1]}.{element.kind}" if element.path else element.kind
         code: CodeType | Broken
-        words = words_of(block)
-        events, machines = self.computed
         try:
-            code = compile_block(
-                block,
-                place.visible,
-                self.filename,
-                name,
-                frozenset([word for word in words & events if _is_computed(place, word)]),
-                frozenset([word for word in words & machines if place.machines(word)]),
-            )
+            code = compiled(place, self.names, self.filename, name)
         except SyntaxError as error:  # such as a `nonlocal` whose variable was removed: the text is correct
             code = Broken("unknown variable", f"The block cannot be linked: {error.msg}.")
         self.blocks.append(BlockPlan(Site(element, ordinal, block.span.start), code))
@@ -364,8 +370,3 @@ class _Linker:
             settings[name] = VariablePlan(name, variable, self._blocks(setting)[0])
         site = Site(element, 0, noun.span.start)
         return SpawnPlan(site, str(noun.state), target, unresolved is None, settings)
-
-
-def _is_computed(place: PlacedBlock, word: str) -> bool:
-    """Return whether a word means the value of an event, or a time, in a block."""
-    return place.event(word) is not None or (word in TIMES and word not in place.visible)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.linker import compiled
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import (
@@ -18,13 +19,12 @@ from lrp_jupyter.interpreter.tree import (
     is_boolean,
     not_boolean,
 )
-from lrp_jupyter.language.blocks.block import compile_block, facts_of, faults_of, words_of
-from lrp_jupyter.language.blocks.builtin_names import TIMES
+from lrp_jupyter.language.blocks.block import facts_of, faults_of
 from lrp_jupyter.language.blocks.expressions import expression_of
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
-from lrp_jupyter.language.program import Block, Path, Program, path_text
+from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
 from lrp_jupyter.language.python.python_parser import parse_python
-from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.language.resolution import PlacedBlock, resolve
 
 EXPRESSION = "<expression>"  # the file name, in tracebacks, of an expression that is assigned
 
@@ -140,27 +140,20 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
     Raises UnknownElementError: if there is no such variable now.
     Raises Exception: the expression raised it.
     """
-    environment = find_variable(run, path)[0]
-    return _bound(run, Block(check_expression(expression)), environment, EXPRESSION, "expression")()
+    environment, block = find_variable(run, path)[0], Block(check_expression(expression))
+    return _bound(run, block, Element("machine", environment.defined), environment, EXPRESSION)()
 
 
-def _bound(run: Run, block: Block, environment: Environment, filename: str, name: str) -> Call:
-    """Bind a block that is not part of the program in the scope of a machine, or of the top level.
+def _bound(run: Run, block: Block, element: Element, environment: Environment, filename: str) -> Call:
+    """Bind an expression, or the block of an event, in the scope of a machine, or of the top level.
 
+    `element`: the event, or the machine.
     Raises SyntaxError: a variable that it declares `nonlocal` is missing.
     """
-    names, visible = resolve(run.program), frozenset(environment.visible)
-    scope, words = names.by_path[environment.defined], words_of(block) - visible
-    events, machines = names.computed
-    code = compile_block(
-        block,
-        visible,
-        filename,
-        name,
-        frozenset([word for word in words & events if word in TIMES or scope.owner("event", word)]),
-        frozenset([word for word in words & machines if scope.machines_called(word)]),
-    )
-    return bind_code(run, code, environment)
+    names = resolve(run.program)
+    scope = names.by_path[environment.defined]
+    place = PlacedBlock(element, 0, block, "condition", scope, scope.visible)
+    return bind_code(run, compiled(place, names, filename, "expression"), environment)
 
 
 class BlockTest:
@@ -168,7 +161,7 @@ class BlockTest:
 
     It is compiled and bound again when the program or the variables of that scope change.
 
-    `machine`: the machine, by path of definition; empty for the top level.
+    `element`: the event, or the machine in whose scope it is; that of the top level has no path.
     `inside`: the states around its instance that is meant, by path of definition; None for any instance.
     `filename`: the file name in tracebacks.
     """
@@ -176,12 +169,13 @@ class BlockTest:
     def __init__(
         self,
         block: Block,
-        machine: Path = (),
+        element: Element = Element("machine", ()),  # noqa: B008  (a frozen value)
         inside: tuple[Path, ...] | None = None,
         filename: str = EXPRESSION,
     ) -> None:
         self._block = block
-        self._machine = machine
+        self._element = element
+        self._machine = element.path if element.kind == "machine" else element.path[:-1]
         self._inside = inside
         self._filename = filename
         self._bound: dict[Path, tuple[Program, dict[str, Slot], Call]] = {}
@@ -197,14 +191,12 @@ class BlockTest:
         if self._inside is not None:
             around = resolve(run.program).around
             found = [each for each in found if around(each.path) == self._inside]
-        if not found:
-            self._test(run, run.globals)
         return run.started and any(self._is_true(self._test(run, each)) for each in found)
 
     def _test(self, run: Run, environment: Environment) -> Call:
         bound = self._bound.get(environment.path)
         if bound is None or bound[0] is not run.program or bound[1] is not environment.visible:
-            call = _bound(run, self._block, environment, self._filename, "condition")
+            call = _bound(run, self._block, self._element, environment, self._filename)
             self._bound[environment.path] = bound = run.program, environment.visible, call
         return bound[2]
 

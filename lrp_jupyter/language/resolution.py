@@ -184,6 +184,10 @@ class PlacedBlock(NamedTuple):
         hidden = name in self.visible or name in PROVIDED
         return () if hidden else self.scope.machines_called(name)
 
+    def is_computed(self, name: str) -> bool:
+        """Return whether a name alone means the value of an event, or a time, here."""
+        return self.event(name) is not None or (name in TIMES and name not in self.visible)
+
 
 class Spawning(NamedTuple):
     """A spawn by a state of `scope`, or at the top level, at an index of its items, and what it refers to."""

@@ -7,8 +7,7 @@ from support.robots import Bare
 from support.wild import program
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter import variables
-from lrp_jupyter.language.blocks import block as blocks
+from lrp_jupyter.interpreter import linker, variables
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.clock import VirtualClock
@@ -257,21 +256,28 @@ def test_a_condition_tests_what_the_program_has_seen():
 
 
 def test_a_condition_is_compiled_once(live, monkeypatch):
-    compiled = []
+    places = []
 
-    def compile_block(*arguments):
-        compiled.append(arguments)
-        return blocks.compile_block(*arguments)
+    def compiled(place, *arguments):
+        places.append(place)
+        return linker.compiled(place, *arguments)
 
     live.step()
-    monkeypatch.setattr(variables, "compile_block", compile_block)
+    monkeypatch.setattr(variables, "compiled", compiled)
     live.pause_when(condition="n >= 4")
     live.pause_when(event="odd", after=1000)
     live.run(1)
-    assert len(compiled) == 2
+    assert len(places) == 2
     live.edit(TEXT.replace("own += 1", "own += 2"))
     live.run(1)
-    assert len(compiled) == 4
+    assert len(places) == 4
+
+
+def test_the_block_of_an_event_at_a_breakpoint_does_not_mean_the_event_itself():
+    with Session("(event near [near]) (machine m (state a)) (spawn m a)") as session:
+        session.step()
+        session.pause_when(event="near")
+        assert "not defined" in session.breakpoints[0].problem
 
 
 def test_a_condition_is_true_or_false_as_that_of_a_transition(live):

@@ -1,4 +1,4 @@
-"""532: clocks of the computer, which run on in a pause and do not follow virtual time."""
+"""536: clocks of the computer, which run on in a pause and do not follow virtual time."""
 
 from __future__ import annotations
 

@@ -20,9 +20,7 @@ from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 
 def means(place: PlacedBlock, name: str, outside: frozenset[str]) -> bool:
     """Return whether a name means an event, a machine or a time in a block; `outside` is the notebook's."""
-    if name in place.visible or name in outside:
-        return False
-    return name in TIMES or place.event(name) is not None or bool(place.machines(name))
+    return name not in outside and (place.is_computed(name) or bool(place.machines(name)))
 
 
 def meanings(scope: Scope, names: Resolution) -> tuple[str, ...]:

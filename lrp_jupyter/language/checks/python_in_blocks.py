@@ -55,7 +55,7 @@ class _Python:
 
     def _robot(self, place: PlacedBlock) -> set[Span]:
         """Report wrong uses of the robot; return their places."""
-        if self.robot is None or "robot" in place.visible or means(place, "robot", self.outside):
+        if self.robot is None or "robot" in place.visible:
             return set()
 
         def is_number(name: str) -> bool:

@@ -184,12 +184,12 @@ class Breakpoints:
     def _condition(self, each: Breakpoint) -> BlockTest | None:
         """Return the condition of a breakpoint; None if its event is missing."""
         if each.element is None:
-            return BlockTest(Block(each.expression), each.machine, each.inside)
+            return BlockTest(Block(each.expression), each.hangs_on, each.inside)
         machine, name = each.element.path[:-1], each.element.path[-1]
         scope = resolve(self._interpreter.program).by_path.get(machine)
         event = scope.events.get(name) if scope is not None else None
         filename = self._interpreter.program.filename
-        return None if event is None else BlockTest(event.condition, machine, each.inside, filename)
+        return None if event is None else BlockTest(event.condition, each.element, each.inside, filename)
 
     def _carry(self) -> None:
         """Follow the elements to their new names, and determine which of them exist."""
