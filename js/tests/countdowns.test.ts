@@ -66,7 +66,7 @@ describe("the bar of an arrow that waits for a time", () => {
     expect(filled.get(fill())).toBe("2000 from 500");
   });
 
-  it("is left alone while it fills as it was told, and begins again where the run is late, or counts anew", () => {
+  it("is left alone while it fills as it was told, and begins again where the run is late, or starts to count again", () => {
     count(9.5, 2000);
     show(PLAIN());
     const after = (seconds: number, of: number) => {

@@ -3,33 +3,40 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 
-OTHERS: dict[str, tuple[str, ...]] = {
+
+def by_word(words: Mapping[str, str]) -> dict[str, str]:
+    """Return what is said for each of several words, by word."""
+    return {word: said for said, several in words.items() for word in several.split()}
+
+
+OTHERS = {
     word: tuple(meant.split())
-    for meant, words in {
-        "var": "let variable const def define set int float global param parameter constant assign",
-        "event": "condition trigger sensor guard signal",
-        "machine": "statemachine fsm automaton sm",
-        "state": "node mode final",
-        "spawn": "launch instantiate invoke call",
-        "onentry": "entry enter onenter onstart init entryaction",
-        "onexit": "leave onleave exitaction",
-        "running": "doactivity during whilerunning action",
-        "ontime": "after timeout wait delay timer ontimeout every sleep timed",
-        "onpause": "pause",
-        "onresume": "resume",
-        "eps": "epsilon immediate immediately otherwise else default auto automatic true",
-        "running eps": "always",
-        "exit": "return break",
-        "on eps": "transition trans goto arrow edge go move",
-        "on": "when if event",
-        "spawn onentry": "start begin",
-        "spawn running": "run loop do execute while",
-        "onexit exit": "end finish stop",
-    }.items()
-    for word in words.split()
+    for word, meant in by_word(
+        {
+            "var": "let variable const def define set int float global param parameter constant assign",
+            "event": "condition trigger sensor guard signal",
+            "machine": "statemachine fsm automaton sm",
+            "state": "node mode final",
+            "spawn": "launch instantiate invoke call",
+            "onentry": "entry enter onenter onstart init entryaction",
+            "onexit": "leave onleave exitaction",
+            "running": "doactivity during whilerunning action",
+            "ontime": "after timeout wait delay timer ontimeout every sleep timed",
+            "onpause": "pause",
+            "onresume": "resume",
+            "eps": "epsilon immediate immediately otherwise else default auto automatic true",
+            "running eps": "always",
+            "exit": "return break",
+            "on eps": "transition trans goto arrow edge go move",
+            "on": "when if event",
+            "spawn onentry": "start begin",
+            "spawn running": "run loop do execute while",
+            "onexit exit": "end finish stop",
+        }
+    ).items()
 }
 """The keywords that correspond to those of other languages, by their words in lower case and without `_`."""
 _EPSILON = "A transition without a condition is an `eps`, and the order of the text decides. Write `eps`."
@@ -38,9 +45,8 @@ _PARALLEL = "Machines that one `onentry` spawns run side by side. Write a `spawn
 _CHOICE = "A state chooses between its own transitions, in the order of the text. Write them there."
 _MOVE = "A state is left by a transition of its machine. Write `(on event source -> destination)`."
 _DONE = "The machine outside can ask for any state, as in `(on machine.state a -> b)`. Write `state`."
-REMARKS = {
-    word: remark
-    for remark, words in {
+REMARKS = by_word(
+    {
         _EPSILON: "always otherwise else default auto automatic immediately true",
         NOT_SENT: "emit raise send dispatch broadcast fire notify post publish",
         _PARALLEL: "parallel region regions orthogonal fork concurrent concurrence",
@@ -50,9 +56,8 @@ REMARKS = {
         "The `spawn` of a machine names its first state. Remove this.": "initial initialstate",
         "There are no history states. Keep where to resume in a variable outside the machine.": "history",
         'Ask both machines, as in `(on [m.state == "done" and n.state == "done"] a -> b)`.': "join",
-    }.items()
-    for word in words.split()
-}
+    }
+)
 """What to write in place of a concept of other languages, by its words in lower case and without `_`."""
 NO_EVENTS = {
     **dict.fromkeys(["always", "otherwise", "else", "true"], _EPSILON),

@@ -68,22 +68,12 @@ COURIER = """\
   (on near for 800000 carrying -> climb))
 (spawn m carrying)
 """
-DELIVERED = """\
-(machine move
-  (var tries := [3])
-  (state send)
-  (state reached)
-  (ontime 900000 send -> reached))
-(machine m
-  (var n := [0])
-  (event near [n >= 0])
-  (state carrying (onentry (spawn move send (var tries := [5]))) (running [n = n + 1]))
-  (state look)
-  (state climb)
+DELIVERED = COURIER.replace("(spawn move send)", "(spawn move send (var tries := [5]))").replace(
+    "  (on near for 800000 carrying -> climb))",
+    """\
   (on move.reached for 90000 carrying -> climb (effect [n = 0]))
-  (on move.reached carrying -> look))
-(spawn m carrying)
-"""
+  (on move.reached carrying -> look))""",
+)
 
 
 def becomes(lab, text, name):

@@ -1,22 +1,10 @@
 """A machine that runs in two places: every question and command can mean one of them."""
 
 import pytest
+from support.twice import TWICE
 
 from lrp_jupyter import Session
 from lrp_jupyter.errors import UnknownElementError
-
-TWICE = """(var n := [0]) (event near [n > 3])
-(machine follow (var side := [1])
-  (state search) (state found)
-  (on [n > 5 + side] search -> found hit)
-  (on near for 400 found -> search lost))
-(machine m
-  (state left (onentry (spawn follow search (var side := [2])))) (state right)
-  (on follow.found left -> right done))
-(machine k (state one (onentry (spawn follow search))))
-(machine clock (state t (running [n += 1])))
-(spawn m left) (spawn k one) (spawn clock t)
-"""
 
 
 @pytest.fixture

@@ -10,22 +10,20 @@ from lrp_jupyter.language.blocks.slips.block_words import CANNOT_MOVE
 from lrp_jupyter.language.checks.scanned import scanned
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.reading.forms import USAGE
-from lrp_jupyter.language.spellings import NOT_SENT
+from lrp_jupyter.language.spellings import NOT_SENT, by_word
 
 _SPAWN = "spawn"
 _TIMED = f"A block does not wait. Write a transition: `{USAGE['ontime']}`."
 _ASKED = 'The name of a machine gives its state. Write `machine.state == "name"`.'
-_REMEDIES = {
-    word: remedy
-    for remedy, words in {
+_REMEDIES = by_word(
+    {
         _SPAWN: "spawn",
         CANNOT_MOVE: "goto go_to transition transition_to change_state set_state switch_state enter_state",
         NOT_SENT: "emit raise_event send_event post_event set_event dispatch trigger fire",
         _TIMED: "after set_timeout start_timer wait delay sleep",
         _ASKED: "in_state is_in is_in_state",
-    }.items()
-    for word in words.split()
-}
+    }
+)
 
 
 class FormCall(NamedTuple):
