@@ -70,9 +70,7 @@ class Run:
         self.program, self.plan = program, link(program)
         self.namespace = namespace
         self.now = 0.0
-        self.before = (
-            0.0  # the time before the last tick: that of the previous one, unless `ended` says another
-        )
+        self.before = 0.0  # the time before the last tick: when the one before it ended, or as `ended` says
         self.ended = -1, 0.0  # a tick after which a command advanced the time, and when that tick ended
         self.ticks = 0
         self.issues = IssueLog()
