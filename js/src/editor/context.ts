@@ -105,16 +105,16 @@ function inTransition(form: SyntaxNode, offset: number, state: EditorState, scop
 function inSpawn(form: SyntaxNode, offset: number, state: EditorState, scope: string): Partial<Context> {
   const [first, second] = wordsBefore(form, offset);
   if (!first) return { wanted: "machine" };
-  return second ? {} : { wanted: "state", machine: spawned(form, state, scope) };
+  return second ? {} : { wanted: "state", machine: machineSpawned(form, state, scope) };
 }
 
 function inSetting(form: SyntaxNode, offset: number, state: EditorState, scope: string): Partial<Context> {
   if (wordsBefore(form, offset).length) return {};
-  return { wanted: "setting", machine: spawned(form.parent!, state, scope) };
+  return { wanted: "setting", machine: machineSpawned(form.parent!, state, scope) };
 }
 
 /** The path of the machine that a `spawn` starts; empty if there is none. */
-export function spawned(form: SyntaxNode, state: EditorState, scope: string): string {
+export function machineSpawned(form: SyntaxNode, state: EditorState, scope: string): string {
   const name = firstOf(form, state);
   return spawnable(state, form.from, scope).find((path) => nameOf(path) === name) ?? "";
 }
@@ -169,11 +169,12 @@ export function namedAt(state: EditorState, offset: number, chain: string): Item
       ? partOf(state, scope, "state", chain)
       : machine(machineCalled(state, scope, chain));
   if (parent?.name === "Spawn") {
-    const path = spawned(parent, state, scope);
+    const path = machineSpawned(parent, state, scope);
     return parent.getChild("Name")!.from === offset ? machine(path) : found.find("state", `${path}/${chain}`);
   }
   const spawn = parent?.parent?.parent;
-  if (spawn?.name === "Spawn") return found.find("variable", `${spawned(spawn, state, scope)}/${chain}`);
+  if (spawn?.name === "Spawn")
+    return found.find("variable", `${machineSpawned(spawn, state, scope)}/${chain}`);
   return (
     found.items.find(({ nameFrom, name }) => nameFrom === offset && name === chain) ??
     found.statesOf(scope).find(({ name }) => name === chain) ??

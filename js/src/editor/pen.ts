@@ -12,7 +12,7 @@ import { outlineOf, treeOf } from "../language/lrp";
 import { nameOf, parentOf } from "../language/paths";
 import type { DrawRequest, ElementKind } from "../protocol";
 import type { Lab } from "../session/store";
-import { spawned, visibleMachines } from "./context";
+import { machineSpawned, visibleMachines } from "./context";
 import { changesOf } from "./places";
 
 /** One act on the graph, without what the message adds. */
@@ -141,7 +141,7 @@ export class Pen {
       ?.getChildren("Action")
       .flatMap((action) => action.getChildren("Spawn"));
     return (spawns ?? []).map((spawn) => {
-      const machine = spawned(spawn, this.view.state, parentOf(path));
+      const machine = machineSpawned(spawn, this.view.state, parentOf(path));
       const form = machine ? this.form("machine", machine) : null;
       return { machine, variables: this.initialisers(form), settings: this.initialisers(spawn) };
     });
