@@ -140,6 +140,18 @@ describe("what is typed", () => {
     expect(cell().saved.get("data")).toMatchObject({ "image/svg+xml": "<svg>new</svg>" });
   });
 
+  it("has its picture also when it began to run after the last rest", async () => {
+    vi.useFakeTimers({ toFake: ["setTimeout", "performance"] });
+    page.type("; new\n");
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(page.of("picture")).toEqual([]);
+    page.confirm();
+    await frame({ revision: revision + 1 });
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(page.of("picture")).toHaveLength(1);
+    vi.useRealTimers();
+  });
+
   it("is not written over a cell that was edited, too, before its user chooses", async () => {
     cell().edit("(machine mine)");
     page.type("; new\n");

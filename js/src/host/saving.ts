@@ -25,6 +25,7 @@ export function saveWith(
   let picture: { svg: string; revision: number } | null = null;
   let begun = -1; // the revision whose picture the notebook has from its kernel
   let waiting: Promise<void> | null = null;
+  let isTyped = false; // into this page
 
   const isStale = () => store.state.revision !== (picture?.revision ?? begun);
   /** Of two pages with a shared notebook only one writes: both would insert the same. */
@@ -65,8 +66,11 @@ export function saveWith(
   editor.onChange = () => {
     if (!editor.isLast) return; // the page of the other one is to be saved
     if (!model.collaborative) model.dirty = true;
+    isTyped = true;
     rest();
   };
+  /** What was typed last may begin to run only after the last rest. */
+  store.watch(["revision"], () => isTyped && rest());
   const saving = (_: unknown, state: string) => {
     if (state === "started") {
       put();

@@ -220,6 +220,11 @@ def descriptors() -> int:
     return len(os.listdir("/proc/self/fd"))
 
 
+def is_heard_by_rosbridge(real: Any) -> bool:
+    """Whether it listens to the commands of others: what it subscribes to without a master, it waits for."""
+    return any("rosbridge" in node for node in real.subscribers("/cmd_vel"))
+
+
 def test_a_lost_robot_stops_and_is_found_again(real: Any, connect: Connect, backend: str) -> None:
     ros = connect(setup=TEXT)
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
@@ -229,6 +234,8 @@ def test_a_lost_robot_stops_and_is_found_again(real: Any, connect: Connect, back
     with Session(DRIVES, bridge=ros, rate=50) as session:
         session.start()
         until(lambda: (0.2, 0.0) in velocities())
+        if backend == "rosbridge":
+            until(lambda: is_heard_by_rosbridge(real))
 
         real.signal_master(signal.SIGSTOP)  # it hangs
         try:
@@ -246,6 +253,7 @@ def test_a_lost_robot_stops_and_is_found_again(real: Any, connect: Connect, back
         until(lambda: reading(ros, "text") and ros.status.state is ConnectionState.CONNECTED)
         if backend == "rosbridge":
             until(lambda: any("answers now" in notice.text for notice in ros.safety.notices))
+            until(lambda: is_heard_by_rosbridge(real))
 
         real.kill_master()
         until(lambda: ros.status.state is ConnectionState.LOST)
