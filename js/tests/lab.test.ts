@@ -14,6 +14,8 @@ import recording from "./page/recording.json";
 
 let page: Page;
 beforeEach(async () => {
+  localStorage.clear();
+  sessionStorage.clear();
   page = await new Page().begin();
 });
 afterEach(() => {
@@ -844,7 +846,6 @@ describe("the page", () => {
     next.host.remove();
     await click('[data-lrp-action="follow"]');
     expect(page.find('[data-lrp-action="follow-cursor"]').getAttribute("aria-pressed")).toBe("false");
-    localStorage.clear();
   });
 
   it("has the machines as a path above the graph, and a panel for them only when there are more than three", async () => {
@@ -1033,7 +1034,6 @@ describe("the page", () => {
     page.close();
     page = await new Page().begin();
     expect(checked()).toBe("true");
-    localStorage.clear();
   });
 
   it("shows a world once, so that what is drawn meanwhile stays", async () => {
@@ -1356,11 +1356,7 @@ describe("a text that no kernel has answered", () => {
     return page.drawn();
   };
 
-  beforeEach(async () => {
-    localStorage.clear();
-    sessionStorage.clear();
-    await next();
-  });
+  beforeEach(() => next());
 
   it("is given to the next view of the program, once", async () => {
     page.type("(machine");

@@ -57,6 +57,7 @@ def main(program_file: Path | None = None, out_file: Path = HERE / "recording.js
         connection.publish()
     (snapshot, _), *messages = came
     del snapshot["view"]  # a page gives itself another name
+    snapshot["document"] = "recorded"
     snapshot["frame"].update(ALWAYS)
     frames = []
     for message, buffers in messages[SKIP:]:
