@@ -545,10 +545,3 @@ class NullBridge(Bridge):
 
     def open_interface(self) -> None:
         """Nothing to connect."""
-
-    def begin_tick(self, now: float, period: float) -> None:
-        """Feed the watchdog; there is nothing to latch."""
-        self.safety.tick(now, period)
-
-    def end_tick(self, now: float) -> None:
-        """Do nothing: no command is waiting, and none can be overdue."""

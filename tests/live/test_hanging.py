@@ -313,7 +313,7 @@ def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(session, wal
 
 
 def test_the_ticks_after_a_block_that_hung_do_not_count_as_hung(hanging):
-    session, seen = hanging(RUNNING.format("while True: pass"), hung_after=1.0), []
+    session, seen = hanging(RUNNING.format("while True: pass"), "sim", hung_after=1.0), []
     begin_tick = session.bridge.begin_tick
 
     def begin(*when):

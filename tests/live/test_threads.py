@@ -249,7 +249,7 @@ def test_a_keyboard_interrupt_raised_by_a_command_on_the_thread_does_not_reach_t
 
 
 def test_an_interruption_that_comes_too_late_does_no_harm(session, monkeypatch):
-    counting = session(COUNT, rate=100)
+    counting = session(COUNT, "sim", rate=100)
     ended = counting.bridge.end_tick
     late = [Interrupted()]
 

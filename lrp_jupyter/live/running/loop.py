@@ -34,7 +34,7 @@ from time import perf_counter
 from types import FrameType, MappingProxyType
 from typing import Any, Literal
 
-from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.guarding.safety import Origin
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotStopped
 from lrp_jupyter.bridges.members import MemberError
@@ -58,6 +58,7 @@ from lrp_jupyter.live.running.values import ValueTexts, numbers_of
 
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
+_NO_READINGS: dict[str, object] = {}  # of a run without a robot
 _KEYBOARD = "The run was interrupted from the keyboard."
 _RAISED = "The program raised `KeyboardInterrupt`, as Ctrl-C does."
 
@@ -98,6 +99,7 @@ class Loop:
         self._texts = ValueTexts(self._calling)
         self.changed = changed
         self._printed = printed
+        self._has_robot = type(bridge) is not NullBridge
         self._members = bridge.nodes.table
         self.breakpoints: Breakpoints | None = None
         self.paused_by: Hit | Issue | None = None
@@ -197,17 +199,11 @@ class Loop:
                 record.note_names()
             if now >= record.pending_at:
                 record.prepare(self.status == "running")
-            moment = None if step is None else bridge.moment()
-            bridge.begin_tick(now, timing.period)
-            world = None if step is None else bridge.simulated
-            record.moments.add((now, moment, bridge.readings if world is None else world.sensed()))
+            record.moments.add(self._sense(now) if self._has_robot else (now, None, _NO_READINGS))
             interpreter.step(now)
             hit = None if self.breakpoints is None else self._hit()
-            bridge.end_tick(now)
-            if (held := safety.hindered()) is not None:
-                record.add(held, interpreter.tick - 1)
-            elif safety.halted and safety.armed:
-                self._tell_halted()
+            if self._has_robot:
+                self._act(now)
         finally:
             self.ticking = safety.again = None
         on_time = step is None and now - timing.due <= LAG
@@ -223,6 +219,23 @@ class Loop:
             self._stop_at_issue()
         if safety.suspended:
             self.pause(safety.suspended)
+
+    def _sense(self, now: float) -> tuple[float, object, object]:
+        """Begin the tick of the robot; return the parts of its :class:`Moment`."""
+        bridge, step = self.bridge, self.timing.step
+        moment = None if step is None else bridge.moment()
+        bridge.begin_tick(now, self.timing.period)
+        world = None if step is None else bridge.simulated
+        return now, moment, bridge.readings if world is None else world.sensed()
+
+    def _act(self, now: float) -> None:
+        """End the tick of the robot, and note which commands it did not get."""
+        bridge, safety = self.bridge, self.bridge.safety
+        bridge.end_tick(now)
+        if (held := safety.hindered()) is not None:
+            self.record.add(held, self.interpreter.tick - 1)
+        elif safety.halted and safety.armed:
+            self._tell_halted()
 
     def _tell_halted(self) -> None:
         """Add a notice about motions started only by an `onentry` that a stop of the robot has ended."""
