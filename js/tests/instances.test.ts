@@ -19,14 +19,15 @@ import { Page } from "./opened";
 
 const TEXT = `(var n := [0])
 (machine follow (var side := [1])
-  (state search) (state found)
+  (event near [n > 6 + side]) (state search) (state found)
+  (on near search -> found)
   (on [n > 5 + side] search -> found hit))
 (machine m (state left (onentry (spawn follow search (var side := [2])))))
 (machine k (state one (onentry (spawn follow search))))
 (spawn m left) (spawn k one)
 `;
-const machine = (path: string, states: string[], variables: string[] = []) => ({
-  ...{ path, parent: null, transitions: [], events: [], variables },
+const machine = (path: string, states: string[], variables: string[] = [], events: string[] = []) => ({
+  ...{ path, parent: null, transitions: [], events, variables },
   states: states.map((name) => ({ path: `${path}/${name}`, machines: [] })),
 });
 const instance = (path: string, machine = path, settings = "") => ({ path, machine, settings });
@@ -35,7 +36,7 @@ const RUN = {
     variables: ["n"],
     events: [],
     machines: [
-      machine("follow", ["search", "found"], ["follow/side"]),
+      machine("follow", ["search", "found"], ["follow/side"], ["follow/near"]),
       machine("m", ["left"]),
       machine("k", ["one"]),
       machine("clock", ["t"]),
@@ -51,6 +52,7 @@ const RUN = {
     instance("clock"),
   ],
   variables: { n: ["8", 8], "m/left/follow/side": ["2", 2], "k/one/follow/side": ["1", 1] },
+  events: { "m/left/follow/near": false, "k/one/follow/near": true },
 } satisfies Partial<ViewState>;
 /** Only one of the two runs. */
 const ONCE = {
@@ -58,6 +60,7 @@ const ONCE = {
   lit: ["m/left", "k/one", "follow/found", "clock/t"],
   instances: RUN.instances.filter(({ path }) => path !== "m/left/follow"),
   variables: { ...RUN.variables, "m/left/follow/side": null },
+  events: { "k/one/follow/near": true, "m/left/follow/near": null },
 };
 const stateOfLab = (fields = {}) => ({ ...initialState(), ...RUN, ...fields });
 
@@ -90,8 +93,12 @@ describe("an instance", () => {
     const state = stateOfLab({ instance: "k/one/follow" });
     expect(spawned(state, "follow/side")).toBe("k/one/follow/side");
     expect(addressed(state, "follow:hit")).toBe("k/one/follow:hit");
-    expect(valuesOf(state, "follow/side").map(({ text }) => text)).toEqual(["1"]);
-    expect(valuesOf(state, "follow/side", true).map(({ place }) => place)).toEqual(["m/left", "k/one"]);
+    expect(valuesOf(state, "variable", "follow/side").map(({ text }) => text)).toEqual(["1"]);
+    expect(valuesOf(state, "variable", "follow/side", true).map(({ place }) => place)).toEqual([
+      ...["m/left", "k/one"],
+    ]);
+    expect(valuesOf(state, "event", "follow/near").map(({ text }) => text)).toEqual(["True"]);
+    expect(valuesOf(state, "event", "follow/near", true).map(({ text }) => text)).toEqual(["False", "True"]);
     expect(state.instances.map((each) => stateOf(state, each))).toEqual([
       ...["m/left", "follow/search", "k/one", "follow/found", "clock/t"],
     ]);
@@ -298,11 +305,13 @@ describe("a lab whose program runs a machine in two places", () => {
       ["clock", "", "t"],
     ]);
     expect(values()).toEqual(["m/left/follow/side 2", "k/one/follow/side 1", "n 8"]);
-    expect(inline()).toEqual(["8", "side m/left = 2side k/one = 1"]);
+    expect(inline()).toEqual([
+      ...["8", "side m/left = 2side k/one = 1", "near m/left = Falsenear k/one = True"],
+    ]);
     await select("k/one/follow");
     expect(page.find('[data-lrp="tree"] [aria-selected="true"]').dataset.lrpInstance).toBe("k/one/follow");
     expect(values()).toEqual(["k/one/follow/side 1", "n 8"]);
-    expect(inline()).toEqual(["8", "1"]);
+    expect(inline()).toEqual(["8", "1", "True"]);
     page.find('[data-lrp="tree"] [data-lrp-machine="follow"]').click();
     await page.drawn();
     expect(values()).toHaveLength(3);
@@ -360,6 +369,6 @@ describe("a lab whose program runs a machine in two places", () => {
     ]);
     expect(values()).toEqual(["follow/side 1", "n 8"]);
     expect(page.find(".lrp-group-title").textContent).toBe("follow");
-    expect(inline()).toEqual(["8", "1"]);
+    expect(inline()).toEqual(["8", "1", "True"]);
   });
 });

@@ -35,7 +35,11 @@ const program: ProgramView = {
     machine("m/b/n", [], [["near", "x", "y"]]),
   ],
 };
-const tested = (...lit: string[]) => [...testedEvents({ program, lit })].sort();
+const instance = (path: string, machine = path) => ({ path, machine, settings: "" });
+const tested = (...active: string[]) => {
+  const instances = ["m", "m/b/n"].slice(0, active.length).map((path) => instance(path));
+  return [...testedEvents({ program, active, instances })].sort();
+};
 
 describe("an event is tested", () => {
   it("while a transition out of the active state waits for it", () => {
@@ -48,5 +52,15 @@ describe("an event is tested", () => {
   });
   it("by a nested machine as the name means there", () => {
     expect(tested("m/b", "m/b/n/x")).toEqual(["far", "m/near"]);
+  });
+  it("in the instance whose active state waits for it", () => {
+    const instances = [
+      ...[instance("k"), instance("k/one/m", "m"), instance("l"), instance("l/two/m", "m")],
+      instance("l/two/m/b/n", "m/b/n"),
+    ];
+    const active = ["k/one/m/a", "l/two/m/b/n/x"];
+    expect([...testedEvents({ program, active, instances })].sort()).toEqual([
+      ...["far", "k/one/m/hit", "k/one/m/near", "l/two/m/near"],
+    ]);
   });
 });

@@ -260,8 +260,9 @@ class Interpreter:
 
     @property
     def event_values(self) -> Mapping[Path, bool | None]:
-        """The result of each event's last test, by path of definition; see :meth:`watch_events`."""
-        return self._run.event_values or {}
+        """The result of the last test of each event of what runs, by path as spawned; see `watch_events`."""
+        run = self._run
+        return {path: value for path, value in (run.event_values or {}).items() if path[:-1] in run.live}
 
     @property
     def countdowns(self) -> dict[Path, Countdown]:

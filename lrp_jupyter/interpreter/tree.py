@@ -517,7 +517,7 @@ def _occurs(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Ca
     owner = act.around(event.owner)
     call = bind_block(run, event.block, act if owner is act else Context(owner, owner.visible, act))
     values = run.event_values
-    return call if values is None else noted(values, event.block.site.element.path, call)
+    return call if values is None else noted(values, (*owner.path, event.block.site.element.path[-1]), call)
 
 
 def _holds(run: _Host, act: Activation, state: StatePlan, edge: EdgePlan) -> Call:

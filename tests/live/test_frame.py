@@ -304,3 +304,21 @@ def test_a_frame_records_the_last_test_of_each_event_once_they_are_watched():
     assert make_frame(i, 0.1).events == {("outer",): False, ("m", "bad"): None}
     i.step(0.2)
     assert make_frame(i, 0.2).events == {("outer",): True, ("m", "bad"): None, ("m", "mine"): False}
+
+
+def test_an_event_has_a_value_in_each_instance_of_its_machine_while_that_runs():
+    program = parse(
+        "(event far [k > 9]) (var k := [0])"
+        "(machine part (var n := [0]) (event near [n > 1])"
+        " (state a) (state b) (on near a -> b) (on far a -> b))"
+        "(machine m (state one (onentry (spawn part a))) (state two) (ontime 200 one -> two))"
+        "(machine o (state one (onentry (spawn part a (var n := [5])))))"
+        "(spawn m one) (spawn o one)"
+    )
+    i = Interpreter(program)
+    i.watch_events()
+    i.step(0.0)
+    left, right = ("m", "one", "part", "near"), ("o", "one", "part", "near")
+    assert i.event_values == {left: False, right: True, ("far",): False}
+    i.step(0.2)
+    assert i.event_values == {right: True, ("far",): False}

@@ -74,6 +74,21 @@ def test_a_page_can_mean_one_instance(lab, page):
     assert page.merged("active")[:2] == ["m/left/follow/found", "k/one/follow/found"]
 
 
+def test_an_event_has_the_value_of_its_instance(bench):
+    event = "(event mine [side < 2]) (on mine search -> found)"
+    lab = bench(TWICE.replace("(state search)", f"{event} (state search)"))
+    page = lab.page()
+    lab.session.run(0.4)
+    lab.publish()
+    both = {"m/left/follow/mine": False, "k/one/follow/mine": True}
+    assert page.merged("events").items() >= both.items()
+    for path, value in both.items():
+        scope = path.removesuffix("/mine")
+        assert page.ask("hover", chain="mine", scope=scope)["hover"]["value"] == str(value)
+    everywhere = page.ask("hover", chain="mine", scope="follow")["hover"]["value"]
+    assert everywhere == "m/left/follow: False\nk/one/follow: True"
+
+
 def test_a_breakpoint_of_a_page_is_for_any_instance_or_for_one(lab, page):
     assert page.do("add_breakpoint", kind="entered", path="follow/found") is None
     assert page.do("add_breakpoint", kind="entered", path="follow/found", instance="m/left/follow") is None

@@ -10,7 +10,7 @@ import {
 import type { Extension } from "@codemirror/state";
 import { outlineOf } from "../language/lrp";
 import { nameOf, parentOf } from "../language/paths";
-import { scopeOf, spawned } from "../session/instances";
+import { scopeOf, spawned, valuesOf } from "../session/instances";
 import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { shortened } from "../ui/cut";
@@ -95,10 +95,14 @@ function keywords(form: string, only?: string): Completion[] {
 }
 
 function events(lab: Lab, context: CompletionContext, scope: string): Completion[] {
-  const values = besideGraph(lab.store.state).events;
+  const run = besideGraph(lab.store.state);
   return outlineOf(context.state)
     .inScope("event", scope)
-    .map(({ name, path }) => ({ label: name, type: "property", detail: String(values[path] ?? "event") }));
+    .map(({ name, path }) => ({
+      label: name,
+      type: "property",
+      detail: valuesOf(run, "event", path)[0]?.text ?? "event",
+    }));
 }
 
 /** Machines whose state can be asked for, with the dot that this takes. */

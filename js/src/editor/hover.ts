@@ -74,7 +74,7 @@ interface ProgramCard extends HoverView {
 function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: number }): ProgramCard | null {
   const form = treeOf(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
-  const { events, entered, fired } = lab.store.state;
+  const { entered, fired } = lab.store.state;
   const item = namedAt(state, chain.from, chain.text);
   if (!item) return null;
   const { kind, path } = item;
@@ -88,9 +88,9 @@ function ofProgram(lab: Lab, state: EditorState, chain: { text: string; from: nu
     };
   }
   if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.[0] ?? 0} times` };
-  if (item.kind === "event")
-    return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
-  if (item.kind === "variable") return { ...card, value: allValues(lab, item.path) ?? "no value now" };
+  if (item.kind === "event") return { ...card, value: allValues(lab, item.kind, item.path) ?? "" };
+  if (item.kind === "variable")
+    return { ...card, value: allValues(lab, item.kind, item.path) ?? "no value now" };
   const running = instancesOf(lab.store.state, path).map((each) => {
     const place = placeOf(lab.store.state, each.path);
     return `in ${nameOf(stateOf(lab.store.state, each))}${place && ` (${place})`}`;
@@ -108,9 +108,9 @@ function activeIn({ store: { state } }: Lab, path: string): string {
   return state.lit.includes(path) ? "active" : "";
 }
 
-/** The value of a variable; where its machine runs in several places, in each. */
-function allValues(lab: Lab, path: string): string | undefined {
-  const values = valuesOf(lab.store.state, path, true);
+/** The value of a variable or an event; where its machine runs in several places, in each. */
+function allValues(lab: Lab, kind: "variable" | "event", path: string): string | undefined {
+  const values = valuesOf(lab.store.state, kind, path, true);
   return values.length > 1
     ? values.map(({ place, text }) => `${place}: ${text}`).join("\n")
     : values[0]?.text;
@@ -133,7 +133,7 @@ async function ofPython(
     .find(({ name }) => name === chain);
   const { hover } = await lab.ask({ type: "hover", chain, scope: scopeOf(lab.store.state, scope) });
   if (!hover || !variable) return hover ?? null;
-  return { ...hover, value: allValues(lab, variable.path) ?? hover.value };
+  return { ...hover, value: allValues(lab, "variable", variable.path) ?? hover.value };
 }
 
 function cardOf({ title, type, value, doc }: HoverView): HTMLElement {

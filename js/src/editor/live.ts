@@ -125,9 +125,9 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
   for (const { kind, path, name, to } of outline.items) {
     const shown = shownValues(kind, path, lab);
     if (!shown.length) continue;
-    const stale = kind === "event" && !tested.has(path);
     const values = shown.map(({ place, path: at, text }) => {
       const part = shown.length > 1 ? `${name} ${place}` : name;
+      const stale = kind === "event" && !tested.has(at);
       return { kind, path: place ? at : path, name: part, text: shortened(text, LONGEST), stale };
     });
     const line = editor.doc.lineAt(to).number;
@@ -136,10 +136,7 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
   return lines;
 }
 
-/** The last value of an event; that of a variable in each instance of its machine that is meant. */
+/** The value of a variable, or the last one of an event, in each instance of its machine that is meant. */
 function shownValues(kind: string, path: string, lab: LabState): ReturnType<typeof valuesOf> {
-  const run = besideGraph(lab);
-  if (kind === "variable") return valuesOf(run, path);
-  const value = kind === "event" ? run.events[path] : undefined;
-  return value === undefined ? [] : [{ path, place: "", text: value ? "True" : "False" }];
+  return kind === "variable" || kind === "event" ? valuesOf(besideGraph(lab), kind, path) : [];
 }

@@ -1,17 +1,24 @@
-/** The events that are tested now: those for which a transition out of an active state waits. */
+/** The events that are tested now, as spawned: those for which a transition out of an active state waits. */
 
-import { parentOf } from "../language/paths";
+import { isIn, machineOf, nameOf } from "../language/paths";
+import { inInstance, stateOf } from "../session/instances";
 import type { LabState } from "../session/state";
 
-export function testedEvents({ program, lit }: Pick<LabState, "program" | "lit">): Set<string> {
+export function testedEvents(state: Pick<LabState, "program" | "active" | "instances">): Set<string> {
+  const { program, instances } = state;
   const events = new Set([...program.events, ...program.machines.flatMap((machine) => machine.events)]);
   const tested = new Set<string>();
-  for (const { path, transitions } of program.machines) {
-    const active = lit.filter((state) => parentOf(state) === path);
-    for (const { trigger, source, destination } of transitions) {
-      const waits = active.some((state) => leaves(source, destination, state.slice(path.length + 1)));
-      const event = waits && inScope(events, trigger.split(" ")[0]!, path);
-      if (event) tested.add(event);
+  for (const instance of instances) {
+    const { transitions } = program.machines.find(({ path }) => path === instance.machine) ?? {};
+    const active = nameOf(stateOf(state, instance));
+    for (const { trigger, source, destination } of transitions ?? []) {
+      const waits = leaves(source, destination, active);
+      const event = waits && inScope(events, trigger.split(" ")[0]!, instance.machine);
+      if (!event) continue;
+      const owner = instances.findLast(
+        (each) => each.machine === machineOf(event) && isIn(instance.path, each.path),
+      );
+      tested.add(owner ? inInstance(event, owner.path) : event);
     }
   }
   return tested;

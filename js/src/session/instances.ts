@@ -30,6 +30,8 @@ function nearness(a: string, b: string): number {
   return common < Math.min(one.length, other.length) ? common - (common % 2) : common;
 }
 
+const truths: Readonly<Record<string, string>> = { true: "True", false: "False" };
+
 /** The path of an element in an instance of its machine. */
 export function inInstance(path: string, instance: string): string {
   return instance + path.slice(machineOf(path).length);
@@ -76,9 +78,10 @@ export function stateOf(
   return found ? `${machine}/${found.slice(path.length + 1).split("/")[0]}` : "";
 }
 
-/** The value of a variable in each instance that is meant, with where that is. */
+/** The value of a variable or an event in each instance that is meant, with where that is. */
 export function valuesOf(
-  state: Running & Pick<LabState, "variables">,
+  state: Running & Pick<LabState, "variables" | "events">,
+  kind: "variable" | "event",
   path: string,
   every = false,
 ): { path: string; place: string; text: string }[] {
@@ -86,7 +89,7 @@ export function valuesOf(
   const found = every ? instancesOf(state, machine) : meant(state, machine);
   const paths = found.length ? found.map((each) => inInstance(path, each.path)) : [path];
   return paths.flatMap((each) => {
-    const [text] = state.variables[each] ?? [];
+    const text = kind === "event" ? truths[String(state.events[each])] : state.variables[each]?.[0];
     return text === undefined ? [] : [{ path: each, place: placeOf(state, machineOf(each)), text }];
   });
 }

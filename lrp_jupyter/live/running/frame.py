@@ -124,7 +124,8 @@ class Frame:
         How often each transition fired, and in which tick last, by path of definition: that of its
         machine, then its id. Transitions that never fired are absent.
     events : mapping of path to bool or None
-        The result of each event's last test, None if it failed; empty unless events are watched.
+        The result of the last test of each event, None if it failed, by path as spawned: an event of a
+        machine that does not run is absent. Empty unless events are watched.
     countdowns : mapping of path to Countdown
         The transitions that wait for a time, by path as spawned: that of their machine, then their id. Each
         has ``since`` (when the time began, in seconds) and ``delay`` (how long it is, in milliseconds).

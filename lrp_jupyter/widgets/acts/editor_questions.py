@@ -10,7 +10,7 @@ import builtins
 import inspect
 import keyword
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from lrp_jupyter import codes
@@ -279,20 +279,23 @@ def _hover_view(title: str, kind: str, value: str, doc: str = "") -> HoverView:
 
 def _variable_card(frame: Frame, title: str, path: Path) -> HoverView | None:
     """Return the card of a variable: its value, or its values in the instances of its machine."""
-    found = _instances(frame, path)
+    found = _instances(frame.program, path, frame.variables)
     if not found:
         return None
-    texts = [frame.variables[each] for each in found]
-    if len(found) > 1:
-        texts = [f"{path_text(each[:-1])}: {text}" for each, text in zip(found, texts, strict=True)]
-    return _hover_view(title, type(frame.values[found[0]]).__name__, "\n".join(texts))
+    return _hover_view(title, type(frame.values[found[0]]).__name__, _text_of(found, frame.variables))
 
 
-def _instances(frame: Frame, path: Path) -> list[Path]:
-    """Return the paths as spawned of a variable that has a value; a path as spawned means only itself."""
-    known = [*frame.variables]
-    meant = [each for each in known if as_defined(frame.program, "variable", each) == path]
-    return [path] if path in known else meant
+def _text_of(paths: list[Path], texts: Mapping[Path, str]) -> str:
+    """Return the value of a variable or an event; if it has several, with the instance of each."""
+    if len(paths) == 1:
+        return texts[paths[0]]
+    return "\n".join(f"{path_text(each[:-1])}: {texts[each]}" for each in paths)
+
+
+def _instances(program: Program, path: Path, values: Iterable[Path]) -> list[Path]:
+    """Return the paths as spawned that a variable or an event has; such a path means only itself."""
+    known = [*values]
+    return [path] if path in known else [each for each in known if as_defined(program, "event", each) == path]
 
 
 def _computed_card(session: Session, chain: str, scope: str) -> HoverView | None:
@@ -303,9 +306,10 @@ def _computed_card(session: Session, chain: str, scope: str) -> HoverView | None
         return None
     owner = here.owner("event", first)
     if owner is not None and not dot:
-        value = session.frame.events.get((*owner.path, first))
+        path = (*_place_of(session.program, owner, scope), first)
+        values = {each: str(value) for each, value in session.frame.events.items() if value is not None}
         doc = "An event: in a block, whether its condition is true at this moment."
-        return _hover_view(first, "event", "" if value is None else str(value), doc)
+        return _hover_view(first, "event", _text_of(_instances(session.program, path, values), values), doc)
     machines = _machines(session, first, scope)
     if machines:
         return _machine_card(session, chain, rest, machines)
@@ -401,7 +405,8 @@ def _result(session: Session, machine: str, name: str, scope: str) -> Path | Non
 def _variable(session: Session, path: Path) -> object:
     """Return the value of a variable by its path of definition, in the first instance of its machine."""
     try:
-        return session.interpreter.variables[next(iter(_instances(session.frame, path)), path)]
+        found = _instances(session.frame.program, path, session.frame.variables)
+        return session.interpreter.variables[next(iter(found), path)]
     except UnknownElementError:
         raise _NothingError from None
 
@@ -420,12 +425,17 @@ def _scope(program: Program, path: str) -> Scope:
 
 def _variable_in_scope(program: Program, name: str, scope: str) -> Path | None:
     """Return the path of a variable that is visible in a machine: as spawned, if the machine's path is."""
-    names, here = resolve(program), as_path(scope) if scope else ()
     owner = _scope(program, scope).visible.get(name)
     if owner is None:
         return None
+    return (*_place_of(program, owner, scope), name)
+
+
+def _place_of(program: Program, owner: Scope, scope: str) -> Path:
+    """Return the path of a machine around a scope: as spawned, if that of the scope is."""
+    names, here = resolve(program), as_path(scope) if scope else ()
     around = (here[:end] for end in range(len(here), 0, -2))
-    return (*next((each for each in around if names.defined(each) == owner.path), owner.path), name)
+    return next((each for each in around if names.defined(each) == owner.path), owner.path)
 
 
 # -- readings and messages of a robot, known from their types before anything arrived --------------------

@@ -476,7 +476,7 @@ class ViewState(TypedDict):
     variables: dict[str, TextAndNumber]  # by path as spawned, of those that exist now
     outdated: dict[str, OutdatedView]  # by path as spawned
     countdowns: dict[str, tuple[float, float]]  # by transition as spawned: since (s), how long (ms)
-    events: dict[str, bool]  # path -> value at its last test, of those whose test returned one
+    events: dict[str, bool]  # by path as spawned: the value at its last test, if that returned one
     members: dict[str, str]  # member of `robot` -> its value now, as text
     issues: dict[str, IssueView]  # by number
     printed: dict[str, str]  # number of the line since the session began -> line; the last ones
