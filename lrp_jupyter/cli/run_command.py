@@ -43,8 +43,9 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import called, find, means
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running import commands as do
-from lrp_jupyter.live.running.frame import Frame, missing_state, runs_elsewhere
+from lrp_jupyter.live.running.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.logs import open_log
 
@@ -386,14 +387,14 @@ class _Run:
             self._cut = True
 
     def _print_events(self, frame: Frame) -> None:
-        pending = self._events.pending
+        pending, names = self._events.pending, resolve(frame.program)
         while pending:
             event = pending.popleft()
             if event.kind == "fired":
                 fired: Any = event.data
                 machine = event.path[:-1]
-                where = runs_elsewhere(machine, frame.active, frame.program)
-                place = f"  {path_text(machine)}" if where else ""
+                is_shared = names.is_shared(names.defined(machine))
+                place = f"  {path_text(machine)}" if is_shared else ""
                 self._last.appendleft(f"{event.now:.1f} s  {fired.source} → {fired.destination}{place}")
             if event.kind == "restarted":
                 self._events.since.clear()

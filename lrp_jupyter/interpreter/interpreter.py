@@ -285,9 +285,9 @@ class Interpreter:
             self._run.event_values = {}
             self._run.rebind()
 
-    def holds(self, test: BlockTest) -> bool:
-        """Return whether a block is True now; raises the same exceptions as :meth:`BlockTest.holds`."""
-        return test.holds(self._run)
+    def test(self, block: BlockTest) -> dict[Path, bool | BaseException]:
+        """Return whether a block is True now in each instance: see :meth:`BlockTest.results`."""
+        return block.results(self._run)
 
     def watch_test(
         self, element: Element, machine: Path, seen: Callable[[Evaluation | Exception], object]

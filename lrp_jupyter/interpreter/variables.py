@@ -180,18 +180,21 @@ class BlockTest:
         self._filename = filename
         self._bound: dict[Path, tuple[Program, dict[str, Slot], Call]] = {}
 
-    def holds(self, run: Run) -> bool:
-        """Return whether it is True now in an instance; False while the machine does not run.
-
-        Raises SyntaxError: a variable that it declares `nonlocal` is missing.
-        Raises LRPError: its value is not a boolean.
-        Raises Exception: the block raised it.
-        """
-        found = [each for each in run.live.values() if each.defined == self._machine]
+    def results(self, run: Run) -> dict[Path, bool | BaseException]:
+        """Return whether it is True now, or why that is unknown, in each instance that runs and is meant."""
+        found = [each for each in run.live.values() if each.defined == self._machine] if run.started else []
         if self._inside is not None:
             around = resolve(run.program).around
             found = [each for each in found if around(each.path) == self._inside]
-        return run.started and any(self._is_true(self._test(run, each)) for each in found)
+        return {each.path: self._result(run, each) for each in found}
+
+    def _result(self, run: Run, environment: Environment) -> bool | BaseException:
+        try:
+            return self._is_true(self._test(run, environment))
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            return error
 
     def _test(self, run: Run, environment: Environment) -> Call:
         bound = self._bound.get(environment.path)

@@ -78,6 +78,15 @@ def places_called(program: Program, machine: Path, wanted: Path, running: Sequen
     return [machine] if machine in found else found
 
 
+def where(program: Program, machine: Path) -> str:
+    """Say in which instance something happened, by path as spawned: a space and ``in `m/left/follow```.
+
+    Nothing is said if the machine can run in one place only.
+    """
+    names = resolve(program)
+    return f" in `{path_text(machine)}`" if names.is_shared(names.defined(machine)) else ""
+
+
 def means(program: Program, wanted: str | Path, state: Path) -> bool:
     """Return whether a state, by its path as defined or as spawned, can be meant."""
     path = as_path(wanted)

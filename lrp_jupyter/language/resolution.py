@@ -302,6 +302,7 @@ class Resolution:
         self.scopes = tuple(self.top.walk())
         self.repeats = tuple(repeats)
         self._defined: dict[Path, Path] = {}
+        self._shared: dict[Path, bool] = {}
 
     def __del__(self) -> None:
         for scope in self.scopes:
@@ -466,6 +467,14 @@ class Resolution:
             elif spawner[:-1] not in inside:
                 outer = self._places(spawner[:-1], (*inside, machine))
                 yield from ((*place, spawner[-1], machine[-1]) for place in outer)
+
+    def is_shared(self, machine: Path) -> bool:
+        """Return whether a machine, by path of definition, can run in several places."""
+        found = self._shared.get(machine)
+        if found is None:
+            places = self._places(machine, ()) if machine in self.by_path and machine else ()
+            found = self._shared[machine] = len([*islice(places, 2)]) > 1
+        return found
 
     def around(self, spawned: Path) -> tuple[Path, ...]:
         """Return the states around a machine, whose path is as spawned, by their paths of definition."""

@@ -39,6 +39,10 @@ class Successors:
         now = self.of(Element(kind, path))
         return None if now is None else now.path
 
+    def around(self, states: tuple[Path, ...]) -> tuple[Path, ...]:
+        """Return the new paths of the states around an instance; one that is gone keeps its own."""
+        return tuple([self.path("state", each) or each for each in states])
+
     def carry(self, kept: Mapping[Element, _Kept]) -> dict[Element, _Kept]:
         """Return values kept for elements of the old program, keyed by the elements of the new one."""
         carried = {}

@@ -111,3 +111,62 @@ def test_a_path_that_begins_at_a_machine_inside_means_the_instance_that_runs():
         session.run(0.3)
         assert session.why("middle/on/leaf/y").code == "fired"
         assert session.why("m/a/middle/on/leaf/y") == session.why("leaf/y")
+
+
+def test_an_answer_says_which_instance_it_is_about(session):
+    assert str(session.why_not("m/left/follow/hit")).startswith(
+        "`hit` in `m/left/follow` (line 4) did not fire at 0.7 s: "
+    )
+    for state, answer in (
+        ("k/one/follow/found", "`found` in `k/one/follow` was entered at 0.7 s by "),
+        ("m/left/follow/found", "`found` in `m/left/follow` has not been entered. "),
+        ("left", "`left` was entered at 0 s "),
+    ):
+        assert str(session.why(state)).startswith(answer)
+
+
+IN_TURN = """(machine move (var n := [0])
+  (state go (running [n += 1] [robot.move(linear=0.1)])) (state end)
+  (on [n > 3] go -> end over))
+(machine main
+  (state left (onentry (spawn move go))) (state right (onentry (spawn move go)))
+  (on move.end left -> right))
+(spawn main left)
+"""
+
+
+def test_an_answer_says_which_instance_ran_where_a_machine_runs_in_two_states_in_turn():
+    with Session(IN_TURN, bridge="sim") as session:
+        session.pause_when("end")
+        for number, state in enumerate(("left", "right"), 1):
+            assert not session.run(2)
+            count = ("1st", "2nd")[number - 1]
+            at = f"in `main/{state}/move`"
+            assert session.frame.reason == f"`end` was entered {at} (breakpoint 1, {count} time)."
+            assert str(session.why("end")).startswith(f"`end` {at} was entered at ")
+            assert f"`over` {at} (line 3) fired at " in str(session.why_not("over"))
+            assert f"given by `go.running` {at} (line 2) at " in str(session.why("robot.move"))
+
+
+def test_an_event_or_a_condition_pauses_in_each_instance_in_which_it_comes_true():
+    text = """(machine part (var k := [0]) (event due [k > 3]) (state a (running [k += 1])))
+        (machine m (state one (onentry (spawn part a (var k := [2])))))
+        (machine o (state one (onentry (spawn part a))))
+        (spawn m one) (spawn o one)"""
+    with Session(text) as session:
+        session.run(0.1)
+        session.pause_when(event="due")
+        session.pause_when(condition="k > 9", machine="part")
+        reasons = []
+        for _ in range(4):
+            assert not session.run(2)
+            reasons.append((session.frame.tick, session.frame.reason.partition(" (")[0]))
+            if len(reasons) == 2:
+                session.rename("state", "o/one", "two")
+        assert session.run(2)
+        assert reasons == [
+            (2, "The event `due` occurred in `m/one/part`"),
+            (4, "The event `due` occurred in `o/one/part`"),
+            (8, "`k > 9` became True in `m/one/part`"),
+            (10, "`k > 9` became True in `o/two/part`"),
+        ]

@@ -60,10 +60,8 @@ function cards(lab: Lab): Extension {
 async function withReason(lab: Lab, card: ProgramCard | null): Promise<HoverView | null> {
   if (!card?.path || (card.kind !== "state" && card.kind !== "transition")) return card;
   const { state } = lab.store;
-  const path = addressed(state, card.path);
-  const { why } = await lab.ask({ type: "why", kind: card.kind, path });
-  const place = placeOf(state, machineOf(path));
-  return why ? { ...card, doc: `${card.doc}. ${place && `In \`${place}\`: `}${why.sentence}` } : card;
+  const { why } = await lab.ask({ type: "why", kind: card.kind, path: addressed(state, card.path) });
+  return why ? { ...card, doc: `${card.doc}. ${why.sentence}` } : card;
 }
 
 interface ProgramCard extends HoverView {

@@ -58,7 +58,7 @@ class Breakpoint:
     def moved(self, successors: Successors) -> Breakpoint:
         """Return a copy that follows its element, and the states around it, over an edit."""
         element = successors.of(self.hangs_on) or self.hangs_on
-        inside = self.inside and tuple(successors.path("state", each) or each for each in self.inside)
+        inside = self.inside and successors.around(self.inside)
         if self.element is None:
             return replace(self, machine=element.path, inside=inside)
         return replace(self, element=element, inside=inside)

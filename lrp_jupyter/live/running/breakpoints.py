@@ -15,14 +15,18 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.interpreter.variables import BlockTest, check_expression
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
-from lrp_jupyter.language.lookup import find, places_called
+from lrp_jupyter.language.lookup import find, places_called, where
 from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running.breakpoint import Breakpoint, BreakpointKind
-from lrp_jupyter.live.running.frame import Hit, runs_elsewhere
+from lrp_jupyter.live.running.frame import Hit
 
 _KEYWORDS = {"state": "entered", "transition": "fires", "event": "event"}
 """The argument of `Session.pause_when` that takes an element, by its kind."""
+
+
+Around = tuple[Path, ...]
+"""The states around an instance of a machine, by path of definition."""
 
 
 def noun_of(kind: BreakpointKind) -> str:
@@ -77,7 +81,7 @@ class Breakpoints:
         self._all: dict[int, Breakpoint] = {}
         self._last = 0
         self._seen: list[TraceEvent] = []
-        self._held: dict[int, bool] = {}  # the last value of each condition
+        self._held: dict[int, frozenset[Around]] = {}  # by number of a condition: where it held last
         self._conditions: dict[int, BlockTest | None] = {}  # of this revision
         self._revision = interpreter.revision
         self._end: Callable[[], None] | None = None
@@ -94,9 +98,10 @@ class Breakpoints:
         new = replace(new, number=self._last)
         self._carry()
         self._all[new.number] = new
-        self._held[new.number] = False
+        self._held[new.number] = frozenset()
         if new.kind in ("event", "condition"):
-            self._held[new.number], problem = self._holds(new)
+            holds, problem = self._holds(new)
+            self._held[new.number] = frozenset(holds)
             if self._interpreter.tick:  # before the first tick there are no variables
                 self._all[new.number] = new = replace(new, problem=problem)
         if self._end is None:
@@ -155,31 +160,29 @@ class Breakpoints:
         if each.kind in ("event", "condition"):
             held = self._held[each.number]
             holds, problem = self._holds(each)
-            self._held[each.number] = holds
+            self._held[each.number] = frozenset(holds)
             if problem != each.problem:
                 self._all[each.number] = replace(self._all[each.number], problem=problem)
-            return int(holds and not held), ""
-        wanted = each.element.path if each.element is not None else ()
-        names = resolve(self._interpreter.program)
-        paths = [event.path for event in events if event.kind == each.kind and event.path[-1] == wanted[-1]]
-        hit = [path[:-1] for path in paths if names.defined(path[:-1]) == wanted[:-1]]
-        hit = [path for path in hit if each.inside in (None, names.around(path))]
+            hit = [path for around, path in holds.items() if around not in held]
+        else:
+            wanted = each.element.path if each.element is not None else ()
+            names = resolve(self._interpreter.program)
+            paths = [event.path for event in events if event.kind == each.kind]
+            hit = [path[:-1] for path in paths if (*names.defined(path[:-1]), path[-1]) == wanted]
+            hit = [path for path in hit if each.inside in (None, names.around(path))]
         if not hit or each.inside is not None:
             return len(hit), ""
-        is_shared = runs_elsewhere(hit[0], self._interpreter.active, self._interpreter.program)
-        return len(hit), f" in `{path_text(hit[0])}`" if is_shared else ""
+        return len(hit), where(self._interpreter.program, hit[0])
 
-    def _holds(self, each: Breakpoint) -> tuple[bool, str]:
-        """Return whether a condition holds now, and why it could not be evaluated, if so."""
+    def _holds(self, each: Breakpoint) -> tuple[dict[Around, Path], str]:
+        """Return the instances in which a condition holds, and why it could not be evaluated, if so."""
         if each.number not in self._conditions:
             self._conditions[each.number] = self._condition(each)
         condition = self._conditions[each.number]
-        try:
-            return condition is not None and self._interpreter.holds(condition), ""
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:
-            return False, sentence_of(error)
+        results = {} if condition is None else self._interpreter.test(condition)
+        around = resolve(self._interpreter.program).around
+        errors = [sentence_of(each) for each in results.values() if isinstance(each, BaseException)]
+        return {around(path): path for path, value in results.items() if value is True}, "".join(errors[:1])
 
     def _condition(self, each: Breakpoint) -> BlockTest | None:
         """Return the condition of a breakpoint; None if its event is missing."""
@@ -200,6 +203,8 @@ class Breakpoints:
             if revision > self._revision:
                 for number, each in self._all.items():
                     self._all[number] = each.moved(successors)
+                    held = self._held[number]
+                    self._held[number] = frozenset(successors.around(each) for each in held)
         self._revision = interpreter.revision
         self._conditions.clear()
         existing = set(resolve(interpreter.program).elements())

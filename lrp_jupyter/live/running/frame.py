@@ -18,7 +18,6 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.variables import Outdated
 from lrp_jupyter.language.lookup import called, means, missing
 from lrp_jupyter.language.program import Path, Program, path_text
-from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.successors import Successors
 from lrp_jupyter.live.running.breakpoint import Breakpoint
 
@@ -232,13 +231,6 @@ def is_active(state: str | Path, active: tuple[Path, ...], program: Program = _N
     `program`: the program in which they are active; without it, `state` is a path as spawned or a name.
     """
     return any(means(program, state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
-
-
-def runs_elsewhere(machine: Path, active: tuple[Path, ...], program: Program) -> bool:
-    """Return whether a machine, by path as spawned, also runs in another place, by the active states."""
-    defined = resolve(program).defined
-    running = {path[:end] for path in active for end in range(1, len(path), 2)} - {machine}
-    return any(defined(path) == defined(machine) for path in running)
 
 
 def missing_state(state: str | Path, program: Program) -> UnknownElementError | None:

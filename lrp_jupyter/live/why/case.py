@@ -47,7 +47,10 @@ class Case:
 
     @property
     def _named(self) -> str:
-        return f"`{self.label}` (line {self.line})" if self.line else f"`{self.label}`"
+        machine = self.cause.machine
+        instance = machine.path if machine is not None else self.run.instance and self.run.instance[0]
+        place = f" (line {self.line})" if self.line else ""
+        return f"`{self.label}`{self.run.where(instance or (), self.tick)}{place}"
 
     @property
     def program(self) -> Program:

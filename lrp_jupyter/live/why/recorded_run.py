@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from lrp_jupyter.interpreter.history import Dated, PastState
 from lrp_jupyter.language.blocks.expressions import Evaluation
+from lrp_jupyter.language.lookup import where
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running.loop import Loop
@@ -75,6 +76,10 @@ class RecordedRun:
         if tick in self.history.ticks:
             return self.state(tick).program
         return self.loop.interpreter.program
+
+    def where(self, machine: Path, when: float) -> str:
+        """Say in which instance something happened, if its machine could have several then."""
+        return where(self.program(int(when + 0.5)), machine)
 
     def names(self, tick: float) -> Names:
         """Return the names that elements had in a tick."""

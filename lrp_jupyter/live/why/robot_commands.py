@@ -6,19 +6,20 @@ import ast
 from itertools import chain
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.guarding.safety import CommandRecord
+from lrp_jupyter.bridges.guarding.safety import CommandRecord, Origin
 from lrp_jupyter.bridges.interventions import CommandsHeld, RobotStopped
 from lrp_jupyter.bridges.member_tree import RobotMethod
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.language.blocks.block import read
-from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.lookup import definition_of
+from lrp_jupyter.language.program import Element, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import CommandCode, Reason
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text, time_text
+from lrp_jupyter.live.why.wording import call_text, given_arguments, listed, restart_text, time_text
 
 
 def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
@@ -35,7 +36,7 @@ def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
     last = given[-1]
     origin = last.origin if last.origin.tick <= tick else last.first
     first = last.first.tick
-    where = f"by `{origin.block}` (line {origin.line})" if origin.block else "by hand"
+    where = f"by `{origin.block}`{_places(run, origin)} (line {origin.line})" if origin.block else "by hand"
     since = f", repeated since {time_text(run.time(first))}" if first < origin.tick else ""
     draft = AnswerDraft(
         {
@@ -56,6 +57,22 @@ def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
     if sentence:
         draft.say(sentence)
     return draft.reason(code, tick, time)
+
+
+def _places(run: RecordedRun, origin: Origin) -> str:
+    """Say in which instances the block can have run that gave a command, if its machine can have several."""
+    name, _, action = origin.block.rpartition(".")
+    if origin.tick not in run.history.ticks:
+        return ""
+    state = run.history.state(origin.tick, before=action == "onexit")
+    names, paths = resolve(state.program), []
+    for each in state.walk():
+        if each.state[-1] == name and names.is_shared(each.state[:-1]):
+            found = definition_of(state.program, Element("state", each.state))
+            first, last = (state.program.place(at)[0] for at in found.span) if found else (0, 0)
+            if first <= origin.line <= last:
+                paths.append(f"`{path_text(each.path)}`")
+    return f" in {listed(paths, 'or')}" if paths else ""
 
 
 def commands_of(bridge: Bridge) -> dict[str, RobotMethod]:

@@ -28,6 +28,7 @@ def state_reason(run: RecordedRun, state: Path, name: str, tick: int) -> Reason:
         ):
             then = fact.state[-1]
             called = f"`{name}`" if name == then else f"`{name}` (then called `{then}`)"
+            called += run.where(fact.path[:-1], when)
             if isinstance(fact, Fired):
                 return _entered_by(run, fact, called, int(when))
             return entered_otherwise(run, fact, called, when)
@@ -54,14 +55,16 @@ def _never_entered(run: RecordedRun, state: Path, name: str, tick: int) -> Reaso
     program, ticks, time = run.program(tick), run.history.ticks, run.time(tick)
     line = line_of_state(program, state)
     draft = AnswerDraft()
-    machine = run.state(tick).machine(state[:-1], run.instance and run.instance[0])
+    instance = run.instance and run.instance[0]
+    machine = run.state(tick).machine(state[:-1], instance)
+    called = f"`{name}`{run.where(instance or (), tick)}"
     if machine is not None and machine.state == state:
-        entered = f"`{name}` was entered at {time_text(machine.entered)}."
+        entered = f"{called} was entered at {time_text(machine.entered)}."
         draft.say(f"{entered} How is unknown: only ticks from {ticks.start} onward are remembered.", line)
         return draft.reason("never", tick, time)
-    so = f"`{name}` has not been entered"
+    so = f"{called} has not been entered"
     if tick != ticks[-1]:
-        so = f"`{name}` had not been entered by {time_text(time)}"
+        so = f"{called} had not been entered by {time_text(time)}"
     if ticks.start > 1:
         so += f" (only ticks from {ticks.start} onward are remembered)"
     if not line:
