@@ -346,6 +346,22 @@ describe("a lab whose program runs a machine in two places", () => {
     }
   });
 
+  it("says of an issue in which it occurred", async () => {
+    const issue = {
+      ...{ id: 1, code: "LRP601", severity: "error" as const, kind: "exception", element: "", traceback: "" },
+      ...{ message: "No.", range: null, finding: "", first_tick: 1, last_tick: 3, count: 3, resolved: false },
+    };
+    const told = async (...instances: string[]) => {
+      page.deliver({ type: "frame", frame: 2, issues: { 1: { ...issue, instances } } });
+      await page.drawn();
+      return page.find('[data-lrp-issue="LRP601"] .lrp-issue-note').textContent;
+    };
+    expect(await told("m/left/follow")).toBe("in m/left · 3×, ticks 1–3");
+    expect(await told("m/left/follow", "k/one/follow")).toBe("in k/one, m/left · 3×, ticks 1–3");
+    expect(await told("gone/follow")).toBe("in gone/follow · 3×, ticks 1–3");
+    expect(await told()).toBe("3×, ticks 1–3");
+  });
+
   it("selects one in all views of the session", async () => {
     const beside = new Page("variables");
     beside.open({ frame: { ...recorded(), ...RUN } as never });

@@ -291,7 +291,10 @@ describe("the editor", () => {
       range,
     };
     const times = { traceback: "", first_tick: 1, last_tick: 7, count: 7, resolved: false };
-    const issues = { 1: { ...told, ...times, finding: "1" }, 2: { ...told, ...times, id: 2, finding: "" } };
+    const issues = {
+      1: { ...told, ...times, finding: "1", instances: [] },
+      2: { ...told, ...times, id: 2, finding: "", instances: ["m/left/follow"] },
+    };
     const snapshot = structuredClone(recording.snapshot);
     page.deliver({ ...snapshot, updates: [], findings: [finding], frame: { ...snapshot.frame, issues } });
     await page.drawn();
@@ -299,7 +302,7 @@ describe("the editor", () => {
     forEachDiagnostic(page.editor.state, ({ renderMessage }) =>
       shown.push(renderMessage?.(page.editor).textContent),
     );
-    expect(shown).toEqual(["None here. LRP301 7×", "None. LRP603 7×"]);
+    expect(shown).toEqual(["None here. LRP301 7×", "None. LRP603 7× in m/left/follow"]);
   });
 
   it("sends what is typed in another text that was opened since, where nothing was or is marked", async () => {
@@ -619,6 +622,7 @@ describe("the page", () => {
       last_tick: 1,
       count: 1,
       resolved: false,
+      instances: [] as string[],
     };
     page.deliver({ type: "frame", frame: 9, issues: { 1: issue } });
     page.deliver({ type: "frame", frame: 10, issues: { 1: { ...issue, count: 7, last_tick: 9 } } });

@@ -77,5 +77,5 @@ def _issue(issue: Issue, source: str) -> Text:
     rows = "\n".join(excerpt(source, issue.line, issue.column))
     return Text.assemble(
         (f"issue {issue.code}", style_of(issue.code, "bold red")),
-        f" line {issue.line}: {issue.message}\n{rows}",
+        f" line {issue.line}{issue.where and f' {issue.where}'}: {issue.message}\n{rows}",
     )

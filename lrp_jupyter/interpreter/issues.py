@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any, Literal, overload
 
-from lrp_jupyter.language.program import Element
+from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.successors import Successors
 
 IssueKind = Literal[
@@ -63,6 +63,9 @@ class Issue:
         How often it occurred.
     resolved : bool
         Its element is gone, was changed, or ran again without the fault.
+    instances : tuple of paths
+        The instances in which it occurred, by path as spawned, the last one last; empty for a machine that
+        can run in one place only.
     """
 
     kind: IssueKind
@@ -75,6 +78,13 @@ class Issue:
     last_tick: int = 0
     count: int = 1
     resolved: bool = False
+    instances: tuple[Path, ...] = ()
+
+    @property
+    def where(self) -> str:
+        """The instances, as in ``in `m/left/follow` and `k/one/follow```; empty if there are none."""
+        *most, last = [f"`{path_text(path)}`" for path in self.instances] or [""]
+        return f"in {', '.join(most)} and {last}" if most else last and f"in {last}"
 
     @property
     def code(self) -> str:
@@ -82,8 +92,8 @@ class Issue:
         return ISSUE_CODES[self.kind]
 
     def __str__(self) -> str:
-        times = f" ({self.count} times)" if self.count > 1 else ""
-        return f"{self.line}:{self.column}: {self.code} {self.message}{times}"
+        notes = ", ".join(filter(None, (self.where, f"{self.count} times" if self.count > 1 else "")))
+        return f"{self.line}:{self.column}: {self.code} {self.message}{notes and f' ({notes})'}"
 
 
 Key = tuple[Element, int, str]  # the element, the ordinal of the block within it, and the kind
@@ -124,24 +134,32 @@ class IssueLog(Sequence[Issue]):
         line: int = 0,
         raised: object = None,
         instance: object = None,
+        place: Path | None = None,
     ) -> Issue | None:
-        """Count a fault of an instance; return the issue if it is new or reopened, otherwise None.
+        """Count a fault of an instance; return the issue if it is new, reopened or new there, otherwise None.
 
         The issue describes the last occurrence: it is replaced if the message, the line or the text differs.
         `raised` is kept only for the last occurrence because it holds frames.
+
+        `place`: the path of the instance, as spawned, if its machine can run in several places.
         """
         self._raised[key] = raised
         known, last = self._all.get(key), self._last.get(key)
         self._last[key] = message, line
         self.open_blocks.setdefault(key[:2], set()).add(instance)
-        if known is not None and not known.resolved and last == (message, line):
-            self._all[key] = replace(known, last_tick=tick, count=known.count + 1)
-            return None
-        issue = make()
+        is_open = known is not None and not known.resolved
+        places = known.instances if known is not None and is_open else ()
+        is_known = is_open and (place is None or place in places)
+        if place is not None and places[-1:] != (place,):
+            places = (*[each for each in places if each != place], place)
+        if known is not None and is_open and last == (message, line):
+            self._all[key] = issue = replace(known, last_tick=tick, count=known.count + 1, instances=places)
+            return None if is_known else issue
+        issue = replace(make(), instances=places)
         if known is not None:
             issue = replace(issue, first_tick=known.first_tick, count=known.count + 1)
         self._all[key] = issue
-        if known is not None and not known.resolved:
+        if is_known:
             return None
         return issue
 
@@ -189,16 +207,22 @@ class IssueLog(Sequence[Issue]):
         """The most recent issue; if several are in one tick, the last in the list."""
         return max(reversed(self), key=attrgetter("last_tick", "first_tick"), default=None)
 
-    def move(self, shift: Callable[[Issue], tuple[int, int]], successors: Successors) -> None:
-        """Update the location and element of every issue for a new text; those of removed elements stay."""
+    def move(
+        self, shift: Callable[[Issue], tuple[int, int]], successors: Successors, before: Program
+    ) -> None:
+        """Update the location and element of every issue for a new text; those of removed elements stay.
+
+        `before`: the program before the edit.
+        """
         self._last.clear()
         moved: dict[Key, Issue] = {}
         raised, self._raised = self._raised, {}
         for (old, ordinal, kind), issue in self._all.items():
             line, column = shift(issue)
             element = successors.of(old) or old
-            if (line, column) != (issue.line, issue.column) or element is not old:
-                issue = replace(issue, line=line, column=column, element=element)
+            places = tuple([successors.instance(before, path) for path in issue.instances])
+            if (line, column, places) != (issue.line, issue.column, issue.instances) or element is not old:
+                issue = replace(issue, line=line, column=column, element=element, instances=places)
             known = moved.get((element, ordinal, kind))
             if known is None or known.resolved:  # its element may be gone, and the name reused
                 moved[element, ordinal, kind] = issue

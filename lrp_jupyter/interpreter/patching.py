@@ -303,4 +303,4 @@ def carry_issues(
         return issue.line + new_line - line, issue.column + (new_column - column if same_line else 0)
 
     issues.resolve(lambda _, issue: over(issue))
-    issues.move(place, successors)
+    issues.move(place, successors, before)

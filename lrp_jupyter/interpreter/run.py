@@ -51,6 +51,7 @@ from lrp_jupyter.interpreter.tree import (
 )
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.successors import Successors
 
 _new = tuple.__new__  # takes a third of the time of a NamedTuple's constructor
@@ -414,7 +415,9 @@ class Run:
 
         self.stale = self.stale or not self.issues.is_open(site[:2], home)
         key, line = (*site[:2], kind), line_of(program, raised)
-        issue = self.issues.report(key, make, message, tick, line, self._raised(site, error, home), home)
+        debugged = self._raised(site, error, home)
+        shared = home.path if resolve(program).is_shared(home.defined) else None
+        issue = self.issues.report(key, make, message, tick, line, debugged, home, shared)
         self.faulted = self.attention = True
         if issue is not None:
             self.stale = True

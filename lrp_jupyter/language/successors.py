@@ -43,6 +43,13 @@ class Successors:
         """Return the new paths of the states around an instance; one that is gone keeps its own."""
         return tuple([self.path("state", each) or each for each in states])
 
+    def instance(self, before: Program, path: Path) -> Path:
+        """Return the new path, as spawned, of an instance of a machine of the old program, `before`."""
+        names = resolve(before)
+        machine = self.path("machine", names.defined(path)) or path
+        around = self.around(names.around(path))
+        return (*[name for state in around for name in state[-2:]], machine[-1])
+
     def carry(self, kept: Mapping[Element, _Kept]) -> dict[Element, _Kept]:
         """Return values kept for elements of the old program, keyed by the elements of the new one."""
         carried = {}

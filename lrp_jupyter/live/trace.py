@@ -21,8 +21,9 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the
 ``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable has changed if its value is
 another one, or is a list, dict, set, deque, bytearray or array that was changed in place: of these the number
 of items and the first 200 values are compared, three levels deep. A change inside any other object is not
-seen. A variable that has lost its value has no ``value``. Values without a JSON type are written as text,
-without addresses, so equal runs have equal traces.
+seen. A variable that has lost its value has no ``value``. An issue has an ``instance``, the machine's path as
+spawned, if that can run in several places. Values without a JSON type are written as text, without addresses,
+so equal runs have equal traces.
 
 In a recording (``recording.py``), the same lines are the effects of its ticks and inputs.
 """
@@ -94,6 +95,7 @@ def _details(event: TraceEvent) -> dict[str, Any]:
                 "element": path_text(data.element.shown),
                 "line": data.line,
                 "message": _steady(data.message),
+                **({"instance": path_text(data.instances[-1])} if data.instances else {}),
             }
         case "commanded":
             _, block, row = data.origin
@@ -147,7 +149,8 @@ def words_of(line: Line) -> str:
             return f"`{line['variable']}` {value}"
         case "issue":
             name = line["element"].rpartition("/")[2]
-            return f"`{name}` (line {line['line']}) had an issue: {line['message']}"
+            where = f" in `{line['instance']}`" if "instance" in line else ""
+            return f"`{name}`{where} (line {line['line']}) had an issue: {line['message']}"
         case "restarted":
             return f"the program was restarted ({line['reason'].rstrip('.')})"
         case "printed":

@@ -1,10 +1,13 @@
 """A machine that runs in two places: every question and command can mean one of them."""
 
+import json
+
 import pytest
 from support.twice import TWICE
 
 from lrp_jupyter import Session
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.live.trace import Trace
 
 
 @pytest.fixture
@@ -170,3 +173,60 @@ def test_an_event_or_a_condition_pauses_in_each_instance_in_which_it_comes_true(
             (8, "`k > 9` became True in `m/one/part`"),
             (10, "`k > 9` became True in `o/two/part`"),
         ]
+
+
+FAULTY = """(machine part (var k := [0]) (state a (running [k += 1] [1 / max(0, 3 - k)])))
+(machine m (state one (onentry (spawn part a (var k := [1])))))
+(machine o (state one (onentry (spawn part a))) (state two (onentry (spawn part a))))
+(spawn m one) (spawn o one)
+"""
+FIRST, SECOND = ("m", "one", "part"), ("o", "one", "part")
+
+
+def test_an_issue_says_in_which_instances_it_occurred_through_renames():
+    lines = []
+    with Session(FAULTY) as session:
+        session.observe(Trace(lines.append))
+        session.run(0.2)
+        (issue,) = session.issues
+        assert issue.instances == (FIRST,)
+        assert str(issue).endswith("LRP601 ZeroDivisionError: division by zero (in `m/one/part`)")
+        session.run(0.2)
+        (issue,) = session.issues
+        assert (issue.instances, issue.count) == ((FIRST, SECOND), 5)
+        assert str(issue).endswith("(in `m/one/part` and `o/one/part`, 5 times)")
+        session.rename("state", "o/one", "west")
+        assert session.issues[0].instances == (FIRST, ("o", "west", "part"))
+    told = [json.loads(line) for line in lines]
+    assert [(each["tick"], each["instance"]) for each in told if each["event"] == "issue"] == [
+        (2, "m/one/part"),
+        (3, "o/one/part"),
+    ]
+
+
+def test_a_pause_at_an_issue_says_in_which_instance():
+    with Session(FAULTY, on_issue="pause") as session:
+        reasons = []
+        for _ in range(3):
+            session.run(1)
+            reasons.append(session.frame.reason)
+    assert [each.partition(":")[0] for each in reasons] == [
+        f"In `{path}/part`" for path in ("m/one", "o/one", "o/one")
+    ]
+
+
+def test_the_timeline_as_text_says_in_which_instance_an_issue_occurred():
+    with Session(FAULTY) as session:
+        session.run(0.5)
+        lines = [line for line in str(session.timeline()).splitlines() if "division" in line]
+    assert lines == [
+        "0.1 s: In `m/one/part`: ZeroDivisionError: division by zero",
+        "0.2 s: In `o/one/part`: ZeroDivisionError: division by zero",
+    ]
+
+
+def test_an_issue_of_a_machine_with_one_place_names_no_instance():
+    with Session("(machine m (state a (running [1 / 0]))) (spawn m a)") as session:
+        session.step()
+        assert session.issues[0].instances == ()
+        assert str(session.issues[0]).endswith("division by zero")

@@ -3,6 +3,7 @@
 import { type Action, type Diagnostic, forEachDiagnostic, setDiagnostics } from "@codemirror/lint";
 import type { EditorView } from "@codemirror/view";
 import { codeButton } from "../parts/explain";
+import { whereOf } from "../parts/issues";
 import type { FindingView, IssueView, QuickFix, Severity, TextRange } from "../protocol";
 import type { Lab } from "../session/store";
 import { h, prose, unmarked } from "../ui/dom";
@@ -63,7 +64,7 @@ function ofFinding(
     renderMessage: () => {
       const issues = Object.values(lab.store.state.issues);
       const same = issues.find((issue) => issue.finding === finding.id);
-      return message(lab, finding.code, finding.message, same && `${same.count}×`);
+      return message(lab, finding.code, finding.message, same && times(lab, same));
     },
     actions: fixes.map((fix) => action(fix, marked)),
   };
@@ -96,10 +97,13 @@ function ofIssue(view: EditorView, lab: Lab, issue: IssueView, running: Tracked)
     severity: SEVERITY[issue.severity],
     message: issue.message,
     renderMessage: () => {
-      const { count } = lab.store.state.issues[issue.id] ?? issue;
-      return message(lab, issue.code, issue.message, `${count}×`);
+      return message(lab, issue.code, issue.message, times(lab, lab.store.state.issues[issue.id] ?? issue));
     },
   };
+}
+
+function times(lab: Lab, issue: IssueView): string {
+  return [`${issue.count}×`, whereOf(issue, lab.store.state)].filter(Boolean).join(" ");
 }
 
 function message(lab: Lab, code: string, sentence: string, note = ""): HTMLElement {

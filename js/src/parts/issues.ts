@@ -1,6 +1,7 @@
 /** Findings of the checks and issues of the run in one list, each once, counted, with its place. Paper: §6.2. */
 
 import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
+import { placeOf } from "../session/instances";
 import type { LabState } from "../session/state";
 import type { Lab } from "../session/store";
 import { iconButton, linkButton, panel } from "../ui/button";
@@ -25,7 +26,7 @@ export function issuesView(lab: Lab): HTMLElement {
   });
   const list = h("ul", { class: "lrp-issues" });
   const { element, heading } = panel("issues", "Issues", [clear], list, printed(lab));
-  store.watch(["findings", "issues"], () => {
+  store.watch(["findings", "issues", "instances"], () => {
     const { findings, issues } = store.state;
     const entries = entriesOf(findings, Object.values(issues));
     reconcile(
@@ -33,7 +34,7 @@ export function issuesView(lab: Lab): HTMLElement {
       entries,
       ({ key }) => key,
       (entry) => make(lab, entry),
-      (item, entry) => update(item, entry, store.state.debugger !== ""),
+      (item, entry) => update(item, entry, store.state),
     );
     const open = entries.filter(({ issue }) => !issue?.resolved).length;
     setText(heading, open ? `Issues (${open})` : "Issues");
@@ -109,7 +110,7 @@ function debugButton(lab: Lab, item: Element): HTMLButtonElement {
 /** The entry that each element of the list shows. */
 const current = new WeakMap<Element, Entry>();
 
-function update(item: Element, entry: Entry, debugs: boolean): void {
+function update(item: Element, entry: Entry, state: LabState): void {
   const before = current.get(item);
   current.set(item, entry);
   const { issue, severity, range, message } = entry;
@@ -118,23 +119,30 @@ function update(item: Element, entry: Entry, debugs: boolean): void {
   const text = item.querySelector(".lrp-issue-text")!;
   if (before?.message !== message)
     text.replaceChildren(h("span", { class: "lrp-hidden" }, `${severity}: `), ...prose(message));
-  setText(item.querySelector(".lrp-issue-note")!, note(issue, range));
+  setText(item.querySelector(".lrp-issue-note")!, note(issue, range, state));
   const debug = item.querySelector<HTMLElement>(".lrp-debug");
-  if (debug) debug.hidden = !debugs || !issue?.range;
+  if (debug) debug.hidden = !state.debugger || !issue?.range;
   const trace = item.querySelector("pre");
   if (trace && issue) setText(trace, issue.traceback);
 }
 
-function note(issue: IssueView | null, range: TextRange | null): string {
+function note(issue: IssueView | null, range: TextRange | null, state: LabState): string {
   const parts = [range ? `line ${range.line}` : ""];
   if (issue) {
     const { first_tick: first, last_tick: last, count } = issue;
     parts.push(
+      whereOf(issue, state),
       count > 1 ? `${count}×, ticks ${first}–${last}` : `tick ${first}`,
       issue.resolved ? "resolved" : "",
     );
   }
   return parts.filter(Boolean).join(" · ");
+}
+
+/** In which instances an issue has occurred; empty if its machine can run in one place only. */
+export function whereOf({ instances }: IssueView, state: LabState): string {
+  const places = instances.map((path) => placeOf(state, path) || path).sort();
+  return places.length ? `in ${places.join(", ")}` : "";
 }
 
 /** The output of blocks, shown in the lab and never in another cell. */

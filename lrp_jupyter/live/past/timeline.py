@@ -14,7 +14,7 @@ from lrp_jupyter.bridges.interventions import RobotCommanded, WorldLoaded
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fact, Faulted, Fired
 from lrp_jupyter.interpreter.history import History, PastState
 from lrp_jupyter.interpreter.rendering import is_scalar, short
-from lrp_jupyter.language.program import Path, path_text
+from lrp_jupyter.language.program import Element, Path, path_text
 from lrp_jupyter.live.past.plots import Plot, plottable, plotting
 from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.running.notebook_names import ChangeNames
@@ -111,6 +111,8 @@ def _sentence(each: Happening, shared: AbstractSet[Path]) -> str:
             return f"`{path_text(state)}` was entered. {each.text}".rstrip()
         case "ended":
             return f"`{path_text(each.lane)}` ended."
+        case "issue" if each.lane in shared:
+            return f"In `{path_text(each.lane)}`: {each.text}"
     return each.text
 
 
@@ -159,11 +161,11 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
     if ticks:
         told = history.told(first - 1)
         faults = [(when, fact) for when, fact in told if isinstance(fact, Faulted) and when == int(when)]
-        failed = {(when, fact.element, fact.kind) for when, fact in faults}
+        failed = {(when, *_fault(fact)) for when, fact in faults}
         for when, fact in told:
             if when < first - (0.5 if gap else 0):
                 continue
-            if isinstance(fact, Faulted) and (when - 1, fact.element, fact.kind) in failed:
+            if isinstance(fact, Faulted) and (when - 1, *_fault(fact)) in failed:
                 continue
             tick = int(when)  # events between two ticks belong to the first
             happened = _of(fact, tick, history.time(max(tick, ticks.start)))
@@ -176,6 +178,11 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
         found += _commands(history, loop.bridge.safety.commands, first)
         found += _by_hand(loop, first)
     return sorted(found, key=lambda each: each.tick)  # stable: within a tick as listed
+
+
+def _fault(fact: Faulted) -> tuple[Element, str, Path]:
+    """Return what is the same in every tick in which a fault persists."""
+    return fact.element, fact.kind, fact.machine
 
 
 def _renamed(each: Happening, names: Names) -> Happening:

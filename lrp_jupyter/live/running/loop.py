@@ -44,7 +44,7 @@ from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import means
-from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.running.breakpoints import Breakpoints
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
@@ -294,7 +294,8 @@ class Loop:
     def _stop_at_issue(self) -> None:
         """Pause because the interpreter has paused at an issue in a tick or a command."""
         last = self.interpreter.issues.newest
-        self._stand_still(last.message if last else "")
+        where = f"In `{path_text(last.instances[-1])}`: " if last and last.instances else ""
+        self._stand_still(where + last.message if last else "")
         self.paused_by = last
 
     def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:

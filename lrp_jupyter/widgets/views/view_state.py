@@ -364,6 +364,7 @@ def _issue_view(number: int, issue: Issue, text: str, findings: Iterable[Finding
         "last_tick": issue.last_tick,
         "count": issue.count,
         "resolved": issue.resolved,
+        "instances": [path_text(path) for path in issue.instances],
     }
 
 
@@ -390,6 +391,7 @@ def _notice_view(number: int, notice: Notice, frame: Frame) -> IssueView:
         "last_tick": notice.last.tick,
         "count": notice.count,
         "resolved": frame.time - notice.now > _OVER,
+        "instances": [],
     }
 
 

@@ -155,6 +155,7 @@ class IssueView(TypedDict):
     last_tick: int
     count: int
     resolved: bool
+    instances: list[str]  # in which it occurred, by path as spawned, if its machine can run in several places
 
 
 class OutdatedView(TypedDict):
