@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from rich.console import Console, RenderableType
 from rich.text import Text
@@ -13,7 +13,8 @@ from lrp_jupyter.cli.excerpt import excerpt
 from lrp_jupyter.codes import style_of
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.trace_events import TraceEvent
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Finding, Path
+from lrp_jupyter.live.predicted import finding_of
 from lrp_jupyter.live.trace import Trace
 
 SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
@@ -51,6 +52,8 @@ class EventPrinter:
         self._console = console
         self._quiet = quiet
         self._fired: dict[Path, str] = {}
+        self.told: tuple[str, Sequence[Finding]] = "", ()
+        """A text, and the findings about it that are printed."""
 
     def print(self, what: RenderableType) -> None:
         """Print something on the console."""
@@ -60,7 +63,9 @@ class EventPrinter:
         """Print one event; `source` is the text of the program."""
         head = f"{event.now:8.1f} s  "
         if isinstance(event.data, Issue):
-            self.print(Text(head) + _issue(event.data, source))
+            text, findings = self.told
+            told = finding_of(event.data, findings) if text == source else None
+            self.print(Text(head) + _issue(event.data, source, told))
         elif self._quiet:
             return
         elif event.kind == "fired":
@@ -73,9 +78,10 @@ class EventPrinter:
             self.print(f"{head}{event.kind} {event.data or '/'.join(event.path)}".rstrip())
 
 
-def _issue(issue: Issue, source: str) -> Text:
+def _issue(issue: Issue, source: str, told: Finding | None) -> Text:
+    """Return an issue with its place; of one that a finding has told, only that it has occurred."""
+    code = issue.code if told is None else told.code
     rows = "\n".join(excerpt(source, issue.line, issue.column))
-    return Text.assemble(
-        (f"issue {issue.code}", style_of(issue.code, "bold red")),
-        f" line {issue.line}{issue.where and f' {issue.where}'}: {issue.message}\n{rows}",
-    )
+    what = f": {issue.message}\n{rows}" if told is None else ", as said above"
+    where = f" line {issue.line}{issue.where and f' {issue.where}'}"
+    return Text.assemble((f"issue {code}", style_of(code, "bold red")), where, what)

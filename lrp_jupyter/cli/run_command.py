@@ -42,7 +42,7 @@ from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import called, find, means
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.frame import Frame, missing_state
@@ -289,7 +289,7 @@ class _Run:
             if program is None:
                 self._differs = "The file on disk does not run: it has errors."
             else:
-                print_findings(self.source.name, program.text, session.check(program), self.print)
+                self._print_findings(program.text, session.check(program))
             if self._board is not None:
                 self._output(self._board.__enter__)
                 stack.callback(self._output, self._board.__exit__)
@@ -552,7 +552,11 @@ class _Run:
             self.print(Text(f"{head}applied while it runs: {patch.changes}", "green"))
         if self._keys is None and self._is_paused():  # at an issue, and there is no keyboard
             self.session.ask(do.Resume())
-        print_findings(self.source.name, text, self.session.check(text), self.print)
+        self._print_findings(text, self.session.check(text))
+
+    def _print_findings(self, text: str, findings: tuple[Finding, ...]) -> None:
+        print_findings(self.source.name, text, findings, self.print)
+        self._printer.told = text, findings
 
     # -- the end ------------------------------------------------------------------------------------
 

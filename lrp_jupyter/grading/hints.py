@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -10,8 +9,7 @@ from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.language.checks.uses import uses_of
 from lrp_jupyter.language.program import Block, Program
-
-_NAME = re.compile(r"`[^`]+`")
+from lrp_jupyter.live.predicted import finding_of
 
 
 def hints_of(task: Challenge, run: RunRecord) -> Iterator[str]:
@@ -39,10 +37,8 @@ def hints_of(task: Challenge, run: RunRecord) -> Iterator[str]:
 
 def _issue(run: RunRecord) -> str:
     """Say what failed; of a misspelt name, the checks know what was meant."""
-    line, message = run.issues[0].line, run.issues[0].message
-    names = set(_NAME.findall(message))
-    same = (each for each in run.findings if each.line == line and names & set(_NAME.findall(each.message)))
-    return f"Line {line}: {next((each.message for each in same), message)}"
+    issue = run.issues[0]
+    return f"Line {issue.line}: {(finding_of(issue, run.findings) or issue).message}"
 
 
 def _findings(run: RunRecord, severity: str) -> list[str]:

@@ -231,8 +231,9 @@ def test_the_findings_of_a_program_are_shown_and_it_runs(lrp, program):
     text = COUNT.replace("one -> two", "one -> twoo")
     result = lrp("run", program(text), "--speed", "max", "--for", "1")
     assert result.exit_code == 0
-    assert "LRP303" in result.stdout
-    assert "LRP604 line 5" in result.stdout
+    assert "error LRP303" in result.stdout
+    assert "issue LRP303 line 5, as said above\n" in result.stdout
+    assert result.stdout.count("has no state") == 1, "a fault is told once"
 
 
 def test_an_issue_is_shown_once_at_its_place(lrp, program):

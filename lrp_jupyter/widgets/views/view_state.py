@@ -24,6 +24,7 @@ from lrp_jupyter.interpreter.variables import Outdated
 from lrp_jupyter.language.lookup import line_of_element
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.language.successors import Successors
+from lrp_jupyter.live.predicted import finding_of
 from lrp_jupyter.live.running.breakpoint import Breakpoint
 from lrp_jupyter.live.running.frame import Frame, Hit
 from lrp_jupyter.live.session import Session
@@ -58,16 +59,6 @@ RESTARTS = 20
 _TIME = {"tick", "time", "rate", "achieved_rate", "speed", "achieved_speed"}
 _CALM = _TIME | {"countdowns", "members", "variables", "printed", "hands", "criteria"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
-_UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
-"""Kinds of issues that a check of the same text reports as `LRP3…`."""
-_IN_BLOCKS: Mapping[str, frozenset[str]] = {
-    "unknown variable": frozenset({"LRP502", "LRP503"}),
-    "exception": frozenset(
-        {"LRP503", "LRP520", "LRP521", "LRP522", "LRP523", "LRP524", "LRP525", "LRP312", "LRP532", "LRP533"}
-    ),
-    "not boolean": frozenset({"LRP505", "LRP508", "LRP522", "LRP524", "LRP527", "LRP533"}),
-}
-"""The codes of the findings about blocks that say the same as issues of some kinds, in the same line."""
 
 
 class ViewStates:
@@ -349,7 +340,7 @@ def _names(prefix: str, nouns: tuple[Any, ...]) -> list[str]:
 
 def _issue_view(number: int, issue: Issue, text: str, findings: Iterable[Finding]) -> IssueView:
     place = _word_at(text, issue.line, issue.column)
-    same = None if issue.resolved else _same_finding(issue, place, findings)
+    same = None if issue.resolved else finding_of(issue, findings)
     return {
         "id": number,
         "code": issue.code,
@@ -393,27 +384,6 @@ def _notice_view(number: int, notice: Notice, frame: Frame) -> IssueView:
         "resolved": frame.time - notice.now > _OVER,
         "instances": [],
     }
-
-
-def _same_finding(issue: Issue, place: TextRange, findings: Iterable[Finding]) -> Finding | None:
-    """Return the finding of the checks about the fault of an issue: the same name in the same form."""
-    codes = _IN_BLOCKS.get(issue.kind, frozenset())
-    for finding in findings:
-        if finding.code in codes and finding.line == issue.line:
-            return finding
-    if issue.kind not in _UNKNOWN_NAMES:
-        return None
-    begin, end = (place["line"], place["column"]), (place["end_line"], place["end_column"])
-    return next(
-        (
-            finding
-            for finding in findings
-            if finding.code.startswith("LRP3")
-            and begin <= (finding.line, finding.column)
-            and (finding.end_line, finding.end_column) <= end
-        ),
-        None,
-    )
 
 
 _WORD = re.compile(r"\w+|\([^()\[\]\n]*\)?|[^\s\w]")
