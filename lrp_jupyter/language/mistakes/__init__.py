@@ -81,6 +81,7 @@ RULES = (
     _rule(conditions.holds, "", _TRANSITIONS),
     _rule(conditions.no_delay, "", "on exit"),
     _rule(notations.guards_and_effects, "", _TRANSITIONS),
+    _rule(notations.loose_effects, "", _TRANSITIONS),
     _rule(notations.asked_states, "", "on exit"),
     _rule(notations.delays, "INTEGER AMOUNT", "on exit eps"),
     _rule(notations.arrows, "NAME", "machine"),
@@ -115,7 +116,7 @@ RULES = (
 )
 """The cheapest first. Each can be left out: then its mistakes are reported by what the parser expects."""
 
-_KEYWORD_RULES = (keywords.two_words, keywords.misspelt)
+_KEYWORD_RULES = (keywords.two_words, keywords.misspelt, keywords.effect_first)
 _MOST = 100
 """Parts of a form that are looked at."""
 

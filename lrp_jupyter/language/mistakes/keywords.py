@@ -10,6 +10,7 @@ from lrp_jupyter.language.mistakes.text_draft import (
     Corrections,
     DraftForm,
     Item,
+    Piece,
     TextDraft,
     as_if,
     is_complete,
@@ -65,6 +66,30 @@ def misspelt(draft: TextDraft, form: DraftForm) -> Corrections:
         place = form.first, form.head
         message = f"`{word}` is not a keyword. {remark}"
         yield Correction("LRP106", message, *place, (), form.items, False, keyword=word)
+
+
+def effect_first(draft: TextDraft, form: DraftForm) -> Corrections:
+    """Transitions with the word for what they do in front: ``(effect e a -> b [x = 1])``."""
+    if form.keyword != "effect" or form.around != "machine" or "ARROW" not in form.kinds:
+        return
+    blocks = len(form.items)
+    while form.kinds[blocks - 1] == "BLOCK":
+        blocks -= 1
+    head, acts = form.items[:blocks], form.items[blocks:]
+    end = Piece("EFFECT_FORM", acts[0].start, acts[-1].end) if acts else None
+    items = [*head, *([end] if end else [])]
+    meant = next((each for each in FORMS if is_complete(each, as_if(items))), "")
+    if not meant:
+        return
+    edits = [Edit(form.first, form.head, meant)]
+    written = f"({meant} {draft.text[head[0].start : head[-1].end]})"
+    if end is not None:
+        edits += [Edit(end.start, end.start, "(effect "), Edit(end.end, end.end, ")")]
+        written = f"{written[:-1]} (effect {draft.text[end.start : end.end]}))"
+    names = {draft.word(item) for item in head if item.kind == "NAME"}
+    is_certain = names <= draft.states | draft.events
+    message = f"An `effect` is the end of a transition. Write `{written}`."
+    yield Correction("LRP108", message, form.first, form.head, tuple(edits), items, is_certain, keyword=meant)
 
 
 def _is_named(draft: TextDraft, form: DraftForm, keyword: str) -> bool:

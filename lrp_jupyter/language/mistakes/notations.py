@@ -24,6 +24,7 @@ from lrp_jupyter.language.mistakes.text_draft import (
     is_python,
 )
 from lrp_jupyter.language.python.scanner import line_end
+from lrp_jupyter.language.reading.forms import USAGE
 from lrp_jupyter.language.reading.tokens import ACTIONS
 from lrp_jupyter.language.spellings import ASKING, EFFECT_WORDS, GUARD_WORDS, JOINING, OTHERS, UNITS
 
@@ -118,6 +119,21 @@ def guards_and_effects(draft: TextDraft, form: DraftForm, at: int) -> Correction
     left = [*trigger, *items[source:rest], *items[stop:]]
     place = start, items[stop - 1].end if after else end
     yield Correction("LRP108", " ".join(remarks), *place, tuple(edits), left, is_certain, keyword=meant)
+
+
+def loose_effects(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Effects of transitions that have no arrow: ``exit done / robot.stop()``."""
+    items = form.items
+    first = next((index for index, item in enumerate(items) if draft.word(item) == "/"), 0)
+    parts = _parts(draft, items[first:]) if first and "ARROW" not in form.kinds else None
+    if not parts or form.around != "machine" or any(part.kind != "effect" for part in parts):
+        return
+    written = f"{USAGE[form.keyword][:-1]} (effect {' '.join(f'[{part.python}]' for part in parts)}))"
+    message = f"A transition leads from a source to a destination. Write `{written}`."
+    trigger = {"eps": [], "ontime": ["INTEGER"]}.get(form.keyword, ["NAME"])
+    start, end = items[0].start, items[-1].end
+    left = [Piece(kind, start, end) for kind in (*trigger, "NAME", "ARROW", "NAME", "EFFECT_FORM")]
+    yield Correction("LRP108", message, start, end, (Edit(form.start, form.end, ""),), left, False)
 
 
 def asked_states(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
@@ -298,6 +314,8 @@ def _bracketed(draft: TextDraft, item: Item, acts: bool) -> list[_Part]:
         return [part._replace(kind="effect", is_foreign=True) for part in inner]
     if word in GUARD_WORDS and inner:
         return [part._replace(kind="condition", is_foreign=True) for part in inner if part.kind != "effect"]
+    if item.kind == "BLOCK" and not acts and isinstance(expression(inside), ast.Constant):
+        return [_Part(inside)]
     return [] if inside.isidentifier() and inside not in draft.defined["var"] else _part(inside, acts)
 
 
