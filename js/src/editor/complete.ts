@@ -15,6 +15,7 @@ import { besideGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { shortened } from "../ui/cut";
 import { h, prose } from "../ui/dom";
+import { readable } from "../ui/numbers";
 import { contextAt, machineCalled, spawnable, visibleMachines } from "./context";
 import { FORMS } from "./forms";
 
@@ -146,7 +147,7 @@ function variables(lab: Lab, context: CompletionContext, scope: string): Complet
     .map(({ name, path }) => ({
       label: name,
       type: "variable",
-      detail: shortened(lab.store.state.variables[spawned(lab.store.state, path)]?.[0] ?? "", 30),
+      detail: shortened(readable(lab.store.state.variables[spawned(lab.store.state, path)]?.[0] ?? ""), 30),
       boost: 2,
     }));
 }
@@ -214,7 +215,7 @@ function results(lab: Lab, context: CompletionContext, scope: string, prefix: st
   const own = variablesOf(context, machine).map(({ name, path }) => ({
     label: name,
     type: "variable",
-    detail: shortened(variables[path]?.[0] ?? "", 30),
+    detail: shortened(readable(variables[path]?.[0] ?? ""), 30),
   }));
   return [state, ...own.filter(({ label }) => label !== "state")];
 }
@@ -279,7 +280,7 @@ function members(lab: Lab, prefix: string): Completion[] {
     const label = member.name.slice(parent.length).split(".")[0]!;
     const whole = parent + label === member.name;
     if (options.has(label) && !whole) continue;
-    const detail = whole ? [values[member.name], member.unit].filter(Boolean).join(" ") : "";
+    const detail = whole ? [readable(values[member.name] ?? ""), member.unit].filter(Boolean).join(" ") : "";
     options.set(label, {
       label,
       type: member.kind,

@@ -10,6 +10,7 @@ import { addressed, instancesOf, placeOf, scopeOf, stateOf, valuesOf } from "../
 import type { Lab } from "../session/store";
 import { spark } from "../timeline/spark";
 import { h, prose } from "../ui/dom";
+import { readable } from "../ui/numbers";
 import { chainAt, contextAt, namedAt } from "./context";
 import { FORMS } from "./forms";
 import { subjectAt } from "./history";
@@ -140,7 +141,7 @@ function cardOf({ title, type, value, doc }: HoverView): HTMLElement {
     "div",
     { class: "lrp-card" },
     h("div", { class: "lrp-card-title" }, h("code", {}, title), kind),
-    value && h("div", { class: "lrp-card-value" }, value),
+    value && h("div", { class: "lrp-card-value", title: value }, readable(value)),
     doc && h("div", { class: "lrp-card-doc" }, ...prose(doc)),
   );
 }

@@ -19,6 +19,7 @@ import { besideGraph, type LabState } from "../session/state";
 import { ofEvent, ofVariable } from "../timeline/spark";
 import { shortened } from "../ui/cut";
 import { h, reconcile, setAttribute, setText } from "../ui/dom";
+import { readable } from "../ui/numbers";
 import { testedEvents } from "./tested";
 import { decorating } from "./visible";
 import { wholeOutline, wholeOutlineOf } from "./whole";
@@ -128,7 +129,7 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
     const values = shown.map(({ place, path: at, text }) => {
       const part = shown.length > 1 ? `${name} ${place}` : name;
       const stale = kind === "event" && !tested.has(at);
-      return { kind, path: place ? at : path, name: part, text: shortened(text, LONGEST), stale };
+      return { kind, path: place ? at : path, name: part, text: shortened(readable(text), LONGEST), stale };
     });
     const line = editor.doc.lineAt(to).number;
     lines.set(line, [...(lines.get(line) ?? []), ...values]);

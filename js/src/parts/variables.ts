@@ -8,6 +8,7 @@ import { ofVariable } from "../timeline/spark";
 import { iconButton, linkButton, panel } from "../ui/button";
 import { h, prose, reconcile, s, setAttribute, setHidden, setText } from "../ui/dom";
 import { editing } from "../ui/editing";
+import { readable } from "../ui/numbers";
 import { hasFocus } from "../ui/root";
 import { glow } from "../ui/timers";
 import { history } from "./history";
@@ -105,7 +106,6 @@ class Row {
     this.value = h("button", {
       type: "button",
       class: "lrp-value",
-      title: "Change",
       onclick: () => this.edit(),
       ...history(ofVariable(named)),
     });
@@ -133,11 +133,13 @@ class Row {
     if (text !== undefined && this.text !== undefined && text !== this.text) glow(this.element);
     if (value || this.text !== undefined) this.spark.add(number ?? null);
     this.text = text;
-    setText(this.value, text ?? "—");
+    const shown = text === undefined ? "—" : readable(text);
+    setText(this.value, shown);
+    setAttribute(this.value, "title", text && `${text}\nClick: change`);
     setAttribute(
       this.value,
       "aria-label",
-      `${nameOf(this.named)} ${text === undefined ? "has no value" : `is ${text}`}, change`,
+      `${nameOf(this.named)} ${text === undefined ? "has no value" : `is ${shown}`}, change`,
     );
     this.value.disabled = text === undefined;
   }

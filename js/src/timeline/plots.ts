@@ -3,16 +3,12 @@
 import { nameOf, parentOf } from "../language/paths";
 import { placesOf } from "../session/instances";
 import { s } from "../ui/dom";
+import { readableNumber } from "../ui/numbers";
 import type { Plotted } from "./happened";
 import { named, nearestX, type Scale } from "./scale";
 
 export const PLOT = 40; // px that a plot is high
 const LABEL = 10; // px that the name of a threshold is high
-
-/** A number with as many digits as fit beside a plot. */
-export function rounded(number: number): string {
-  return String(Number(number.toPrecision(4)));
-}
 
 /** The names of what is plotted, as short as they can be told apart from each other and from what else is known. */
 export function labelsOf(names: readonly string[], known: readonly string[] = []): Map<string, string> {
@@ -59,7 +55,7 @@ export function plotOf(
   const low = seen.reduce((a, b) => Math.min(a, b));
   const high = seen.reduce((a, b) => Math.max(a, b));
   const yOf = (value: number) => y + PLOT - 4 - ((value - low) / (high - low || 1)) * (PLOT - 8);
-  const words = low === high ? rounded(low) : `${rounded(low)} to ${rounded(high)}`;
+  const words = low === high ? readableNumber(low) : `${readableNumber(low)} to ${readableNumber(high)}`;
   parts.push(s("text", { class: "lrp-timeline-range", x: 8, y: y + PLOT - 6 }, words));
   const line = (samples: (number | null)[]) => pathOf(times, samples, range, scale, yOf);
   const free = Array.from({ length: PLOT / LABEL }, (_, row) => y + (row + 1) * LABEL - 1); // rows for names

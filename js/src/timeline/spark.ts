@@ -6,7 +6,8 @@ import { placeOf } from "../session/instances";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 import { h, s, setAttribute, setHidden } from "../ui/dom";
-import { labelsOf, PLOT, plotOf, rounded } from "./plots";
+import { readableNumber } from "../ui/numbers";
+import { labelsOf, PLOT, plotOf } from "./plots";
 
 const SECONDS = 30;
 const LEAST = 5; // s of the axis
@@ -88,7 +89,7 @@ export function spark(lab: Lab, subject: Subject, drawn: (reason: string) => voi
 /** A plot for those who do not see it. */
 function inWords({ name, kind, values, thresholds }: Plot): string {
   const numbers = values.filter((value) => value !== null);
-  const text = (value: number) => (kind === "truth" ? (value ? "True" : "False") : rounded(value));
+  const text = (value: number) => (kind === "truth" ? (value ? "True" : "False") : readableNumber(value));
   const last = (samples: readonly (number | null)[]) => text(samples.findLast((each) => each !== null) ?? 0);
   const [low, high] = [Math.min(...numbers), Math.max(...numbers)];
   const range = low === high ? text(low) : `${text(low)} to ${text(high)}, now ${last(values)}`;

@@ -8,13 +8,14 @@ import { consume, h, s, setAttribute, setHidden } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { isOn, keep, keepOn, kept } from "../ui/kept";
 import { item, openMenu } from "../ui/menu";
+import { readableNumber } from "../ui/numbers";
 import { onPinch } from "../ui/pinch";
 import { pointOf, reachOf } from "../ui/point";
 import { trailStyles } from "../world/legend";
 import { clearAxis, type Drawing, draw, heightOf, laneAt, roomFor, widthOf } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking, type Moment } from "./looking";
-import { labelsOf, rounded } from "./plots";
+import { labelsOf } from "./plots";
 import { nearestX, timeOf } from "./scale";
 import { Visits } from "./visits";
 import { whatIfWords } from "./what_if";
@@ -198,7 +199,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
         const plotted = happened.plots.get(name);
         const value = plotted ? valueAt(plotted, time) : null;
         if (value === null || !plotted) return "";
-        const text = plotted.kind === "truth" ? (value ? "True" : "False") : rounded(value);
+        const text = plotted.kind === "truth" ? (value ? "True" : "False") : readableNumber(value);
         return ` · ${labels.get(name)} ${text}`;
       })
       .join("");

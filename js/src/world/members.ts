@@ -6,6 +6,7 @@ import type { Lab } from "../session/store";
 import { ofReading } from "../timeline/spark";
 import { button, panel } from "../ui/button";
 import { h, reconcile, setAttribute, setText } from "../ui/dom";
+import { readable } from "../ui/numbers";
 
 export function robotView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -42,8 +43,9 @@ export function robotView(lab: Lab): HTMLElement {
     setText(name!, member.name);
     const now = store.state.members[member.name] ?? "";
     const unit = now && now !== "waiting" ? member.unit : "";
-    setText(value!, [now, unit].filter(Boolean).join(" "));
-    setAttribute(row, "title", `${member.insert}\n${member.doc}`);
+    const exact = [now, unit].filter(Boolean).join(" ");
+    setText(value!, readable(exact));
+    setAttribute(row, "title", [member.insert, member.doc, exact].filter(Boolean).join("\n"));
   };
   store.watch(["bridge", "members", "snapshot"], () => {
     const { members } = store.state.bridge;

@@ -457,4 +457,4 @@ def _member_view(member: Member) -> MemberView:
 def _short(value: object) -> str:
     if isinstance(value, NoDataYet):
         return "stale" if isinstance(value, StaleData) else "waiting"
-    return format(value, ".4g") if isinstance(value, float) else render(value)
+    return render(value)
