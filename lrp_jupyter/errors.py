@@ -190,6 +190,10 @@ class NotAValue:
         """Return a sentence: what this is, and what to write instead."""
         raise NotImplementedError
 
+    def _in_text(self) -> str:
+        """Return how it is shown as a value, or in one."""
+        return repr(self)
+
     def _refuse(self, *_: object) -> NoReturn:
         raise BridgeError(self._not_a_value())
 

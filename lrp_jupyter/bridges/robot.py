@@ -85,8 +85,10 @@ class Robot(NotAValue):
         return self  # there is one robot, however often a value that holds it is copied
 
     def __repr__(self) -> str:
-        what = f"robot.{self._prefix}".rstrip(".")
-        return f"<{what}: {', '.join(dir(self)) or 'no members'}>"
+        return f"<{self._in_text()}: {', '.join(dir(self)) or 'no members'}>"
+
+    def _in_text(self) -> str:
+        return f"robot.{self._prefix}".rstrip(".")
 
     def _unknown(self, name: str) -> MemberError:
         what, names = f"robot.{self._prefix}".rstrip("."), dir(self)

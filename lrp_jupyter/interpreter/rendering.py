@@ -18,7 +18,7 @@ from itertools import islice
 from types import CodeType, FunctionType, MethodType, NoneType
 from typing import Any
 
-from lrp_jupyter.errors import name_of
+from lrp_jupyter.errors import NotAValue, name_of
 
 LONGEST = 400  # maximum number of characters of a rendered value
 _DEEPEST, _ITEMS = 3, 12
@@ -97,6 +97,9 @@ class _Writer:
             if own is builtin:
                 write(self, value, depth)
                 return
+        if issubclass(type(value), NotAValue):
+            self.put(_cut(value._in_text(), _STRING))
+            return
         try:
             text = _exactly(self._foreign(value)).replace(_IN_BLOCK, "")
         except KeyboardInterrupt:
