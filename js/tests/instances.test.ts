@@ -291,7 +291,7 @@ describe("a lab whose program runs a machine in two places", () => {
   };
   const values = () =>
     [...page.host.querySelectorAll(".lrp-variable")].map(
-      (each) => `${each.getAttribute("data-lrp-variable")} ${each.querySelector(".lrp-value")!.textContent}`,
+      (each) => `${each.getAttribute("data-lrp-variable")} ${each.querySelector(".lrp-value")?.textContent}`,
     );
   const inline = () => [...page.host.querySelectorAll(".lrp-inline-value")].map((each) => each.textContent);
 
@@ -329,6 +329,25 @@ describe("a lab whose program runs a machine in two places", () => {
     field.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
     const path = "k/one/follow/side";
     expect(page.commands("set_variable")).toMatchObject([{ path, expression: "7" }]);
+  });
+
+  it("keeps the field of a value, with what is typed, until Enter or Escape", async () => {
+    await select("k/one/follow");
+    const row = page.find('[data-lrp-variable="k/one/follow/side"]');
+    const open = () => {
+      row.querySelector<HTMLElement>(".lrp-value")!.click();
+      return row.querySelector("input")!;
+    };
+    open().blur();
+    expect(row.querySelector("input")).toBeNull(); // nothing was typed
+    const field = open();
+    field.value = "7 +";
+    field.blur();
+    page.deliver({ type: "frame", frame: 2, variables: { n: ["9", 9], "k/one/follow/side": ["3", 3] } });
+    await select("m/left/follow");
+    expect([field.isConnected, field.value, values().at(-1)]).toEqual([true, "7 +", "n 9"]);
+    field.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape", bubbles: true }));
+    expect(values()).toEqual(["m/left/follow/side 2", "n 9"]);
   });
 
   it("have a panel however few machines there are, and keep it", async () => {

@@ -61,4 +61,18 @@ describe("a lab whose program counts in small steps", () => {
     value.click();
     expect((page.find('[data-lrp-variable="battery"] input') as HTMLInputElement).value).toBe(EXACT);
   });
+
+  it("draws the changes of a truth value beside it", async () => {
+    for (const [frame, time, text] of [
+      [2, 1, "True"],
+      [3, 9, "False"],
+      [4, 16, "False"],
+    ]) {
+      page.deliver({ type: "frame", frame, tick: frame, time, variables: { battery: [text, null] } });
+      await page.drawn();
+    }
+    const spark = page.find('[data-lrp-variable="battery"] .lrp-spark');
+    expect(spark.hidden).toBe(false);
+    expect(spark.querySelector("polyline")!.getAttribute("points")).toBe("24.0,2 36.8,2 36.8,12 48,12");
+  });
 });

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { entriesOf } from "../src/parts/issues";
 import { positionOf, rateAt, rateText, SLIDER } from "../src/parts/rate";
-import { groupsInScope, points } from "../src/parts/variables";
+import { groupsInScope, points, steps } from "../src/parts/variables";
 import type { FindingView, IssueView } from "../src/protocol";
 import { lightnessOf } from "../src/ui/theme";
 
@@ -98,6 +98,15 @@ it("what is resolved is listed after all that is open", () => {
 describe("a sparkline", () => {
   it("ends at the right, highest value at the top", () => {
     expect(points([0, 10]).split(" ").at(-1)).toBe("48.0,2.0");
+  });
+
+  it("of truth values has steps, the present at the right", () => {
+    const truths = [
+      { time: -40, value: 0 },
+      { time: 15, value: 1 },
+      { time: 22.5, value: 0 },
+    ];
+    expect(steps(truths, 30)).toBe("0.0,12 24.0,12 24.0,2 36.0,2 36.0,12 48,12");
   });
 
   it("of equal values lies flat", () => {

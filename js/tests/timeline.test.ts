@@ -257,7 +257,7 @@ describe("the drawing", () => {
     expect(drawn({ styleOf }).querySelectorAll(".lrp-timeline-visit > .lrp-timeline-hit")).toHaveLength(4);
   });
 
-  it("leaves gaps in curves where there is no value, and draws truth as bands", () => {
+  it("leaves gaps in curves where there is no value, and draws truth as steps", () => {
     const base = { tick: 4, times: [0, 1, 2, 3], thresholds: new Map([["9", [9, 9, 9, 9]]]) };
     const number = { ...base, kind: "number" as const, values: [1, null, 3, 4] };
     const truth = { ...base, kind: "truth" as const, values: [1, 1, 0, 1], thresholds: new Map() };
@@ -269,7 +269,18 @@ describe("the drawing", () => {
     });
     expect(svg.querySelector(".lrp-timeline-curve")!.getAttribute("d")!.match(/M/g)).toHaveLength(2);
     expect(svg.querySelector(".lrp-timeline-limit")!.textContent).toBe("9");
-    expect(svg.querySelectorAll(".lrp-timeline-truth").length).toBe(1);
+    const [bands, curves] = [".lrp-timeline-truth", ".lrp-timeline-curve"].map((name) => [
+      ...svg.querySelectorAll(name),
+    ]);
+    const top = Number(svg.querySelector("[data-lrp-plot^=robot]")!.getAttribute("y"));
+    expect(bands).toHaveLength(1);
+    const [on, off] = [top + 10, top + 34].map((y) => y.toFixed(1));
+    expect(curves![1]!.getAttribute("d")).toBe(
+      `M100.0 ${on}L150.0 ${on}L150.0 ${on}L200.0 ${on}L200.0 ${off}L250.0 ${off}L250.0 ${on}`,
+    );
+    const never = { ...truth, values: [0, 0, 0, 0] };
+    const flat = drawn({ plots: [["button", never]] }).querySelector(".lrp-timeline-curve");
+    expect(flat!.getAttribute("d")).toMatch(/^M100.0 (\d+.0)L.* \1L250.0 \1$/);
   });
 
   it("names thresholds where there is room, and no name lies over another or outside of its plot", () => {

@@ -91,6 +91,17 @@ def enter_states_by_keys(lab):
 
 
 def change_a_variable(lab):
+    lab.state("m/here").click(button="right")
+    lab.choose("teleport")
+    changing = lab.sees('[data-lrp-variable="steps"]')
+    changing.locator(".lrp-spark").wait_for()
+    changing.locator(".lrp-value").dblclick()
+    field = changing.locator("input")
+    field.fill("-9")
+    lab.goes_on()
+    field.press("Enter")
+    lab.is_active("m/there")
+    lab.has_value("visits", "4")
     row = lab.sees('[data-lrp-variable="visits"]')
     row.locator(".lrp-value").click()
     field = row.locator("input")
@@ -100,6 +111,13 @@ def change_a_variable(lab):
     field.fill("6 * 7")
     field.press("Enter")
     lab.has_value("visits", "42")
+    row.locator(".lrp-value").click()
+    field.fill("[1] * 99")
+    field.press("Enter")
+    row.locator(".lrp-spark").wait_for(state="hidden")
+    ends = [each.bounding_box() for each in (row, row.locator(".lrp-value"))]
+    whole, value = (end["x"] + end["width"] for end in ends)
+    assert whole - value < 60, "it has all the room but that of the button"
 
 
 def drag_the_robot(lab):

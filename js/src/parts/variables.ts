@@ -3,6 +3,7 @@
 import { isIn, nameOf } from "../language/paths";
 import type { OutdatedView } from "../protocol";
 import { inInstance, meant, placeOf, type Running } from "../session/instances";
+import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";
 import { ofVariable } from "../timeline/spark";
 import { iconButton, linkButton, panel } from "../ui/button";
@@ -44,14 +45,16 @@ export function variablesView(lab: Lab): HTMLElement {
       }),
       ({ named }) => named,
       ({ path, named }) => {
-        const row = new Row(lab, path, named);
+        const row = new Row(lab, path, named, () => update());
         rows.set(named, row);
         return row.element;
       },
       (_, { named, at }) => rows.get(named)?.update(at),
     );
-  store.watch(["variables", "outdated", "program", "machine", "instances", "instance", "snapshot"], () => {
-    const groups = groupsInScope(store.state);
+  let groups: Group[] = [];
+  const update = (changed?: ReadonlySet<Topic>) => {
+    const isEdited = list.querySelector(".lrp-input");
+    if (!isEdited || changed?.has("program")) groups = groupsInScope(store.state);
     reconcile(
       list,
       groups,
@@ -60,7 +63,8 @@ export function variablesView(lab: Lab): HTMLElement {
       updateGroup,
     );
     setAttribute(list, "data-empty", groups.length === 0 ? "No variables in scope." : null);
-  });
+  };
+  store.watch(["variables", "outdated", "program", "machine", "instances", "instance", "snapshot"], update);
   return element;
 }
 
@@ -101,6 +105,7 @@ class Row {
     private readonly lab: Lab,
     path: string,
     private readonly named: string,
+    private readonly edited: () => void,
   ) {
     const name = nameOf(path);
     this.value = h("button", {
@@ -131,7 +136,9 @@ class Row {
     this.updateOutdated(at);
     const [text, number] = value ?? [];
     if (text !== undefined && this.text !== undefined && text !== this.text) glow(this.element);
-    if (value || this.text !== undefined) this.spark.add(number ?? null);
+    const truth = ["False", "True"].indexOf(text ?? "");
+    if (truth >= 0) this.spark.addTruth(truth, this.lab.store.state.time);
+    else if (value || this.text !== undefined) this.spark.add(number ?? null);
     this.text = text;
     const shown = text === undefined ? "—" : readable(text);
     setText(this.value, shown);
@@ -173,13 +180,14 @@ class Row {
       error.remove();
       input.replaceWith(this.value);
       if (focused) this.value.focus();
+      this.edited();
     };
     const name = `New value of ${nameOf(this.named)}, a Python expression`;
     const shown = this.text ?? ""; // of a function `f()`, which would be called
     const submit = async (text: string) => (text === shown ? null : this.assign(text));
     const { input, error } = editing(shown, name, submit, close);
     input.addEventListener("blur", () => {
-      if (!error.textContent) close();
+      if (!error.textContent && input.value === shown) close();
     });
     this.value.replaceWith(input);
     this.element.append(error);
@@ -189,6 +197,7 @@ class Row {
 }
 
 const KEPT = 48;
+const SECONDS = 30; // of truth values
 const WIDTH = 48;
 const HEIGHT = 14;
 
@@ -196,6 +205,7 @@ class Spark {
   readonly element: HTMLButtonElement;
   private readonly line = s("polyline", {});
   private values: number[] = [];
+  private truths: Step[] = [];
 
   constructor(path: string) {
     const view = { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, "aria-hidden": "true" };
@@ -208,13 +218,42 @@ class Spark {
     );
   }
 
+  /** Add a truth value at a time, in seconds. */
+  addTruth(value: number, time: number): void {
+    const { truths } = this;
+    this.values = [];
+    if ((truths.at(-1)?.time ?? time) > time) truths.length = 0; // an earlier moment is looked at
+    if (truths.at(-1)?.value !== value) truths.push({ time, value });
+    while (truths[1] && truths[1].time < time - SECONDS) truths.shift();
+    setHidden(this.element, truths.length < 2);
+    setAttribute(this.line, "points", steps(truths, time));
+  }
+
   add(value: number | null): void {
+    this.truths = [];
     if (value === null || !Number.isFinite(value)) this.values = [];
     else if (value === this.values.at(-1)) return;
     else this.values = [...this.values.slice(1 - KEPT), value];
     setHidden(this.element, this.values.length < 3);
     setAttribute(this.line, "points", points(this.values));
   }
+}
+
+/** A truth value from a time on. */
+export interface Step {
+  time: number; // s
+  value: number;
+}
+
+/** The points of a line that is high while a value is true; the present is at the right. */
+export function steps(truths: readonly Step[], now: number): string {
+  const x = ({ time }: Step) => Math.max(0, WIDTH * (1 - (now - time) / SECONDS)).toFixed(1);
+  const y = ({ value }: Step) => (value ? 2 : HEIGHT - 2);
+  const corners = truths.flatMap((each, i) => [
+    ...(i ? [`${x(each)},${y(truths[i - 1]!)}`] : []),
+    `${x(each)},${y(each)}`,
+  ]);
+  return [...corners, ...truths.slice(-1).map((last) => `${WIDTH},${y(last)}`)].join(" ");
 }
 
 /** The points of the line, newest at the right. */

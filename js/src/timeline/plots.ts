@@ -1,4 +1,4 @@
-/** The plots of a timeline: numbers as a curve with thresholds, truth values as bars. */
+/** The plots of a timeline: numbers as a curve with thresholds, truth values as steps. */
 
 import { nameOf, parentOf } from "../language/paths";
 import { placesOf } from "../session/instances";
@@ -42,10 +42,13 @@ export function plotOf(
   const after = times.findIndex((time) => time > span.to);
   const range: [number, number] = [first, after < 0 ? times.length : after + 1];
   if (plotted.kind === "truth") {
+    const [high, low] = [y + PLOT / 4, y + PLOT - 6];
     for (const [from, to] of runsOf(times, values, range, scale)) {
-      const box = { x: from, y: y + PLOT / 3, width: to - from, height: PLOT / 3 };
+      const box = { x: from, y: high, width: to - from, height: low - high };
       if (to > from) parts.push(s("rect", { class: "lrp-timeline-truth", ...box }));
     }
+    const yOf = (value: number) => (value ? high : low);
+    parts.push(s("path", { class: "lrp-timeline-curve", d: pathOf(times, values, range, scale, yOf, true) }));
     return parts;
   }
   const seen = [values, ...thresholds.values()]
@@ -80,13 +83,17 @@ function pathOf(
   [from, to]: [number, number],
   scale: Scale,
   yOf: (value: number) => number,
+  isStepped = false,
 ): string {
   let path = "";
   let pen = "M";
   let column: { x: number; values: number[] } | null = null;
+  let last: number | undefined;
   const flush = () => {
     if (!column) return;
     const { x, values } = column;
+    if (isStepped && pen === "L") values.unshift(last!);
+    last = values.at(-1);
     for (const value of values) {
       path += `${pen}${x.toFixed(1)} ${yOf(value).toFixed(1)}`;
       pen = "L";
