@@ -12,7 +12,7 @@ import { addressed, meant, placeOf, spawned, stateOf, valuesOf } from "../src/se
 import { apply, initialState } from "../src/session/state";
 import { type Lab, Store } from "../src/session/store";
 import { draw } from "../src/timeline/draw";
-import { Happened, lanesOf, placesIn } from "../src/timeline/happened";
+import { Happened, lanesOf, placesIn, placesOfInstances } from "../src/timeline/happened";
 import { labelsOf } from "../src/timeline/plots";
 import { s } from "../src/ui/dom";
 import { Page } from "./opened";
@@ -241,18 +241,53 @@ describe("the parts of a lab", () => {
     ]);
     const names = (other = lanes) =>
       [...placesIn(other)].filter(([, place]) => place).map(([lane, place]) => `${lane}: ${place}`);
-    expect(names()).toEqual(["m/left/follow: m/left", "k/one/follow: k/one"]);
+    expect(names()).toEqual(["m/follow: m", "k/follow: k"]);
     const svg = s("svg");
     const scale = { span: { from: 0, to: 1 }, left: 100, width: 100, now: 1, sight: { top: 0, bottom: 99 } };
     const styleOf = () => ({ color: "red", dash: [] });
-    draw(svg, { ...scale, lanes, marks: [], plots: [], labels: new Map(), other: null, styleOf });
+    draw(svg, {
+      ...scale,
+      machines: 4,
+      lanes,
+      marks: [],
+      plots: [],
+      labels: new Map(),
+      other: null,
+      styleOf,
+    });
     const shown = [...svg.querySelectorAll(".lrp-timeline-name")].map((each) => each.textContent);
-    expect(shown).toEqual(["m", "follow m/left", "follow k/one", "inner"]);
+    expect(shown).toEqual(["m", "follow m", "follow k", "inner"]);
     const plots = ["m/left/follow/side", "n", "robot.light.data"];
     expect([...labelsOf(plots).values()]).toEqual(["side", "n", "light.data"]);
     expect([...labelsOf(plots, ["k/one/follow/side", "m/n"]).values()]).toEqual([
       ...["side m/left", "n", "light.data"],
     ]);
+  });
+
+  it("share a lane where states of one machine spawn them in turn, and are asked about one by one", () => {
+    const happened = new Happened();
+    const entered = (lane: string, state: string, tick: number, by = ""): Happening => ({
+      ...{ tick, time: tick, kind: "entered", lane, state, by, text: "", call: "" },
+    });
+    happened.happenings = [
+      entered("m", "m/there", 1),
+      entered("m/there/follow", "follow/search", 1),
+      entered("m/there/follow", "follow/found", 2, "follow/hit"),
+      { ...entered("m/there/follow", "", 3), kind: "ended" },
+      entered("m", "m/back", 3, "m/go"),
+      entered("m/back/follow", "follow/search", 3),
+      entered("m/back/follow/search/follow", "follow/search", 3),
+    ];
+    const lanes = happened.lanes();
+    expect(lanes.map(({ machine, depth, segments }) => [machine, depth, segments.length])).toEqual([
+      ["m", 0, 2],
+      ["m/follow", 1, 3],
+      ["m/follow/follow", 2, 1],
+    ]);
+    const [, found, again] = lanes[1]!.segments;
+    expect([found!.end, again!.lane]).toEqual([3, "m/back/follow"]);
+    expect(happened.after(found!)).toBeNull();
+    expect(placesOfInstances(lanes).get("m/back/follow")).toBe("back");
   });
 
   it("know which instance a transition belongs to that began a visit, also an `exit`", () => {

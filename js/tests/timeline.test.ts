@@ -47,7 +47,7 @@ describe("what happened", () => {
       ["m/b", 0.2, 0.4, "m:go"],
       ["m/a", 0.4, Number.POSITIVE_INFINITY, "m:back"],
     ]);
-    expect(inner).toMatchObject({ machine: "m/b/inner", depth: 1 });
+    expect(inner).toMatchObject({ machine: "m/inner", depth: 1 });
     expect(inner!.segments[0]).toMatchObject({ begin: 0.2, end: 0.4 });
   });
 
@@ -60,8 +60,8 @@ describe("what happened", () => {
     ]);
     expect(lanes.map(({ machine, depth }) => [machine, depth])).toEqual([
       ["b", 0],
-      ["b/x/inner", 1],
-      ["b/x/inner/y/deep", 2],
+      ["b/inner", 1],
+      ["b/inner/deep", 2],
       ["a", 0],
     ]);
   });
@@ -150,6 +150,7 @@ describe("the drawing", () => {
     now: 8,
     left: 100,
     width: 500,
+    machines: 2,
     lanes: lanesOf(RUN),
     marks: [],
     plots: [],
@@ -206,7 +207,7 @@ describe("the drawing", () => {
     const shown = [...svg.querySelectorAll("[data-lrp-visit]")];
     expect(shown.map((each) => each.getAttribute("data-lane"))).toEqual(["m50", "m51", "m52", "m53"]);
     expect(svg.querySelector("[data-lrp-plot]")).toBeNull();
-    expect(svg.getAttribute("height")).toBe(String(heightOf({ lanes, plots, other: null })));
+    expect(svg.getAttribute("height")).toBe(String(heightOf({ machines: 2, lanes, plots, other: null })));
     const end = drawn({ lanes, plots, sight: { top: 3602, bottom: 3702 } });
     expect(end.querySelector("[data-lrp-plot]")).not.toBeNull();
   });
@@ -217,12 +218,27 @@ describe("the drawing", () => {
     const rooms = [0, 1, 2, 4].flatMap((count) => {
       const lanes = many.slice(0, count);
       return [null, { ...other, lanes }].map((other) => {
-        const held = { lanes, plots: [], other };
+        const held = { machines: 2, lanes, plots: [], other };
         return [roomFor(held), heightOf(held)];
       });
     });
     expect(rooms.map(([room]) => room)).toEqual(Array(8).fill(71));
     expect(rooms.map(([, height]) => height)).toEqual([53, 71, 53, 71, 71, 71, 107, 107]);
+  });
+
+  it("has room for the machines of the program, up to four", () => {
+    expect([1, 2, 3, 4, 9].map((machines) => roomFor({ plots: [], machines }))).toEqual([
+      71, 71, 89, 107, 107,
+    ]);
+    const lanes = lanesOf(["a", "b", "c"].map((lane) => happening({ lane, state: `${lane}/x` })));
+    expect(heightOf({ plots: [], other: null, lanes, machines: 3 })).toBe(89);
+  });
+
+  it("keeps its axis and its marks above the lanes, to stay in sight where these are scrolled", () => {
+    const marks = [{ kind: "edit" as const, tick: 1, time: 1, text: "Edited." }];
+    const top = drawn({ marks }).lastElementChild!;
+    expect(top.querySelectorAll(".lrp-timeline-time, [data-lrp-mark]").length).toBeGreaterThan(2);
+    expect(top.getAttribute("class")).toBe("lrp-timeline-top");
   });
 
   it("has the other course of a machine below the recorded one, in the same row", () => {

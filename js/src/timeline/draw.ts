@@ -3,7 +3,7 @@
  * the window, and the lanes and plots in the part to which the panel is scrolled. A program may have hundreds.
  */
 
-import { nameOf } from "../language/paths";
+import { nameOf, parentOf } from "../language/paths";
 import type { HappeningKind } from "../protocol";
 import { s, setAttribute, unmarked } from "../ui/dom";
 import type { Style } from "../world/palette";
@@ -18,7 +18,7 @@ interface Other {
   divergence: { time: number; text: string } | null;
 }
 
-/** A machine: what its states were, and below it what they are in the other course. */
+/** A lane: what the states of its machine were, and below it what they are in the other course. */
 interface Row {
   machine: string;
   depth: number;
@@ -31,6 +31,8 @@ export interface Drawing extends Scale {
   sight: { top: number; bottom: number };
   /** The end of the known run, in seconds: visits that last are drawn up to here. */
   now: number;
+  /** How many machines the program has. */
+  machines: number;
   lanes: readonly Lane[];
   marks: readonly Mark[];
   plots: readonly [string, Plotted][];
@@ -44,7 +46,7 @@ export interface Drawing extends Scale {
 const AXIS = 18; // px
 const MARKS = 14;
 const LANE = 18;
-const LANES = 2; // for which there is room
+const LANES = [2, 4] as const; // for which there is room, at least and at most
 const WORDS = 12; // px of a bar in which a name can be read
 const NARROW = 8; // px of a visit at which nobody can aim: all of a lane are drawn together
 const GAP = 3;
@@ -75,28 +77,35 @@ function rowsOf({ lanes, other }: Pick<Drawing, "lanes" | "other">): Row[] {
 }
 
 /** The height of a row, in px: two courses share it, and may have all the room that there is. */
-function rowHeight(count: number, other: Other | null): number {
-  return other ? Math.max(LANE, (LANES * LANE) / Math.max(1, count)) : LANE;
+function rowHeight(count: number, { other, machines }: Pick<Drawing, "other" | "machines">): number {
+  return other ? Math.max(LANE, roomForLanes(machines) / Math.max(1, count)) : LANE;
 }
 
 /** The height of a drawing, in px. */
-export function heightOf(drawing: Pick<Drawing, "lanes" | "plots" | "other">): number {
+export function heightOf(drawing: Pick<Drawing, "lanes" | "plots" | "other" | "machines">): number {
   const { length } = rowsOf(drawing);
-  return roomFor(drawing) + (Math.max(1, length) * rowHeight(length, drawing.other) - LANES * LANE);
+  return (
+    roomFor(drawing) + (Math.max(1, length) * rowHeight(length, drawing) - roomForLanes(drawing.machines))
+  );
+}
+
+function roomForLanes(machines: number): number {
+  const [least, most] = LANES;
+  return LANE * Math.min(most, Math.max(least, machines));
 }
 
 /**
  * The height of the panel for a drawing, in px: it does not change while machines start and end, nor while
  * another course is shown, or everything above it would move under the pointer. What is higher can be scrolled.
  */
-export function roomFor({ plots }: Pick<Drawing, "plots">): number {
-  return AXIS + MARKS + LANES * LANE + plots.length * (PLOT + GAP) + GAP;
+export function roomFor({ plots, machines }: Pick<Drawing, "plots" | "machines">): number {
+  return AXIS + MARKS + roomForLanes(machines) + plots.length * (PLOT + GAP) + GAP;
 }
 
 /** The lane at so many px from the top; null between and below the recorded ones. */
 export function laneAt(drawing: Drawing, y: number): Lane | null {
   const rows = rowsOf(drawing);
-  const place = (y - AXIS - MARKS) / rowHeight(rows.length, drawing.other);
+  const place = (y - AXIS - MARKS) / rowHeight(rows.length, drawing);
   const isOther = drawing.other && place % 1 >= 0.5;
   return (!isOther && rows[Math.floor(place)]?.recorded) || null;
 }
@@ -106,20 +115,22 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   const height = heightOf(drawing);
   const isSeen = (y: number, height: number) => y < sight.bottom && y + height > sight.top;
   const parts: Node[] = [];
+  const top: Node[] = [s("rect", { width: left + width + AXIS, height: AXIS + MARKS })];
   const times = ticksOf(drawing.span, width);
   const isFine = times.length > 1 && times[1]! - times[0]! < 0.99;
   for (const time of times) {
     const x = xOf(drawing, time);
-    parts.push(
-      s("line", { class: "lrp-timeline-grid", x1: x, x2: x, y1: AXIS, y2: height }),
+    const line = (y2: number) => s("line", { class: "lrp-timeline-grid", x1: x, x2: x, y1: AXIS, y2 });
+    parts.push(line(height));
+    top.push(
+      line(AXIS + MARKS),
       s("text", { class: "lrp-timeline-time", x, y: AXIS - 5 }, timeText(time, isFine)),
     );
   }
-  let y = AXIS;
-  parts.push(...marksOf(drawing, y + MARKS / 2));
-  y += MARKS;
+  top.push(...marksOf(drawing, AXIS + MARKS / 2));
+  let y = AXIS + MARKS;
   const rows = rowsOf(drawing);
-  const row = rowHeight(rows.length, other);
+  const row = rowHeight(rows.length, drawing);
   const course = other ? row / 2 : row;
   const places = placesIn([...drawing.lanes, ...(other?.lanes ?? [])]);
   for (const { machine, depth, recorded, other: changed } of rows) {
@@ -145,7 +156,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
     y += PLOT;
   }
   svg.setAttribute("height", String(height));
-  svg.replaceChildren(...parts);
+  svg.replaceChildren(...parts, s("g", { class: "lrp-timeline-top" }, ...top));
 }
 
 /** The width of a label, in px. */
@@ -256,6 +267,7 @@ function visit(segment: Segment, x: number, width: number, bar: Bar, { color, da
   const { y, height, isOther } = bar;
   const until = end === Number.POSITIVE_INFINITY ? "" : ` to ${end.toFixed(1)} s`;
   const course = isOther ? "With the edit: " : "";
+  const place = lane.includes("/") ? ` in ${parentOf(lane)}` : "";
   const line = {
     d: `M0 0h${width.toFixed(1)}`,
     ...(dash.length ? { "stroke-dasharray": dash.join(" ") } : {}),
@@ -276,7 +288,11 @@ function visit(segment: Segment, x: number, width: number, bar: Bar, { color, da
       width: width.toFixed(1),
       height,
     },
-    s("title", {}, `${course}${nameOf(state)}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`),
+    s(
+      "title",
+      {},
+      `${course}${nameOf(state)}${place}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`,
+    ),
     s("rect", { class: "lrp-timeline-hit", width, height }), // between the stripes, too
     ...bars(bar, color, line),
     s("rect", { width: 2, height, fill: color }),

@@ -6,6 +6,7 @@ import { placesOf } from "../session/instances";
 
 /** A visit of a state. */
 export interface Segment {
+  /** The machine, as spawned. */
   lane: string;
   state: string;
   /** The transition that led there; empty if the state was spawned or forced. */
@@ -17,9 +18,9 @@ export interface Segment {
   end: number;
 }
 
-/** A machine with the visits of its states. */
+/** A machine with the visits of its states, whichever state of the machine around it spawned it. */
 export interface Lane {
-  /** As spawned. */
+  /** See `laneOf`. */
   machine: string;
   /** How many lanes it is nested in. */
   depth: number;
@@ -85,7 +86,7 @@ export class Happened {
 
   /** The visit with which another one ended; null if it lasts, or its machine ended. */
   after({ lane, state, tick }: Pick<Segment, "lane" | "state" | "tick">): Segment | null {
-    const segments = this.lanes().find(({ machine }) => machine === lane)?.segments ?? [];
+    const segments = this.visitsOf(lane);
     const index = segments.findIndex((each) => each.state === state && each.tick === tick);
     const next = segments[index + 1];
     return next && next.begin === segments[index]?.end ? next : null;
@@ -94,9 +95,15 @@ export class Happened {
   /** The machine whose transition led to a visit, as spawned: for an `exit`, the one that ended. */
   leader({ lane, state, tick, by }: Segment): string {
     if (machineOf(by) === parentOf(state)) return lane;
-    const segments = this.lanes().find(({ machine }) => machine === lane)?.segments ?? [];
+    const segments = this.visitsOf(lane);
     const index = segments.findIndex((each) => each.state === state && each.tick === tick);
     return `${lane}/${nameOf(segments[index - 1]?.state ?? "")}/${nameOf(machineOf(by))}`;
+  }
+
+  /** The visits of the states of a machine as spawned. */
+  private visitsOf(instance: string): Segment[] {
+    const segments = this.lanes().find(({ machine }) => machine === laneOf(instance))?.segments ?? [];
+    return segments.filter(({ lane }) => lane === instance);
   }
 
   marks(): Mark[] {
@@ -145,17 +152,27 @@ export class Happened {
   }
 }
 
+/**
+ * The lane of a machine as spawned: its path without states. Of the states of one machine one is active at a time, so
+ * what they spawn shares a lane.
+ */
+const laneOf = (instance: string) =>
+  instance
+    .split("/")
+    .filter((_, index) => index % 2 === 0)
+    .join("/");
+
 /** The visits of states, by machine; a machine stands below the one that it is nested in. */
 export function lanesOf(happenings: readonly Happening[]): Lane[] {
-  const lanes = new Map<string, Segment[]>();
+  const instances = new Map<string, Segment[]>();
   const close = (segments: Segment[], time: number) => {
     const last = segments.at(-1);
     if (last && last.end === Number.POSITIVE_INFINITY) last.end = time;
   };
   for (const { kind, lane, state, by, text, tick, time } of happenings) {
     if (kind === "entered") {
-      const segments = lanes.get(lane) ?? [];
-      lanes.set(lane, segments);
+      const segments = instances.get(lane) ?? [];
+      instances.set(lane, segments);
       close(segments, time);
       segments.push({
         lane,
@@ -166,28 +183,44 @@ export function lanesOf(happenings: readonly Happening[]): Lane[] {
         begin: time,
         end: Number.POSITIVE_INFINITY,
       });
-    } else if (kind === "ended") close(lanes.get(lane) ?? [], time);
-    else if (kind === "restart") for (const segments of lanes.values()) close(segments, time);
+    } else if (kind === "ended") close(instances.get(lane) ?? [], time);
+    else if (kind === "restart") for (const segments of instances.values()) close(segments, time);
+  }
+  const lanes = new Map<string, Segment[]>();
+  for (const [instance, segments] of instances) {
+    const lane = laneOf(instance);
+    lanes.set(lane, [...(lanes.get(lane) ?? []), ...segments]);
   }
   const order = new Map([...lanes.keys()].map((machine, index) => [machine, index]));
   return [...lanes]
     .map(([machine, segments]) => {
       const names = machine.split("/");
       const place = names.flatMap((_, index) => order.get(names.slice(0, index + 1).join("/")) ?? []);
+      segments.sort((a, b) => a.begin - b.begin);
       return { machine, depth: place.length - 1, segments, place };
     })
     .sort((a, b) => compared(a.place, b.place))
     .map(({ place, ...lane }) => lane);
 }
 
-/** Where machines run that have several lanes, as short as they can be told apart; by path as spawned. */
+/** Where machines run that have several lanes, as short as they can be told apart; by lane. */
 export function placesIn(lanes: readonly Lane[]): Map<string, string> {
+  return apart(lanes.map(({ machine, segments }) => [segments[0]?.state ?? "", machine]));
+}
+
+/** Where machines run that had several instances, as short as they can be told apart; by path as spawned. */
+export function placesOfInstances(lanes: readonly Lane[]): Map<string, string> {
+  return apart(lanes.flatMap(({ segments }) => segments.map(({ state, lane }) => [state, lane])));
+}
+
+/** Tell the paths of a machine apart, each given with one of its states. */
+function apart(paths: readonly (readonly [state: string, path: string])[]): Map<string, string> {
   const machines = new Map<string, Set<string>>(); // by path in the text
-  for (const { machine, segments } of lanes) {
-    const defined = parentOf(segments[0]?.state ?? "");
-    machines.set(defined, (machines.get(defined) ?? new Set()).add(machine));
+  for (const [state, path] of paths) {
+    const defined = parentOf(state);
+    machines.set(defined, (machines.get(defined) ?? new Set()).add(path));
   }
-  return new Map([...machines.values()].flatMap((paths) => [...placesOf([...paths])]));
+  return new Map([...machines.values()].flatMap((each) => [...placesOf([...each])]));
 }
 
 function compared(a: number[], b: number[]): number {

@@ -143,6 +143,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       left,
       width: whole - left - 14,
       now: now(),
+      machines: store.state.program.machines.length,
       lanes: happened.lanes(),
       marks: happened.marks(),
       plots: plots.flatMap((name) => {
@@ -308,6 +309,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   );
   body.addEventListener("scroll", () => {
     const { scrollTop, clientHeight } = body;
+    area.style.setProperty("--lrp-scrolled", `${scrollTop}px`);
     if (!drawing || scrollTop < drawing.sight.top || scrollTop + clientHeight > drawing.sight.bottom)
       redraw();
   });

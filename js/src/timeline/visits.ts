@@ -5,7 +5,7 @@ import { askWhy } from "../parts/why";
 import type { Lab } from "../session/store";
 import { item, type MenuItem, openMenu } from "../ui/menu";
 import type { Point } from "../ui/point";
-import { type Happened, placesIn, type Segment } from "./happened";
+import { type Happened, placesOfInstances, type Segment } from "./happened";
 import type { Moment } from "./looking";
 
 export class Visits {
@@ -37,15 +37,15 @@ export class Visits {
     ];
   }
 
-  /** The name of a state; where its machine has several lanes, with the place of this one. */
+  /** The name of a state; where its machine had several instances, with the place of this one. */
   nameOf({ state, lane }: Segment): string {
-    const place = placesIn(this.happened().lanes()).get(lane);
+    const place = placesOfInstances(this.happened().lanes()).get(lane);
     return place ? `${nameOf(state)} in ${place}` : nameOf(state);
   }
 
-  /** The instance to ask about, if its machine has several lanes. */
+  /** The instance to ask about, if its machine had several. */
   private askedIn(instance: string): string {
-    return placesIn(this.happened().lanes()).get(instance) ? instance : "";
+    return placesOfInstances(this.happened().lanes()).get(instance) ? instance : "";
   }
 
   private async whyState({ state, lane }: Segment, time: number, at: Point): Promise<void> {
