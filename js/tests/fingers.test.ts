@@ -128,6 +128,32 @@ describe("a long press", () => {
     expect(lab.querySelector('[role="tooltip"]')).toBeNull();
   });
 
+  it("is none if the finger has moved before a busy page was told so", () => {
+    touch("touchstart", [7, 8]);
+    vi.advanceTimersByTime(500);
+    touch("touchmove", [7, 30]);
+    vi.advanceTimersToNextFrame();
+    expect(lab.querySelector('[role="tooltip"]')).toBeNull();
+  });
+
+  it("is of what is drawn instead of what was pressed, and ends with the touch of that", () => {
+    const again = h("button", { title: "What it does now" });
+    const draw = () => surface.replaceWith(again);
+    document.elementFromPoint = () => again;
+    touch("touchstart", [7, 8]);
+    draw();
+    vi.advanceTimersByTime(LONG);
+    expect(lab.querySelector('[role="tooltip"]')?.textContent).toBe("What it does now");
+    expect(touch("touchend")).toBe(false);
+    document.dispatchEvent(pointer("pointerdown", 0, 0));
+    again.replaceWith(surface);
+    touch("touchstart", [7, 8]);
+    draw();
+    touch("touchend");
+    vi.advanceTimersByTime(LONG);
+    expect(lab.querySelector('[role="tooltip"]')).toBeNull();
+  });
+
   it("is left to a text, which has one of its own", () => {
     surface.classList.add("cm-content");
     touch("touchstart", [7, 8]);

@@ -16,36 +16,49 @@ const TEXT = "input, textarea, select, .cm-content"; // has a long press of its 
 
 export function useFingers(root: HTMLElement): void {
   let timer: ReturnType<typeof setTimeout> | undefined;
+  let frame = 0;
   let begun: Point = { x: 0, y: 0 };
   let isDown = false;
   let wasLong = false; // and has done something: the rest of the touch does nothing more
-  const listen = (
-    name: "touchstart" | "touchmove" | "touchend" | "touchcancel",
-    act: (event: TouchEvent) => void,
-  ) => root.addEventListener(name, act, { passive: name === "touchstart" });
-  listen("touchstart", ({ touches, target }) => {
+  const isShort = () => {
     clearTimeout(timer);
-    isDown = true;
-    wasLong = false;
-    begun = { x: touches[0]!.clientX, y: touches[0]!.clientY };
-    if (touches.length > 1) return;
-    timer = setTimeout(() => {
-      wasLong = pressed(target as Element, begun);
-      if (wasLong) giveUpDrags();
-    }, LONG);
-  });
-  listen("touchmove", (event) => {
+    cancelAnimationFrame(frame);
+  };
+  const moved = (event: TouchEvent) => {
     const { clientX, clientY } = event.touches[0]!;
-    if (Math.hypot(clientX - begun.x, clientY - begun.y) > STILL) clearTimeout(timer);
+    if (Math.hypot(clientX - begun.x, clientY - begun.y) > STILL) isShort();
     if (event.cancelable && (wasLong || isHolding())) event.preventDefault();
-  });
+  };
   const ended = (event: TouchEvent) => {
-    clearTimeout(timer);
+    isShort();
     isDown = event.touches.length > 0;
     if (event.cancelable && wasLong) event.preventDefault(); // or it would click
   };
-  listen("touchend", ended);
-  listen("touchcancel", ended);
+  const follow = (element: HTMLElement) => {
+    element.addEventListener("touchmove", moved, { passive: false });
+    element.addEventListener("touchend", ended, { passive: false });
+    element.addEventListener("touchcancel", ended, { passive: false });
+  };
+  follow(root);
+  root.addEventListener(
+    "touchstart",
+    ({ touches, target }) => {
+      isShort();
+      isDown = true;
+      wasLong = false;
+      begun = { x: touches[0]!.clientX, y: touches[0]!.clientY };
+      follow(target as HTMLElement); // drawn again, the old element alone is told of the rest of the touch
+      if (touches.length > 1) return;
+      const act = () => {
+        wasLong = pressed(elementNow(target as Element, begun), begun);
+        if (wasLong) giveUpDrags();
+      };
+      timer = setTimeout(() => {
+        frame = requestAnimationFrame(act); // after a move that a busy page has not been told of yet
+      }, LONG);
+    },
+    { passive: true },
+  );
   root.addEventListener(
     "contextmenu",
     (event) => {
@@ -59,6 +72,13 @@ export function useFingers(root: HTMLElement): void {
   root.addEventListener("contextmenu", (event) => {
     if (!event.isTrusted) event.stopPropagation(); // from here: the notebook has a menu, too
   });
+
+  /** What a finger has pressed, or what was drawn in its place meanwhile. */
+  function elementNow(pressed: Element, { x, y }: Point): Element {
+    const tree = root.getRootNode() as Document | ShadowRoot;
+    const now = pressed.isConnected ? pressed : tree.elementFromPoint(x, y);
+    return root.contains(now) ? now! : root;
+  }
 
   /** Do what a long press does; return whether that is anything. */
   function pressed(target: Element, { x, y }: Point): boolean {
