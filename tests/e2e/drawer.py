@@ -4,13 +4,14 @@
 class Drawer:
     """The state graph of a lab, drawn on by mouse, or by what does the same."""
 
-    def __init__(self, lab, mouse=None):
+    def __init__(self, lab, fingers=None):
         self.lab, self.page = lab, lab.page
-        self.mouse = mouse or lab.page.mouse
+        self.mouse = fingers or lab.page.mouse
+        self.drag = (fingers or lab).drag
 
     def at(self, x, y):
         """A point of the graph, in parts of its width and height."""
-        frame = self.lab.box(".lrp-graph-body")
+        frame = self.lab.at_rest(".lrp-graph-body")
         return frame["x"] + x * frame["width"], frame["y"] + y * frame["height"]
 
     def box(self, state):
@@ -32,13 +33,6 @@ class Drawer:
         self.lab.press(".lrp-field-apply")
         self.lab.misses(".lrp-field")
         self.lab.until("(root, before) => Number(root.dataset.lrpRevision) > before", argument=revision)
-
-    def drag(self, start, end):
-        self.mouse.move(*start)
-        self.mouse.down()
-        self.mouse.move(start[0] + 6, start[1] + 6)
-        self.mouse.move(*end, steps=6)
-        self.mouse.up()
 
     # -- acts ------------------------------------------------------------------------------------
 

@@ -1,5 +1,7 @@
 """Fingers on a touch screen: the browser makes of them what it makes of real ones, and may scroll instead."""
 
+from time import time
+
 ANSWERS = '.lrp-menu, .lrp-tip[role="tooltip"]'  # to a long press
 STEPS = 8
 
@@ -10,43 +12,40 @@ class Fingers:
     def __init__(self, page):
         self.page = page
         self.wire = page.context.new_cdp_session(page)
-        self.at = None
-        self.is_down = False
 
-    def touch(self, kind, *points):
+    def touch(self, kind, *points, **more):
         touches = [{"x": x, "y": y, "id": index} for index, (x, y) in enumerate(points)]
-        self.wire.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
-
-    def move(self, x, y, steps=1):
-        if self.is_down:
-            for at in between(self.at, (x, y), steps):
-                self.touch("touchMove", at)
-        self.at = x, y
-
-    def down(self):
-        self.is_down = True
-        self.touch("touchStart", self.at)
-
-    def up(self):
-        self.is_down = False
-        self.touch("touchEnd")
+        self.wire.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches, **more})
 
     def click(self, x, y, button="left"):
-        self.move(x, y)
-        self.down()
-        if button == "right":
-            self.page.locator(ANSWERS).first.wait_for()
-        self.up()
+        if button == "left":
+            self.tap(x, y, 1)
+            return
+        self.touch("touchStart", (x, y))
+        self.page.locator(ANSWERS).first.wait_for()
+        self.touch("touchEnd")
 
     def dblclick(self, x, y):
-        self.click(x, y)
-        self.click(x, y)
+        self.tap(x, y, 2)
+
+    def tap(self, x, y, count):
+        """Tap as fast as a person does, however slow the page is to hear of each touch."""
+        begun = time()
+        for n in range(count):
+            self.touch("touchStart", (x, y), timestamp=begun + n * 0.1)
+            self.touch("touchEnd", timestamp=begun + n * 0.1 + 0.03)
 
     def drag(self, start, end):
-        self.move(*start)
-        self.down()
-        self.move(*end, steps=STEPS)
-        self.up()
+        """Drag, again where a page so slow has taken the press for a long one."""
+        was_long = True
+        while was_long:
+            self.touch("touchStart", start)
+            for at in between(start, end, STEPS):
+                self.touch("touchMove", at)
+            was_long = self.page.locator(ANSWERS).count() > 0
+            self.touch("touchEnd")
+            if was_long:
+                self.page.keyboard.press("Escape")
 
     def two(self, starts, ends):
         """Put two fingers down, one after the other, and move them."""

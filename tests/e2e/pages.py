@@ -320,11 +320,15 @@ class LabPage:
         left, base, scale, _ = map(float, self.find(".lrp-canvas").get_attribute("data-view").split())
         return [(frame["x"] + left + x * scale, frame["y"] + base - y * scale) for x, y in points]
 
-    def drag_robot(self, start, end, mouse=None):
-        """Drag what is at a place of the world (metres) to another."""
-        mouse = mouse or self.page.mouse
-        start, end = self.places(start, end)
+    def drag(self, start, end):
+        """Drag from a point of the screen to another."""
+        mouse = self.page.mouse
         mouse.move(*start)
         mouse.down()
-        mouse.move(*end, steps=5)
+        mouse.move(start[0] + 6, start[1] + 6)
+        mouse.move(*end, steps=6)
         mouse.up()
+
+    def drag_robot(self, start, end, fingers=None):
+        """Drag what is at a place of the world (metres) to another."""
+        (fingers or self).drag(*self.places(start, end))
