@@ -5,7 +5,7 @@ import { type Box, Camera } from "../src/graph/camera";
 import { Dragging } from "../src/graph/drag";
 import { draw, drawCones, drawMachines, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
-import { boxAround, nestAround, placesOf, shapeFor, statesOn } from "../src/graph/inside";
+import { boxAround, nestAround, placesOf, shapeFor, statesOn, writtenIn } from "../src/graph/inside";
 import { lastFired, marking } from "../src/graph/marks";
 import { ScrollBars, scroll } from "../src/graph/scroll";
 import { follow, followRun, showMachine } from "../src/graph/shown";
@@ -351,6 +351,27 @@ describe("following a machine that several others spawn", () => {
       vi.advanceTimersByTime(1100);
     }
     expect(shown).toEqual(["move"]);
+    end.abort();
+    vi.useRealTimers();
+  });
+
+  it("shows alone what is written in the outermost one, however deep, and none that others may use", () => {
+    expect(writtenIn(["p", "p/s/i", "move", "move/go/j"])).toEqual(["p", "p/s/i"]);
+    vi.useFakeTimers();
+    const end = new AbortController();
+    const store = new Store();
+    const user = layout([shape("s", { id: "p/s", spawns: [line("move")] })]);
+    Object.assign(store.state, {
+      machine: "move",
+      follow: "active",
+      layouts: { p: { ...user, machine: "p" } },
+    });
+    store.state.settings = { ...store.state.settings, graph: "live" };
+    store.state.active = ["p/s/move/go"];
+    followRun({ store, closed: end.signal }, undefined, undefined, undefined, undefined, writtenIn);
+    store.set("lit", []);
+    vi.advanceTimersByTime(1100);
+    expect(store.state.machine).toBe("p");
     end.abort();
     vi.useRealTimers();
   });

@@ -35,6 +35,7 @@ const RUN = {
   program: {
     variables: ["n"],
     events: [],
+    main: "follow",
     machines: [
       machine("follow", ["search", "found"], ["follow/side"], ["follow/near"]),
       machine("m", ["left"]),

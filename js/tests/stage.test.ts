@@ -364,7 +364,7 @@ describe("two robots", () => {
 it("the legend has the order of the program, whichever state the robot was in first", () => {
   const states = ["a", "b"].map((name) => ({ path: `m/${name}`, machines: [] }));
   const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
-  const program = { variables: [], events: [], machines: [machine] };
+  const program = { variables: [], events: [], machines: [machine], main: "m" };
   stage.styleOf = trailStyles(program, ["red", "blue"]);
   const { element, refresh } = legend(stage, () => program);
   for (const [time, state] of ["", "m/gone", "m/b", "m/a"].entries())

@@ -21,6 +21,7 @@ const program = (machines: string[]) => ({
   variables: [],
   events: [],
   machines: machines.map(machine),
+  main: machines.find((path) => path === "main") ?? machines[0] ?? "",
 });
 const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): SnapshotMessage => ({
   type: "snapshot",
@@ -134,6 +135,12 @@ it("does not confuse a variable with the machine of the same path", () => {
   apply(state, snapshot(["m", "other"]));
   apply(state, frame({ moved: { 1: [moved("variable", "m", "other")] } }));
   expect(state.machine).toBe("m");
+});
+
+it("shows the machine that the program spawns first, wherever it stands", () => {
+  const state = initialState();
+  apply(state, snapshot(["helper", "main"]));
+  expect(state.machine).toBe("main");
 });
 
 it("shows the enclosing machine when the one shown is removed", () => {

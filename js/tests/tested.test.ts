@@ -22,6 +22,7 @@ function machine(path: string, events: string[], transitions: [string, string, s
 const program: ProgramView = {
   variables: [],
   events: ["far", "near"],
+  main: "m",
   machines: [
     machine(
       "m",

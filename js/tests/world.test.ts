@@ -439,7 +439,7 @@ describe("the trail", () => {
     const states = ["a", "b", "c"].map((name) => ({ path: `m/${name}`, machines: [] as string[] }));
     states.unshift({ path: "m/outer", machines: ["m/outer/n"] });
     const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
-    const style = trailStyles({ variables: [], events: [], machines: [machine] }, ["red", "blue"]);
+    const style = trailStyles({ variables: [], events: [], machines: [machine], main: "m" }, ["red", "blue"]);
     expect(style("m/a")).toEqual({ color: "red", dash: [] });
     expect(style("m/b")).toEqual({ color: "blue", dash: [] });
     expect(style("m/c").color).toBe("red");
@@ -451,7 +451,11 @@ describe("the trail", () => {
   it("has other styles for states of another program than for those of this one", () => {
     const states = [{ path: "m/a", machines: [] }];
     const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
-    const style = trailStyles({ variables: [], events: [], machines: [machine] }, ["red", "blue", "green"]);
+    const style = trailStyles({ variables: [], events: [], machines: [machine], main: "m" }, [
+      "red",
+      "blue",
+      "green",
+    ]);
     expect(["m/gone", "m/a", "m/new", "m/gone"].map((state) => style(state).color)).toEqual([
       "blue",
       "red",
@@ -463,7 +467,7 @@ describe("the trail", () => {
   it("has the same styles wherever a program is drawn, whatever is seen first there", () => {
     const states = [{ path: "m/a", machines: [] }];
     const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
-    const program = { variables: [], events: [], machines: [machine] };
+    const program = { variables: [], events: [], machines: [machine], main: "m" };
     const [trail, timeline] = [trailStyles(program, ["r", "g", "b"]), trailStyles(program, ["R", "G", "B"])];
     expect(["m/old", "m/older"].map((state) => trail(state).color)).toEqual(["g", "b"]);
     expect(["m/older", "m/old", "m/a"].map((state) => timeline(state).color)).toEqual(["B", "G", "R"]);

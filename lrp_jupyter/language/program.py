@@ -286,6 +286,13 @@ class Program(Displayed):
     def _line_starts(self) -> list[int]:
         return line_starts(self.text)
 
+    @property
+    def main(self) -> str:
+        """The name of the machine that it spawns first, or else of the first one; empty if there is none."""
+        names = [str(machine.name) for machine in self.machines]
+        spawned = [str(spawn.machine) for spawn in self.spawns]
+        return next((name for name in (*spawned, *names) if name in names), "")
+
     def place(self, offset: int) -> tuple[int, int]:
         """Return the line and column of a character offset, both from 1."""
         line = bisect_right(self._line_starts, offset)

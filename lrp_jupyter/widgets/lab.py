@@ -416,7 +416,7 @@ def _notebook() -> dict[str, Any] | None:
 
 def _name_of(text: str) -> str:
     program, _ = scan(text)
-    return str(program.machines[0].name) if program is not None and program.machines else "program"
+    return (program.main if program is not None else "") or "program"
 
 
 def _pictures(connection: PageConnection) -> dict[str, str]:

@@ -18,6 +18,18 @@ def test_a_place_is_a_line_and_a_column_in_characters(word):
     assert lines[line - 1][column - 1 :].startswith(word.strip())
 
 
+@every(
+    ("text", "name"),
+    [
+        ("(machine a (state s)) (machine b (state s)) (spawn b s) (spawn a s)", "b"),
+        ("(spawn gone s) (machine a (state s)) (machine b (state s))", "a"),
+        ("(var n := [1])", ""),
+    ],
+)
+def test_the_main_machine_is_the_one_that_is_spawned_first(text, name):
+    assert parse(text).main == name
+
+
 def test_compiled_code_counts_columns_in_bytes_and_a_program_in_characters():
     program = parse(TEXT)
     assert program.place_of_bytes(1, 0) == (1, 1)

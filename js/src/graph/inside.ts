@@ -1,6 +1,6 @@
 /** The machines of a drawing, and where they stand: nested ones inside their states, or beside the one around them. */
 
-import { nameOf, parentOf } from "../language/paths";
+import { isIn, nameOf, parentOf } from "../language/paths";
 import type { Inside, Layout, StateShape } from "../protocol";
 import type { Box } from "./camera";
 
@@ -35,6 +35,11 @@ export function shapeFor(width: number, height: number, before: Shape): Shape {
 /** The machines that are defined in a state, and those that it spawns from elsewhere. */
 export function machinesIn({ id, machines, spawns }: StateShape): string[] {
   return [...machines.map((name) => `${id}/${name}`), ...spawns.map(({ machine }) => machine)];
+}
+
+/** Of the machines that run in one another those that are written in the outermost: others may use the rest, too. */
+export function writtenIn(machines: string[]): string[] {
+  return machines.filter((machine) => isIn(machine, machines[0]!));
 }
 
 /** The states on a path as spawned, where they are defined; the outermost first. */

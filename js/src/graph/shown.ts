@@ -66,6 +66,7 @@ export function flipFollow(store: Store, what: Followed): void {
 /**
  * Follow the run while that is wanted: show the machine of the innermost active state when it has been the same for
  * a while, so that nothing swings where states change often; `reveal` brings the state into view, later still.
+ * `choose` leaves those that may be shown.
  */
 export function followRun(
   { store, closed }: Pick<Lab, "store" | "closed">,
@@ -74,6 +75,7 @@ export function followRun(
   isBusy: () => boolean = () => false,
   reveal: () => void = () => {},
   draw: (machine: string) => void = (machine) => store.set("machine", machine),
+  choose: (machines: string[]) => string[] = (machines) => machines,
 ): void {
   const isWanted = () => store.state.follow === "active" && store.state.settings.graph === "live";
   /** The innermost active state, and those in which it is. */
@@ -82,7 +84,7 @@ export function followRun(
     const innermost = besideGraph(store.state).active.reduce((a, b) => (depth(b) > depth(a) ? b : a), "");
     return innermost ? statesOn(innermost, store.state.layouts) : [];
   };
-  const machines = () => active().map(parentOf);
+  const machines = () => choose(active().map(parentOf));
   const show = () => {
     const shown = machines();
     if (!shown.length || areSeen(shown) || !isWanted()) return true;

@@ -31,6 +31,7 @@ import {
   type Shape,
   shapeFor,
   unionOf,
+  writtenIn,
 } from "./inside";
 import { marking } from "./marks";
 import { attachPencil } from "./pencil";
@@ -303,6 +304,8 @@ export function graphView(lab: Lab): HTMLElement {
       store.set("machine", machine);
       redraw(); // also where only the state in which it runs is another one
     },
+    // alone, a machine that several use says less than the one that uses it
+    (running) => (form === "one" ? writtenIn(running) : running),
   );
   new ResizeObserver(() => {
     fitting.resized(focus());

@@ -231,6 +231,6 @@ function showAnother(state: LabState): boolean {
   const machines = state.program.machines;
   if (machines.some((machine) => machine.path === state.machine)) return false;
   const around = machines.findLast(({ path }) => isIn(state.machine, path));
-  state.machine = (around ?? machines[0])?.path ?? "";
+  state.machine = around?.path ?? state.program.main;
   return true;
 }

@@ -321,6 +321,7 @@ def program_view(program: Program) -> ProgramView:
         "variables": _names("", program.variables),
         "events": _names("", program.events),
         "machines": list(machines.values()),
+        "main": program.main,
     }
 
 

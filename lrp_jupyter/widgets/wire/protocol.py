@@ -202,11 +202,12 @@ class MachineItem(TypedDict):
 
 
 class ProgramView(TypedDict):
-    """The running program without its blocks, machines in the order of `Program.walk`."""
+    """The running program without its blocks, machines in the order of `Program.walk`; `main` as there."""
 
     variables: list[str]
     events: list[str]
     machines: list[MachineItem]
+    main: str
 
 
 class Difference(TypedDict):
