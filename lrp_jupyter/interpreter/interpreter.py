@@ -146,6 +146,7 @@ class Interpreter:
         """The edits and renames that changed the path of an element: the tick before each, and the map."""
         self.patch_reason = ""
         self._robot = robot
+        self._command: Commanded | None = None  # that is being applied
         self.namespace: dict[str, Any] = {} if namespace is None else namespace
         """Names that blocks can read."""
         self.namespace.setdefault("__builtins__", builtins)  # C code such as numpy's imports with it
@@ -431,6 +432,10 @@ class Interpreter:
         run = self._run
         if run.watched:
             run.settle(run.live.values())
+        fact, self._command = self._command, None
+        log = run.log
+        if fact and log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == fact):
+            log += (fact, note)
         if ticked and run.log is not None:
             run.log.append(run.now)
             if run.ticks >= run.full:
@@ -776,10 +781,8 @@ class Interpreter:
             run.attempt(bind_block(run, block, run.globals), block.site, run.globals)
 
     def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
-        """Log that a command was applied, unless the previous one was the same."""
-        log, fact = self._run.log, Commanded(kind, text, state)
-        if log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == fact):
-            log += (fact, note)
+        """Have it logged at its end that a command was applied, unless the previous one was the same."""
+        self._command = Commanded(kind, text, state)
 
     def _report_duplicates(self) -> None:
         run = self._run

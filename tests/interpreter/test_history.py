@@ -52,6 +52,15 @@ def test_every_moment_of_the_past_is_as_it_was(text, orders, keep):
         assert seen(i.history.state(tick, before=True)) == before[tick], f"before tick {tick}"
 
 
+def test_what_a_command_has_written_is_there_when_the_next_tick_begins_though_a_function_writes_it_too():
+    function = "def f():\n  nonlocal n\n  n += 1\nf()"
+    text = f"(var n := [0]) (machine m (state a) (state b (onentry [n += 1]) (running [{function}])))"
+    i = Interpreter(parse(f"{text} (spawn m a)"))
+    i.transition_to("m/b", 0.0)
+    i.step(0.0)
+    assert i.history.state(1, before=True).variables["n",] == 1
+
+
 @slow
 @given(program, st.lists(command, max_size=40))
 def test_the_facts_of_a_tick_are_the_events_of_it(text, orders):
