@@ -77,6 +77,9 @@ ICON = 16.0  # px: width of what is before the name of a machine
 SETTINGS = 6.0  # px: between that name and the settings
 WIDEST_NAME, WIDEST_LINE = 150.0, 210.0
 PLAIN = 1_000  # arrows above which neither they nor their labels avoid anything: that would take many seconds
+TAG = 120.0  # px: width of what names the states in which a machine runs, above each active state
+TAG_INSET, TAG_ABOVE, TAG_GAP = 10.0, 9.0, 4.0  # px: from the left side, from the top, to what is beside it
+BOLD = 1.08  # how much wider letters are
 MARGIN = 18.0
 TITLE = 18.0
 
@@ -109,6 +112,31 @@ def layout(
     """
     where = path or (str(machine.name),)
     return _Drawing(machine, where, program, inside or {}).draw(previous, moved or {}, now, panel)
+
+
+def fit_tags(users: Mapping[str, str], layouts: Iterable[Layout]) -> dict[str, str]:
+    """Return the tags of active states no wider than there is room: in the frame, and beside other states."""
+    tags = dict(users)
+    for drawing in layouts:
+        right = drawing["frame"][0] + drawing["frame"][2]
+        boxes = {
+            each["id"]: Rect(each["x"], each["y"], each["width"], each["height"])
+            for each in drawing["states"]
+        }
+        for state in boxes.keys() & tags.keys():
+            tag = _tag(boxes[state], right)
+            left = tag.x - tag.width / 2
+            beside = (box for box in boxes.values() if box.overlaps(tag, gap_y=TAG_ABOVE))  # with its own tag
+            ends = (box.x - box.width / 2 for box in beside)
+            end = min([right, *(each for each in ends if each > left)])
+            tags[state] = shorten(tags[state], LABEL_FONT * BOLD, end - left - TAG_GAP)
+    return tags
+
+
+def _tag(box: Rect, right: float) -> Rect:
+    """Return the line above a state, as far as `right`."""
+    left = box.x - box.width / 2 + TAG_INSET
+    return Rect((left + right) / 2, box.y - box.height / 2 - TAG_ABOVE, right - left, LABEL_FONT)
 
 
 class _Edge:
@@ -154,6 +182,8 @@ class _Drawing:
         self.path = path
         self.states = distinct_states(machine)
         names = resolve(program) if program else None
+        scope = names and names.by_path.get(path)
+        self.is_shared = bool(names and scope and len(names.spawners.get(scope, ())) > 1)
         self.spawned: dict[str, list[SpawnedMachine]] = {name: [] for name in self.states}
         for each in spawned_machines(names, path) if names else ():
             self.spawned.setdefault(each.state, []).append(each)
@@ -248,7 +278,7 @@ class _Drawing:
         routes = self._routes(inner, boxes)
         labels = self._labels(routes, inner, solid)
         room = max((edge.size[0] + 28.0 for edge in outer), default=0.0)  # for the arrows to the ports
-        frame = _around([*solid, *labels], routes, room, self._title_width())
+        frame = _around([*solid, *self._tags(boxes.values()), *labels], routes, room, self._title_width())
         ports, exits, exit_labels = self._exits(outer, boxes, frame, [*solid, *labels])
         arrows = zip([*routes, *exits], [*labels, *exit_labels], strict=True)
         drawn = dict(zip([*inner, *outer], arrows, strict=True))
@@ -267,6 +297,11 @@ class _Drawing:
             ports=ports,
             places=places,
         )
+
+    def _tags(self, boxes: Iterable[Rect]) -> list[Rect]:
+        """Return what tags take that name the states in which the machine runs, if it may run in several."""
+        right = TAG_INSET + TAG - MARGIN
+        return [_tag(box, box.x - box.width / 2 + right) for box in boxes] if self.is_shared else []
 
     def _roomy(self) -> dict[str, Size]:
         """Return the sizes with room for the large labels of arrows that land."""

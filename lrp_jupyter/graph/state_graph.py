@@ -18,7 +18,7 @@ from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
-from lrp_jupyter.graph.labels import LABEL_FONT, WIDEST_LABEL, arrow_text, shorten
+from lrp_jupyter.graph.labels import arrow_text
 from lrp_jupyter.language.lookup import definition_of, find
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, resolve
@@ -242,7 +242,7 @@ class DefinedPaths:
     def users(self, innermost: Iterable[Path]) -> dict[str, str]:
         """Return in which states a machine runs that runs in several, by the paths of its active states.
 
-        As the text of a tag: without the names that the paths of all these states begin with.
+        As the text of a tag: without the names with which the paths of all these states begin and end.
         """
         running: dict[Path, dict[Path, str]] = {}  # by machine, by the path as spawned: the active state
         for path in innermost:
@@ -253,9 +253,15 @@ class DefinedPaths:
         for machine, instances in running.items():
             if len(instances) == 1:
                 continue
-            together = zip(*(spawned[:-1] for spawned in instances), strict=False)
-            shared = sum(1 for _ in takewhile(lambda names: len(set(names)) == 1, together))
+            begin = _shared(spawned[:-1] for spawned in instances)
+            end = _shared(spawned[-2:begin:-1] for spawned in instances)
             for spawned, state in instances.items():
-                user, at = path_text(spawned[shared:-1]) or "top level", path_text((*machine, state))
+                user = path_text(spawned[begin : len(spawned) - 1 - end]) or "top level"
+                at = path_text((*machine, state))
                 users[at] = f"{users[at]}, {user}" if at in users else user
-        return {at: shorten(text, LABEL_FONT, WIDEST_LABEL) for at, text in users.items()}
+        return users
+
+
+def _shared(paths: Iterable[Path]) -> int:
+    """Return how many names the paths begin with that are the same in all of them."""
+    return sum(1 for _ in takewhile(lambda names: len(set(names)) == 1, zip(*paths, strict=False)))

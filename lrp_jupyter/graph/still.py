@@ -16,7 +16,7 @@ from typing import Literal
 from lrp_jupyter.graph.exports import tree
 from lrp_jupyter.graph.inside import NAME
 from lrp_jupyter.graph.labels import LABEL_FONT, LABEL_LINE, STATE_FONT, text_width
-from lrp_jupyter.graph.layout import HEIGHT, ICON, SETTINGS, layout
+from lrp_jupyter.graph.layout import HEIGHT, ICON, SETTINGS, fit_tags, layout
 from lrp_jupyter.graph.layout_parts import Label, Layout, Port, SpawnedLine, StateShape, TransitionShape
 from lrp_jupyter.graph.routes import number
 from lrp_jupyter.graph.state_graph import DefinedPaths, find_machine
@@ -106,10 +106,10 @@ def svg(
                 machine, program=subject, path=path, inside=drawn if nested else None
             )
         drawings = list(drawn.values())[::-1]
-    users: Mapping[str, str] = {}
+    users: dict[str, str] = {}
     if isinstance(subject, Program):  # active paths are as spawned, drawn paths as defined
         paths, spawned = DefinedPaths(subject), tuple(map(tuple, active))
-        users = paths.users(spawned)
+        users = fit_tags(paths.users(spawned), drawings)
         active = [path.split("/") for path in paths.active_states(spawned)]
     marks = {fired} if isinstance(fired, str) else set(fired or ())
     return draw(drawings, active, marks, users, theme=theme, legend=legend)

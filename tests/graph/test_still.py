@@ -8,7 +8,9 @@ from support.settings import with_settings
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.exports import dot, mermaid, tree
-from lrp_jupyter.graph.state_graph import DefinedPaths
+from lrp_jupyter.graph.labels import LABEL_FONT, text_width
+from lrp_jupyter.graph.layout import fit_tags, layout
+from lrp_jupyter.graph.state_graph import DefinedPaths, find_machine
 from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.parser import parse
 
@@ -182,6 +184,11 @@ def test_a_machine_spawned_from_elsewhere_shows_its_active_state():
     assert sorted(lit) == ["helper/h", "m/a"]
 
 
+USED_ALIKE = (
+    "(machine k (state x)) (machine m (state a (onentry (spawn k x))))"
+    "(machine n (state a (onentry (spawn k x))))"
+    "(machine r (state s (onentry (spawn m a) (spawn n a)))) (spawn r s)"
+)
 SHARED = (
     "(machine m (state a (onentry (spawn helper h)))) (machine n (state b (onentry (spawn helper i))))"
     "(machine helper (state h) (state i)) (spawn m a) (spawn n b)"
@@ -207,6 +214,24 @@ def test_several_users_of_one_active_state_share_a_tag_that_leaves_out_what_they
     assert paths.users(every[:2]) == {"helper/h": "a, c"}
     assert paths.users(every) == {"helper/h": "m/a, m/c", "helper/i": "top level"}
     assert paths.users(every[:1]) == {}
+    twice = DefinedPaths(parse(USED_ALIKE))
+    assert twice.users([("r", "s", "m", "a", "k", "x"), ("r", "s", "n", "a", "k", "x")]) == {"k/x": "m, n"}
+
+
+def test_tags_stay_in_the_frame_and_beside_the_next_state():
+    program = parse(
+        "(machine k (state x) (state y)) (machine m (state a (onentry (spawn k x))))"
+        "(machine n (state a (onentry (spawn k x))))"
+    )
+    users = "a_user_with_a_long_name, another_user_with_a_long_name"
+    machine = find_machine(program, ("k",))
+    drawing = layout(machine, program=program, path=("k",), moved={"x": (0.0, 0.0), "y": (90.0, 0.0)})
+    x, y = (next(each for each in drawing["states"] if each["name"] == name) for name in "xy")
+    tags = fit_tags({"k/x": users, "k/y": users}, [drawing])
+    for state, end in (x, y["x"] - y["width"] / 2), (y, drawing["frame"][0] + drawing["frame"][2]):
+        left = state["x"] - state["width"] / 2 + 10
+        assert left + text_width(tags[state["id"]], LABEL_FONT) < end
+    assert text_width(tags["k/y"], LABEL_FONT) > 100, "there is room for the names of two"
 
 
 def test_a_state_shows_and_describes_what_it_spawns_from_elsewhere(programs):

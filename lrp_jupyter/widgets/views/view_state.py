@@ -17,6 +17,7 @@ from lrp_jupyter.bridges.guarding.safety import OF_COMMANDS, Notice
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.errors import NoDataYet, StaleData
+from lrp_jupyter.graph.layout import fit_tags
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.rendering import render
@@ -115,7 +116,7 @@ class ViewStates:
             "moved": self._moved,
             "active": [path_text(path) for path in frame.active],
             "lit": self._paths.active_states(frame.active),
-            "users": self._paths.users(frame.active),
+            "users": fit_tags(self._paths.users(frame.active), layouts.values()),
             "entered": {
                 path_text(path): (count, frame.visited_at[path]) for path, count in frame.visits.items()
             },
