@@ -431,8 +431,20 @@ describe("the trail", () => {
   });
 
   it("is in the state that is active inside of all others", () => {
-    expect(trailState(["m/a", "m/a/inner/x", "n/b"])).toBe("m/a/inner/x");
-    expect(trailState([])).toBe("");
+    expect(trailState(["m/a/inner/x", "n/b"], {})).toBe("m/a/inner/x");
+    expect(trailState([], {})).toBe("");
+  });
+
+  it("is in a state of a machine that is written elsewhere, unless several states spawn it", () => {
+    const uses = (machine: string, ...spawns: string[]) => ({
+      states: [{ id: `${machine}/s`, machines: [], spawns: spawns.map((each) => ({ machine: each })) }],
+    });
+    const layouts = (...used: ReturnType<typeof uses>[]) =>
+      Object.fromEntries(used.map((each) => [each.states[0]!.id.split("/")[0], each])) as never;
+    const active = ["m/s/part/s/move/go", "n/s/move/go"];
+    expect(trailState(active, layouts(uses("m", "part"), uses("part", "move")))).toBe("move/go");
+    const shared = layouts(uses("m", "part"), uses("part", "move"), uses("n", "move"));
+    expect(trailState(active, shared)).toBe("part/s");
   });
 
   it("has a colour for every state, those that come again have a dash, those with machines in them stripes", () => {

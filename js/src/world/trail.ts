@@ -1,6 +1,8 @@
 /** Where the robot has been, coloured by the state that was active there. */
 
-import type { Pose } from "../protocol";
+import { machinesIn, statesOn } from "../graph/inside";
+import { parentOf } from "../language/paths";
+import type { Layout, Pose } from "../protocol";
 
 /** What is at most so old fades; what is older stays as a faint line. */
 export const FADES = 10; // s
@@ -132,7 +134,14 @@ function thinned(points: readonly TrailPoint[], recent: number): TrailPoint[] {
 const distance = (a: TrailPoint, b: TrailPoint) => Math.hypot(b.x - a.x, b.y - a.y);
 const isAt = (a: TrailPoint, b: TrailPoint) => a.x === b.x && a.y === b.y;
 
-/** The state whose colour the trail gets: the innermost active one of the first machine that has one. */
-export function trailState(lit: readonly string[]): string {
-  return lit.find((path) => !lit.some((other) => other.startsWith(`${path}/`))) ?? "";
+/**
+ * The state whose colour the trail gets: the innermost active one of the first machine, outside of machines that
+ * several states spawn, whose states would not tell why the robot is where it is.
+ */
+export function trailState(active: readonly string[], layouts: Record<string, Layout>): string {
+  const states = statesOn(active[0] ?? "", layouts);
+  const spawned = Object.values(layouts).flatMap((layout) => layout.states.flatMap(machinesIn));
+  const isShared = (path: string) => spawned.filter((each) => each === parentOf(path)).length > 1;
+  const end = states.findIndex((path, index) => index > 0 && isShared(path));
+  return states.at(end < 0 ? -1 : end - 1) ?? "";
 }

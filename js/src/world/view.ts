@@ -263,8 +263,8 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);
       if (!poses) return;
       const { time: now } = store.state;
-      const { lit } = besideGraph(store.state);
-      stage.move({ ...poses, time: now }, performance.now(), trailState(lit)); // a world has a time of its own
+      const state = trailState(besideGraph(store.state).active, store.state.layouts);
+      stage.move({ ...poses, time: now }, performance.now(), state); // a world has a time of its own
       preview.check(poses.robots[0]?.pose);
       colours.refresh();
     },
