@@ -11,7 +11,7 @@ class Drawer:
 
     def at(self, x, y):
         """A point of the graph, in parts of its width and height."""
-        frame = self.lab.at_rest(".lrp-graph-body")
+        frame = self.lab.at_rest(".lrp-graph")  # and what it shows: the free space is that of a machine
         return frame["x"] + x * frame["width"], frame["y"] + y * frame["height"]
 
     def box(self, state):

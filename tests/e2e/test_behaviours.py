@@ -49,6 +49,7 @@ def test_every_form_of_a_behaviour_is_typed_into_the_machine_that_runs(open_lab)
         assert typist.faults == []
 
     lab.is_active("move/reached")
+    lab.sees('[data-lrp-machine="move"]').click()  # for its variables
     tried = typist.kernel("session.variables['tries']")
     typed("(spawn move send", " (var side := [-1])")
     lab.has_value("move/side", "-1")
