@@ -71,7 +71,16 @@ class Drawer:
 
     def choose_free(self, x, y, action, *values, check=False):
         """Choose an entry of the menu of the free space."""
-        self.mouse.click(*self.at(x, y), button="right")
+        self._choose_at(self.at(x, y), action, values, check)
+
+    def choose_in(self, machine, action, *values, check=False):
+        """Choose an entry of the menu of the free space of a machine, beside which others may be drawn."""
+        frame = self.lab.at_rest(f'[data-drawing="{machine}"] > .lrp-layer-frame > .lrp-frame')
+        place = frame["x"] + frame["width"] - 8, frame["y"] + frame["height"] - 8
+        self._choose_at(place, action, values, check)
+
+    def _choose_at(self, place, action, values, check):
+        self.mouse.click(*place, button="right")
         self.lab.choose(action)
         if values:
             self.fill(*values, check=check)

@@ -208,10 +208,10 @@ def move_what_is_there(lab, drawer):
     lab.misses('.lrp-transition[data-of="m:eps:c->e"]')
     drawer.drag(drawer.middle("m/e"), drawer.middle("m/b"))
     drawer.show("m/b/in_b")
-    drawer.choose_free(0.04, 0.1, "draw-rename", "inner")
+    drawer.choose_in("m/b/in_b", "draw-rename", "inner")
     lab.state("m/b/inner/e")
-    drawer.choose_free(0.04, 0.1, "draw-var", "left", "n")
-    drawer.choose_free(0.04, 0.1, "draw-var", "all", "0", check=True)
+    drawer.choose_in("m/b/inner", "draw-var", "left", "n")
+    drawer.choose_in("m/b/inner", "draw-var", "all", "0", check=True)
 
 
 def test_what_a_machine_reports_is_drawn_between_machines_while_it_runs(open_lab):

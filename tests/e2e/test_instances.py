@@ -95,8 +95,8 @@ def force_one(lab):
 
 def look_back_at_both(lab):
     names = ".lrp-timeline-name"
-    lab.sees(f"{names}:text-is('follow m/left')")
-    lab.sees(f"{names}:text-is('follow k/one')")
+    lab.sees(f"{names}:text-is('follow m')")
+    lab.sees(f"{names}:text-is('follow k')")
     lab.find(".lrp-playhead").focus()
     lab.page.keyboard.press("Home")
     lab.sees("css=:scope[data-looking]")
