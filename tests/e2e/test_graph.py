@@ -127,10 +127,13 @@ def test_names_are_read_in_the_colours_of_the_system(open_lab):
         media(forced_colors="none", color_scheme="light")
 
 
-def test_a_small_window_shows_all_of_a_machine_and_a_large_one_the_whole_nest(open_lab):
-    lab = open_lab(FOLLOWER, "follower --world line")
+def test_a_small_window_shows_all_of_a_machine_and_a_large_one_the_whole_nest(open_notebook):
+    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp follower --world line\n{FOLLOWER}")
+    notebook.page.set_viewport_size({"width": 1280, "height": 800})  # for which the states are arranged
+    notebook.run_cell(0)
+    notebook.begin_cell(1)
+    lab = notebook.lab().ready()
     inner = "follower/looking/lookalgo"
-    lab.page.set_viewport_size({"width": 1280, "height": 800})
     assert not lab.sees('[data-lrp="tree"]').is_visible()
     lab.sees(f'[data-lrp-machine="{inner}"]').click()
     lab.sees(f'[data-lrp-state="{inner}/returnright"]')
@@ -171,6 +174,7 @@ def test_nested_and_large_graphs_are_drawn_saved_and_read(open_lab, tmp_path):
     show_what_was_chosen_or_where_the_cursor_is(lab)
     draw_machines_inside_their_states(lab)
     save_pictures(lab, tmp_path)
+    lab.page.set_viewport_size({"width": 1600, "height": 700})
     read_a_ring(lab.notebook.open(RING, "ring"))
 
 
