@@ -64,7 +64,7 @@ class Robot(NotAValue):
         self._refuse()
 
     def _not_a_value(self) -> str:
-        what, names = f"robot.{self._prefix}".rstrip("."), dir(self)
+        what, names = self._in_text(), dir(self)
         table = self._bridge.nodes.table
         readings = [name for name in names if isinstance(table[self._prefix + name], RobotVariable)]
         if "data" in readings or len(readings) == 1:
@@ -91,7 +91,7 @@ class Robot(NotAValue):
         return f"robot.{self._prefix}".rstrip(".")
 
     def _unknown(self, name: str) -> MemberError:
-        what, names = f"robot.{self._prefix}".rstrip("."), dir(self)
+        what, names = self._in_text(), dir(self)
         sentence = f": the bridge `{self._bridge.name}` offers no members. Open it, or choose another bridge."
         if names:
             listed = ", ".join(f"`{member}`" for member in names)

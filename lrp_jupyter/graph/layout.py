@@ -117,7 +117,7 @@ def layout(
 def fit_tags(users: Mapping[str, str], layouts: Iterable[Layout]) -> dict[str, str]:
     """Return the tags of active states no wider than there is room: in the frame, and beside other states."""
     tags = dict(users)
-    for drawing in layouts:
+    for drawing in layouts if tags else ():  # this is done for every frame
         right = drawing["frame"][0] + drawing["frame"][2]
         boxes = {
             each["id"]: Rect(each["x"], each["y"], each["width"], each["height"])

@@ -146,7 +146,6 @@ class Interpreter:
         """The edits and renames that changed the path of an element: the tick before each, and the map."""
         self.patch_reason = ""
         self._robot = robot
-        self._command: Commanded | None = None  # that is being applied
         self.namespace: dict[str, Any] = {} if namespace is None else namespace
         """Names that blocks can read."""
         self.namespace.setdefault("__builtins__", builtins)  # C code such as numpy's imports with it
@@ -427,17 +426,16 @@ class Interpreter:
             run.ended = run.ticks, run.now
         run.now = now
 
-    def _done(self, *, ticked: bool = False) -> None:
-        """End a command, or a tick."""
+    def _done(self, command: Commanded | None = None, *, ticked: bool = False) -> None:
+        """End a command, which is logged unless the previous one was the same, or a tick."""
         run = self._run
         if run.watched:
             run.settle(run.live.values())
-        fact, self._command = self._command, None
         log = run.log
-        if fact and log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == fact):
-            log += (fact, note)
-        if ticked and run.log is not None:
-            run.log.append(run.now)
+        if command and log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == command):
+            log += (command, note)
+        if ticked and log is not None:
+            log.append(run.now)
             if run.ticks >= run.full:
                 run.trim()
         run.refresh()
@@ -503,10 +501,9 @@ class Interpreter:
         reason = decision.reason if waiting is None else waiting
         self.patch_reason = reason or ""
         patch = Patch(changes, decision.apply and waiting is None, decision.restart, reason)
-        if decision.apply:
-            self._note("restarted" if decision.restart else "patched", decision.reason or "")
         run.emit("patched", (), patch)
-        self._done()
+        kind = "restarted" if decision.restart else "patched"
+        self._done(Commanded(kind, decision.reason or "") if decision.apply else None)
         return patch
 
     def _waiting(self, program: Program, unmeant: Unmeant) -> str | None:
@@ -551,9 +548,8 @@ class Interpreter:
         adopt(run, program, successors, renamed=True)
         self._count_revision(successors)
         self.patch_reason = ""
-        self._note("renamed", f"{kind} {path_text(where)} {new_name}")
         run.emit("patched", (), Patch(changes, True))
-        self._done()
+        self._done(Commanded("renamed", f"{kind} {path_text(where)} {new_name}"))
         return program.text
 
     def set_variable(self, path: Path | str, expression: str, now: float | None = None) -> None:
@@ -579,8 +575,7 @@ class Interpreter:
         """
         self._advance(now)
         assign(self._run, path, value)
-        self._note("assigned", path_text(as_path(path)))
-        self._done()
+        self._done(Commanded("assigned", path_text(as_path(path))))
 
     def transition_to(self, path: Path | str, now: float | None = None) -> None:
         """Leave the active state and enter another one, with their actions. Paper: §6.4.
@@ -624,16 +619,14 @@ class Interpreter:
     def _force(self, how: How, where: Path, edge: Edge | None = None, *, now: float | None) -> None:
         self._advance(now)
         target = force(self._run, where, how, edge)
-        self._note("forced", how, target.path)
-        self._done()
+        self._done(Commanded("forced", how, target.path))
 
     def reset(self, now: float | None = None) -> None:
         """Restart the program: nothing is active until the next tick, which starts it again."""
         self._advance(now)
         self._run.remember()
         self._restart("reset")
-        self._note("restarted", "reset")
-        self._done()
+        self._done(Commanded("restarted", "reset"))
 
     def snapshot(
         self, known: Callable[[object], object] = nothing, beside: Mapping[str, object] = MappingProxyType({})
@@ -708,22 +701,20 @@ class Interpreter:
         sentence, is recorded.
         """
         self._advance(now)
-        if not self.paused:
-            self.paused = True
+        was_paused, self.paused = self.paused, True
+        if not was_paused:
             self._between(self._run.plan.onpause)
-            self._note("paused", reason)
             self._run.emit("paused", ())
-        self._done()
+        self._done(None if was_paused else Commanded("paused", reason))
 
     def resume(self, now: float | None = None) -> None:
         """Run the ``onresume`` actions, if anything is active."""
         self._advance(now)
-        if self.paused:
-            self.paused = False
+        was_paused, self.paused = self.paused, False
+        if was_paused:
             self._between(self._run.plan.onresume)
-            self._note("resumed")
             self._run.emit("resumed", ())
-        self._done()
+        self._done(Commanded("resumed") if was_paused else None)
 
     def rewind(self, ticks: int) -> None:
         """Return to the moment right after the tick that was `ticks` before the last one.
@@ -779,10 +770,6 @@ class Interpreter:
         run = self._run
         for block in blocks if run.roots else ():
             run.attempt(bind_block(run, block, run.globals), block.site, run.globals)
-
-    def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
-        """Have it logged at its end that a command was applied, unless the previous one was the same."""
-        self._command = Commanded(kind, text, state)
 
     def _report_duplicates(self) -> None:
         run = self._run

@@ -11,7 +11,7 @@ export function readableNumber(number: number): string {
   return readable(String(number));
 }
 
-/** The text of a value with its numbers for reading; what stands in quotes is no number. */
+/** The text of a value with its numbers for reading; quoted text is left as it is. */
 export function readable(text: string): string {
   return text.replace(LITERALS, (literal) => (/^\d/.test(literal) ? withFewDigits(literal) : literal));
 }

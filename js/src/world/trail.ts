@@ -140,7 +140,8 @@ const isAt = (a: TrailPoint, b: TrailPoint) => a.x === b.x && a.y === b.y;
  */
 export function trailState(active: readonly string[], layouts: Record<string, Layout>): string {
   const states = statesOn(active[0] ?? "", layouts);
-  const spawned = Object.values(layouts).flatMap((layout) => layout.states.flatMap(machinesIn));
+  const spawned =
+    states.length < 2 ? [] : Object.values(layouts).flatMap((layout) => layout.states.flatMap(machinesIn));
   const isShared = (path: string) => spawned.filter((each) => each === parentOf(path)).length > 1;
   const end = states.findIndex((path, index) => index > 0 && isShared(path));
   return states.at(end < 0 ? -1 : end - 1) ?? "";
