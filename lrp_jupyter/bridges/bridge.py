@@ -65,6 +65,7 @@ from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.options import no_option
 from lrp_jupyter.bridges.panel import STOP, Field, Panel
 from lrp_jupyter.bridges.robot import Robot, attach
+from lrp_jupyter.bridges.tasks import Task, TasksMoment, TaskState
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = [
@@ -81,6 +82,8 @@ __all__ = [
     "Panel",
     "Robot",
     "SimulatedWorld",
+    "Task",
+    "TaskState",
     "Twist",
     "attach",
 ]
@@ -252,8 +255,8 @@ class Bridge(Interface, ABC):
         """Advance the bridge's own world by `seconds`, whole steps of `time_step`."""
 
     def moment(self) -> object:
-        """Return a token for the present moment of the bridge's own world, for `rewind`."""
-        return None
+        """Return a token for the present moment of the bridge's own world, or of its tasks, for `rewind`."""
+        return self.tasks.moment
 
     def rewind(self, moment: object) -> None:
         """Rewind the bridge's own world to an earlier moment.
@@ -265,6 +268,9 @@ class Bridge(Interface, ABC):
         """
         if self.hardware and self.safety.armed:
             raise BridgeError(f"`{self.name}` is armed: a real robot cannot step back. Disarm it first.")
+        self.tasks.drop()
+        if isinstance(moment, TasksMoment) and self.has_world:
+            self.tasks.moment = moment
 
     # -- life: called by a session ----------------------------------------------------------------
 
@@ -355,6 +361,7 @@ class Bridge(Interface, ABC):
         limit = None if self.stop_timeout is None else _CLOSING
         if failure := failure_of(self.close_interface, limit, "close the robot"):
             self.safety.notice("fault", f"Closing `{self.name}` failed: {failure}")
+        self.tasks.drop()
         self.nodes.clear()
         self.fed.clear()
         self._late, self._failed = None, None
@@ -372,6 +379,8 @@ class Bridge(Interface, ABC):
         try:
             self.sense(now)
             self.fed.latch()
+            if states := self.tasks.latch():
+                self.readings |= states
             if self.nodes.timed or self._late is not None:
                 self.judge_ages()
         except KeyboardInterrupt:
@@ -411,6 +420,7 @@ class Bridge(Interface, ABC):
                 self._stop_now()
             if self._failed is not None and self._failed[0] == "act":
                 self._find_again()
+        self.tasks.end_tick()
         self.latch = 0  # between ticks a person reads what is there now
         self.fed.release()
         for mover, sentence in self.safety.commands_overdue(now).items():

@@ -9,6 +9,7 @@ Paper: §7.3.
 from __future__ import annotations
 
 import inspect
+import math
 import os
 from collections.abc import Callable
 from functools import partial
@@ -23,6 +24,7 @@ from lrp_jupyter.bridges.member_tree import Limits, Nodes, RobotMethod, RobotVar
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message, stands
 from lrp_jupyter.bridges.robot import Robot
+from lrp_jupyter.bridges.tasks import RobotTask, Task, Tasks, arguments_of
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 _STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
@@ -77,11 +79,17 @@ class Interface:
     fed = part(lambda bridge: FedValues(None if bridge.time_step is None else lambda: bridge.safety.now))
     safety = part(lambda bridge: Safety(armed=not type(bridge).hardware))
     robot = part(Robot)
+    tasks = part(Tasks)
     readings = part[dict[str, object]](lambda bridge: {})  # of this tick, by path; the error where one failed
     outside = part[Callable[[object, bool], object]](lambda bridge: lambda what, surely: None)
     """Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.interventions`
     or inputs of a simulated world, and with whether it was certainly not the program that did it."""
     _guard = part(Guard)
+
+    @property
+    def has_world(self) -> bool:
+        """Whether its robot is in a world whose past can be restored."""
+        return self.time_step is not None
 
     @property
     def is_open(self) -> bool:
@@ -235,6 +243,57 @@ class Interface:
             RobotMethod(self, name, function, text, message, command, is_velocity, limits or {}, mover)
         )
 
+    def add_task(
+        self,
+        name: str,
+        start: Callable[..., object],
+        cancel: Callable[[Task], object] | None = None,
+        doc: str = "",
+        *,
+        message: type[Message] | None = None,
+        limits: Limits | None = None,
+        moves: bool = True,
+        replaces: bool = False,
+    ) -> None:
+        """Register a task as ``robot.<name>(...)``: what the robot is asked for, and goes on with by itself.
+
+        A program asks for it in an action and reads ``robot.<name>.status``, ``.succeeded``, ``.failed``, …
+        For how long it is wanted, `lrp_jupyter.bridges.tasks` decides, as for every bridge.
+
+        Parameters
+        ----------
+        name : str
+            May be dotted.
+        start : callable
+            Called with a `Task` and the program's arguments or, where `message` is given, with a `Task` and
+            one message; on a thread of its own, so that it may wait, or, if the bridge has a world of its
+            own, on the interpreter's thread. The task is active until `Task.update` says otherwise. What it
+            raises aborts the task.
+        cancel : callable, optional
+            Called with the `Task` when it is not wanted any more, on any thread, maybe before `start` has
+            returned: it ends it on the robot's side and does not wait. None: it cannot be cancelled, and ends
+            soon, as a service does.
+        doc : str
+        message, limits
+            As for `add_method`.
+        moves : bool
+            Whether something moves by it: then it is not begun while data are stale, and the guard process
+            stops the robot if this program dies meanwhile.
+        replaces : bool
+            Whether `start` itself ends `Task.replaced`, so that the robot does not stop in between. If not,
+            `cancel` is called for it first.
+
+        Raises
+        ------
+        ValueError
+            The name cannot be written after ``robot.``.
+        """
+        text = doc or _doc_of(start)
+        task = RobotTask(self, name, partial(start, None), text, message, True, False, limits or {})
+        task.tasks, task.start, task.cancel = self.tasks, start, cancel
+        task.moves, task.replaces = moves, replaces
+        self.nodes.add(task)
+
     def remove_member(self, name: str) -> None:
         """Remove a member, or a part with all its members.
 
@@ -342,6 +401,8 @@ class Interface:
         arguments : dict of str to object
             With the defaults of those that were not given.
         """
+        if isinstance(method, RobotTask):
+            return method.moves
         return not (method.velocity and _stands(method.path, arguments))
 
     def lapse(self, what: Callable[[], str]) -> None:
@@ -395,12 +456,13 @@ class Interface:
             Whether the robot was stopped; if not, a notice contains the reason.
         """
         safety, moving = self.safety, self.safety.motion
+        entered = {name: (name, math.inf) for name in self.tasks.entered()}
         safety.stopped()
         try:
             stopped = self._stop_now()
             self.unstopped = not stopped
             if stopped:
-                safety.halted = {**safety.halted, **moving}
+                safety.halted = {**safety.halted, **moving, **entered}
             return stopped
         finally:  # a recording that fails does not keep the robot moving
             self.outside(RobotStopped(), False)
@@ -423,7 +485,14 @@ class Interface:
         self._stop_now()
 
     def _stop_now(self) -> bool:
-        return self.safety.run_stop(self.stop, self.stop_timeout, self._guard.stop)
+        return self.safety.run_stop(self._stop_everything, self.stop_timeout, self._guard.stop)
+
+    def _stop_everything(self) -> None:
+        """Cancel all tasks, and stop the robot even if that fails."""
+        try:
+            self.tasks.stop()
+        finally:
+            self.stop()
 
     def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
         """Clamp a command to its limits, record it and, if allowed, perform it.
@@ -442,15 +511,19 @@ class Interface:
         if guard.is_on:
             guard.check()
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
-        judged = arguments if isinstance(command, Message) else _complete(command)
+        judged = arguments_of(command)
         moves = method.sets_in_motion and not _stands(method.path, judged)
         speeds = method.velocity and moves
         stops = safety.stops
-        hindrance = safety.hindrance(speeds)
+        task = method if isinstance(method, RobotTask) else None
+        hindrance = safety.hindrance(speeds or (task is not None and task.moves))
         limited = tuple(clamped.values())
         safety.record(CommandRecord(method.path, arguments, safety.now, hindrance is None, limited, origin))
         self.outside(RobotCommanded(method.path, arguments), False)
         if hindrance == "lost":
+            if task is not None:
+                self.tasks.ask(task, command, lost=safety.why)
+                return None
             raise BridgeError(f"`robot.{method.path}` was not sent: {safety.why}")
         if hindrance == "held":
             why = safety.suspended or "the robot was stopped in this tick."
@@ -497,13 +570,6 @@ if hasattr(os, "register_at_fork"):
 def _stands(path: str, arguments: dict[str, object]) -> bool:
     """Whether a velocity command lets the robot stand: a ``stop``, or nothing but zeros."""
     return path.rpartition(".")[2] == "stop" or stands(arguments)
-
-
-def _complete(command: inspect.BoundArguments) -> dict[str, object]:
-    """Return the arguments with the defaults of those that were not given."""
-    complete = inspect.BoundArguments(command.signature, command.arguments.copy())
-    complete.apply_defaults()
-    return complete.arguments
 
 
 def _doc_of(function: Callable[..., object]) -> str:

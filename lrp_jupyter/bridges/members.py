@@ -33,7 +33,7 @@ class Member:
     ----------
     name : str
         Dotted path below ``robot``: ``"light.data"``.
-    kind : {"variable", "method", "part"}
+    kind : {"variable", "method", "task", "part"}
         ``light`` is a part: it has the member ``light.data``.
     type : str
         Name of the type of the value, empty while nothing is known about it.
@@ -45,15 +45,18 @@ class Member:
     value : object
         The last reading; None before the first one.
     signature : str
-        ``"(linear=0.0, angular=0.0)"`` for a method, else empty.
+        ``"(linear=0.0, angular=0.0)"`` for a method or a task, else empty.
     fields : tuple of Member
-        Members of the value: ``odom`` has the fields ``odom.x``, ``odom.y``, ``odom.theta``.
+        Members of the value: ``odom`` has the fields ``odom.x``, ``odom.y``, ``odom.theta``. Those of the
+        message that a method takes. What can be read of a task.
+    arguments : tuple of Member
+        The fields of the message that a task takes.
     stale : bool
         Whether the last reading is too old for a program to act on.
     """
 
     name: str
-    kind: Literal["variable", "method", "part"]
+    kind: Literal["variable", "method", "task", "part"]
     type: str = ""
     unit: str = ""
     doc: str = ""
@@ -61,6 +64,7 @@ class Member:
     value: object = None
     signature: str = ""
     fields: tuple[Member, ...] = ()
+    arguments: tuple[Member, ...] = ()
     stale: bool = False
 
     @property
@@ -75,7 +79,8 @@ class Member:
     def as_dict(self) -> dict[str, Any]:
         """Return a JSON form; a value without one becomes a short text."""
         form = {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
-        return {**form, "value": _json_value(self.value), "fields": [each.as_dict() for each in self.fields]}
+        inside = {name: [each.as_dict() for each in form[name]] for name in ("fields", "arguments")}
+        return {**form, "value": _json_value(self.value), **inside}
 
 
 def signature_text(signature: inspect.Signature) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain, real_number
+from lrp_jupyter.bridges.tasks import RobotTask, TaskState
 from lrp_jupyter.errors import NoDataYet
 
 
@@ -22,11 +23,13 @@ class RecordedBridge(Bridge, offered=False):
 
     name = "recorded"
     hardware = False
+    has_world = True  # what is known of it can be restored
     stop_timeout = None
 
     def __init__(self, members: Iterable[RobotVariable | RobotMethod]) -> None:
         self.given: Mapping[str, object] = {}  # by path, for the next tick; an error where a reading failed
         self._recorded = tuple(members)
+        self.tasks.recorded = self._state
 
     def offer_stop(self) -> None:
         """Offer nothing that the recorded robot did not."""
@@ -38,6 +41,16 @@ class RecordedBridge(Bridge, offered=False):
                 self.add_variable(
                     node.path, partial(self._read, node.path), node.doc, node.unit, type=node.type
                 )
+            elif isinstance(node, RobotTask):
+                self.add_task(
+                    node.path,
+                    _nothing,
+                    doc=node.doc,
+                    message=node.message,
+                    limits=node.limits,
+                    moves=node.moves,
+                )
+                self.nodes.table[node.path].stand_in(node)  # type: ignore[attr-defined]
             else:
                 self.add_method(
                     node.path,
@@ -54,6 +67,12 @@ class RecordedBridge(Bridge, offered=False):
     def open_interface(self) -> None:
         """Connect nothing."""
 
+    def _state(self, path: str) -> TaskState | None:
+        state = self.given.get(path)
+        if state is None or isinstance(state, TaskState):
+            return state
+        return TaskState(*(getattr(state, name) for name in TaskState._fields))
+
     def _read(self, path: str) -> object:
         value = self.given.get(path)
         if isinstance(value, Exception):
@@ -61,6 +80,10 @@ class RecordedBridge(Bridge, offered=False):
         if value is None:
             raise NoDataYet(f"`robot.{path}` was not read in this tick, so its value was not recorded.")
         return value
+
+
+def _nothing(*_arguments: object, **_named: object) -> None:
+    """Begin nothing."""
 
 
 def recorded_members(
@@ -71,6 +94,15 @@ def recorded_members(
     for each in descriptions:
         if each["kind"] == "variable":
             source.add_variable(each["name"], lambda: None, each["doc"], each["unit"])
+        elif each["kind"] == "task":
+            source.add_task(
+                each["name"],
+                _function((_TASK, *each.get("parameters", _ANY)), value_of),
+                doc=each["doc"],
+                message=_message(each["message"], value_of) if each["message"] else None,
+                limits={name: tuple(limit) for name, limit in each["limits"].items()},
+                moves=each["moves"],
+            )
         else:
             source.add_method(
                 each["name"],
@@ -84,6 +116,7 @@ def recorded_members(
     yield from source.nodes.members()
 
 
+_TASK = {"name": "task", "kind": "POSITIONAL_ONLY"}
 _ANY = ({"name": "arguments", "kind": "VAR_POSITIONAL"}, {"name": "named", "kind": "VAR_KEYWORD"})
 
 

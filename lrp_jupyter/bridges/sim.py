@@ -23,6 +23,7 @@ from lrp_jupyter.bridges.bridge import Bridge, Panel, SimulatedWorld
 from lrp_jupyter.bridges.guarding.safety import Motion
 from lrp_jupyter.bridges.interventions import WorldLoaded
 from lrp_jupyter.bridges.message import Message, Twist
+from lrp_jupyter.bridges.tasks import TasksMoment
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.animation import EVERY, animated
 from lrp_jupyter.sim.sensors import Readings, light_directions, ray_directions
@@ -83,6 +84,7 @@ class _SimMoment(NamedTuple):
     world: WorldMoment
     motion: Motion  # the command watchdog is part of the run too
     stopping: bool
+    tasks: TasksMoment
 
 
 class SimBridge(Bridge, SimulatedWorld):
@@ -270,7 +272,8 @@ class SimBridge(Bridge, SimulatedWorld):
     def moment(self) -> object:
         """Return a token for the present moment of the world, with all queued inputs applied."""
         self.simulation.step(0)
-        return _SimMoment(self.simulation, self.simulation.moment, self.safety.motion, self._stopping)
+        world, safety = self.simulation.moment, self.safety
+        return _SimMoment(self.simulation, world, safety.motion, self._stopping, self.tasks.moment)
 
     def rewind(self, moment: object) -> None:
         """Rewind the world to a moment, exactly: the same inputs give the same continuation.
@@ -296,6 +299,7 @@ class SimBridge(Bridge, SimulatedWorld):
         self._continue_with(present)
         self.safety.motion = moment.motion
         self._stopping = moment.stopping
+        self.tasks.moment = moment.tasks
 
     def has_come_to(self, moment: object) -> bool:
         """See :class:`SimulatedWorld`."""
@@ -323,6 +327,7 @@ class SimBridge(Bridge, SimulatedWorld):
         fork.safety.armed = self.safety.armed
         fork.safety.motion = moment.motion
         fork._stopping = moment.stopping
+        fork.tasks.moment = moment.tasks
         return fork
 
     # -- the world, for views ---------------------------------------------------------------------

@@ -154,4 +154,4 @@ def _leave(run: Run, act: Activation) -> None:
     """Leave a state without running any onexit."""
     run.depart(act)
     run.discard(act, partial(_leave, run))
-    run.emit("left", act.row.path)
+    run.has_left(act)

@@ -48,7 +48,7 @@ from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.journal import EDITS, note, undo_write
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
-from lrp_jupyter.interpreter.run import Run, undo_fired
+from lrp_jupyter.interpreter.run import Run, Visits, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.tree import Activation, Count, Edge, bind_block, chained
@@ -310,7 +310,18 @@ class Interpreter:
         """
         return self._run.observe(callback)
 
-    def emit(self, kind: str, data: object, now: float) -> None:
+    def follow_visits(self, visits: Visits) -> None:
+        """Tell `visits` of every state that is left from now on, in the middle of the tick."""
+        self._run.visits = visits
+        self._run.rebind()
+
+    @property
+    def acting(self) -> tuple[Path, str]:
+        """The machine whose action was begun last, as spawned, and the kind of the action."""
+        action = self._run.acting
+        return ((), "") if action is None else (action.home.path, action.site.element.kind)
+
+    def emit(self, kind: str, data: object, now: float, ticks: int = 0) -> None:
         """Notify the observers, in order with other events, of an event that the owner has detected.
 
         Parameters
@@ -319,10 +330,12 @@ class Interpreter:
         data : object
         now : float
             Seconds; between two ticks it is later than :attr:`now`.
+        ticks : int
+            How many ticks later than the last one it belongs to.
         """
         run = self._run
         if run.observers:
-            run.events.append(TraceEvent(kind, (), run.ticks, now, data))
+            run.events.append(TraceEvent(kind, (), run.ticks + ticks, now, data))
 
     # ---- the tick ---------------------------------------------------------------------------
 
@@ -389,6 +402,7 @@ class Interpreter:
             else:
                 action = act.row.running
             while action is not None:
+                run.acting = action
                 cell = action.cell
                 if cell is not None and log is not None:
                     try:
@@ -661,7 +675,7 @@ class Interpreter:
         before = self._run
         program = before.program if before.source == snapshot.source else snapshot.program
         self._run = run = self._new_run(program)
-        run.observers = before.observers
+        run.observers, run.visits = before.observers, before.visits
         beside = begin(run, snapshot, lambda token: self._robot if token == "robot" else find(token))
         run.watched = run.watched or bool(run.observers)
         run.attention = run.attention or run.watched
@@ -681,7 +695,7 @@ class Interpreter:
         run = self._run
         run.now = now
         run.epoch = before.epoch + 1
-        run.observers = before.observers
+        run.observers, run.visits = before.observers, before.visits
         run.watched = run.attention = bool(run.observers)
         if before.event_values is not None:
             run.event_values = {}

@@ -120,6 +120,7 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
     live: dict[Path, Environment] = {(): run.globals}
     acts = [*run.walk()]
     settings = {act: act.settings(old) for act in acts}
+    paths = [act.path for act in acts]
     for act in acts:  # outer ones come first
         before, state, here = act.machine, act.state, act.place
         there = successors.path("state", here) or here
@@ -140,6 +141,10 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
         _carry_holding(act, state, successors, renamed)
     run.live = live
     run.rebind()
+    if run.visits is not None:
+        run.visits.renamed(
+            {path: act.path for path, act in zip(paths, acts, strict=True) if path != act.path}
+        )
     if not renamed:
         for act, spawn in added:
             run.spawn(act, spawn)

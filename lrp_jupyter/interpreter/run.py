@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import partial
 from operator import itemgetter
 from types import CellType, MappingProxyType
-from typing import Any
+from typing import Any, Protocol
 
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.cells import Slot, content, parts_of, same, same_parts
@@ -57,6 +57,16 @@ from lrp_jupyter.language.successors import Successors
 _new = tuple.__new__  # takes a third of the time of a NamedTuple's constructor
 
 
+class Visits(Protocol):
+    """What follows the visits of states: what was begun in a state may have to end with it."""
+
+    def left(self, machine: Path) -> object:
+        """Note that a machine, by its path as spawned, has left its active state."""
+
+    def renamed(self, machines: Mapping[Path, Path]) -> object:
+        """Note the new paths of running machines, by their old ones."""
+
+
 class Run:
     """The mutable state of a run: a tree of activations over an immutable plan."""
 
@@ -87,6 +97,8 @@ class Run:
         self.epoch = 0  # the number of times that ticks were undone
         self.kept = sys.maxsize  # the tick up to which nothing was ever undone
         self.observers: list[Observer] = []
+        self.acting: Action | None = None  # the last action that was begun
+        self.visits: Visits | None = None
         self.events: list[TraceEvent] = []
         self.interrupted: BaseException | None = None
         self.event_values: dict[Path, bool | None] | None = None
@@ -187,6 +199,8 @@ class Run:
             fired = ("fired", (*edge.path, element.path[-1]), edge.fact)
             events = ("left", old.path, None), fired, ("entered", new.path, None)
             edge.actions = Action(partial(self._emit_all, events), edge.site, act, None, edge.actions)
+        if self.visits is not None:
+            edge.actions = Action(partial(self.visits.left, act.path), edge.site, act, None, edge.actions)
         for action in reversed([*chained(old.onexit)]):
             edge.actions = replace(action, next=edge.actions)
         edge.row = new
@@ -246,13 +260,20 @@ class Run:
         if act.children:
             self.discard(act, self.leave)
         self.do(act.row.onexit)
+        self.has_left(act)
+
+    def has_left(self, act: Activation) -> None:
+        """Tell those who follow the run that a machine has left its active state."""
         self.emit("left", act.row.path)
+        if self.visits is not None:
+            self.visits.left(act.path)
 
     def do(self, action: Action | None) -> None:
         """Run actions; a fault of one does not keep the others from running."""
         while action is not None:
             if action.cell is not None:
                 self.log_cell(action.cell)
+            self.acting = action
             try:
                 action.call()
             except BaseException as error:
@@ -378,6 +399,7 @@ class Run:
 
     def attempt(self, call: Callable[[], object], site: Site, home: Environment) -> None:
         """Run a block; an exception becomes an issue."""
+        self.acting = Action(call, site, home, None, None)
         try:
             call()
         except BaseException as error:

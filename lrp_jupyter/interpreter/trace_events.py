@@ -22,6 +22,7 @@ EVENT_KINDS = (
     "paused",
     "resumed",
     "commanded",
+    "task",
     "printed",
 )
 
@@ -45,8 +46,8 @@ class TraceEvent(NamedTuple):
     `now`: seconds.
     `data`: fired: a ``Fired`` fact; changed: the new value, which is not a copy, or :data:`UNSET`; issue: the
         :class:`Issue`; patched: the :class:`Patch`; restarted: the reason, a sentence; forced:
-        ``"transition"``, ``"teleport"`` or ``"fire"``; commanded: the command of the robot; printed: the
-        text; else None.
+        ``"transition"``, ``"teleport"`` or ``"fire"``; commanded: the command of the robot; task: its name
+        and its new state; printed: the text; else None.
     """
 
     kind: str

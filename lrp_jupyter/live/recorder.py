@@ -10,6 +10,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain
+from lrp_jupyter.bridges.tasks import RobotTask
 from lrp_jupyter.errors import FileError, LRPError, sentence_of
 from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.live.recording import VERSION, RunStart
@@ -146,10 +147,12 @@ def _member(node: RobotVariable | RobotMethod) -> Line:
         return {"name": node.path, "kind": "variable", "unit": node.unit, "doc": node.doc}
     return {
         "name": node.path,
-        "kind": "method",
+        **(
+            {"kind": "task", "moves": node.moves}
+            if isinstance(node, RobotTask)
+            else {"kind": "method", "command": node.command, "velocity": node.velocity}
+        ),
         "doc": node.doc,
-        "command": node.command,
-        "velocity": node.velocity,
         "message": None if node.message is None else _message(node.message),
         "limits": {name: list(limit) for name, limit in node.limits.items()},
         **({} if node.message else {"parameters": [_parameter(each) for each in node.parameters]}),

@@ -16,6 +16,7 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the
 
     {"tick":9,"time":0.8,"event":"commanded","command":"move","arguments":{…},"sent":true,
      "block":"looking.running","line":12}
+    {"tick":9,"time":0.8,"event":"task","task":"drive_to","status":"aborted","reason":"no path"}
     {"tick":9,"time":0.8,"event":"printed","text":"found it\n"}
 
 ``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable has changed if its value is
@@ -59,6 +60,7 @@ _FIELDS: dict[object, dict[str, type]] = {
     "fired": {"machine": str, "transition": str, "source": str, "destination": str},
     "issue": {"element": str, "line": int, "message": str},
     "commanded": {"command": str, "arguments": dict, "sent": bool, "block": str, "line": int},
+    "task": {"task": str, "status": str, "reason": str},
     "printed": {"text": str},
 }
 """The fields that the line of an event must have besides `tick`, `time` and `event`, and their types."""
@@ -106,6 +108,9 @@ def _details(event: TraceEvent) -> dict[str, Any]:
                 "block": block,
                 "line": row,
             }
+        case "task":
+            name, state = data
+            return {"task": name, "status": state.status, "reason": state.reason}
         case "printed":
             return {"text": _steady(data)}
         case "patched":
@@ -161,6 +166,9 @@ def words_of(line: Line) -> str:
             sent = "" if line["sent"] else ", which was not sent"
             who = f"`{line['block']}`{where} called {call}" if line["block"] else f"{call} was called by hand"
             return f"{who}{sent}"
+        case "task":
+            why = f": {line['reason']}" if line["reason"] else ""
+            return f"`robot.{line['task']}` was {line['status']}{why}"
         case None:
             parts = [f"`robot.{name}` was {unplain(value)!r}" for name, value in line["readings"].items()]
             return ", ".join(parts) or f"the tick was at {line['time']:g} s, with no other reading"

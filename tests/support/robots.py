@@ -6,9 +6,10 @@ They connect nothing, and keep what reaches them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from queue import Queue
 from typing import Any
 
-from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.bridge import Bridge, BridgeError, Task
 
 _QUIET = ("close_interface", "sense", "act", "on_start", "on_resume")  # hooks that do nothing by default
 
@@ -146,3 +147,61 @@ class Buggy(Bare):
         self.add_method("move", self.move, "drive, in m/s")
         self.add_method("beep", lambda: self.calls.append("beep"), "sound a tone")
         super().add_members()
+
+
+class Courier(Bridge, offered=False):
+    """A robot that is asked for tasks: to go to a place, to run a lap, and to call for something.
+
+    Parameters
+    ----------
+    hardware : bool
+
+    Attributes
+    ----------
+    log : list of str
+        What has reached the robot: ``go 1``, ``cancel go 1``, ``call lamp``, ``stop``.
+    begun : queue of Task
+        Those that were begun, in their order; the last one of a name is `under_way`.
+    """
+
+    name = "test-courier"
+
+    def __init__(self, hardware: bool = False) -> None:
+        self.hardware = hardware  # type: ignore[misc]
+        self.safety.armed = not hardware
+        self.log: list[str] = []
+        self.begun: Queue[Task] = Queue()
+        self._places: dict[int, object] = {}
+
+    def open_interface(self) -> None:
+        """Add the tasks; there is nothing to connect."""
+        self.add_task("go", self.go, self.cancel, "go to a place")
+        self.add_task("lap", self.go, self.cancel, "run a lap", replaces=True)
+        self.add_task("call", self.call, doc="call for something", moves=False)
+
+    def go(self, task: Task, place: object = 0) -> None:
+        """Begin to go to a place; a place that does not exist is refused."""
+        if place == "nowhere":
+            raise BridgeError("There is no such place.")
+        self._places[task.number] = place
+        self.log.append(f"{task.name} {place}")
+        if task.replaced is not None:
+            self.cancel(task.replaced)
+        self.begun.put(task)
+
+    def call(self, task: Task, what: str) -> None:
+        """Call for something, which does not end before it has come."""
+        self.log.append(f"call {what}")
+        self.begun.put(task)
+
+    def cancel(self, task: Task) -> None:
+        """Go no further."""
+        self.log.append(f"cancel {task.name} {self._places[task.number]}")
+
+    def stop(self) -> None:
+        """Stand still."""
+        self.log.append("stop")
+
+    def next(self) -> Task:
+        """Return the next task that was begun, when it is."""
+        return self.begun.get(timeout=60)

@@ -58,6 +58,8 @@ def check_robot(
         if member is not None:
             left = use.names[index + 1 :]
             if member.parameters is not None:
+                if left and members.inside(path):  # a task, of which something is read
+                    continue
                 if left:
                     return _inside_method(use, member, index)
                 if is_condition and use.is_value and member.acts and members.complete:

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.bridges.tasks import TasksMoment
 from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import path_text
@@ -116,6 +117,8 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
         return bridge.simulated.fork(moment)
     fork = NullBridge() if isinstance(bridge, NullBridge) else RecordedBridge(bridge.nodes.members())
     fork.open()
+    if isinstance(moment, TasksMoment):
+        fork.tasks.moment = moment
     return fork
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from functools import lru_cache
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.bridges.member_tree import RobotMethod
-from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language import checks
 from lrp_jupyter.language.program import Finding, Program
@@ -71,20 +70,24 @@ def members_of(bridge: Bridge) -> RobotMembers:
         bridge.add_members()
         bridge.offer_stop()
     nodes = [node for node in bridge.nodes.members() if bridge.complete or isinstance(node, RobotMethod)]
-    members = [_described(node.describe(), isinstance(node, RobotMethod) and node.command) for node in nodes]
+    members = [member for node in nodes for member in _described(node)]
     if not is_known:
         bridge.nodes.clear()
     return RobotMembers({member.path: member for member in members}, bridge.complete and bool(members))
 
 
-def _described(member: Member, acts: bool) -> RobotMember:
-    if member.kind == "variable":
-        return RobotMember(member.name, member.type)
-    fields = set()
-    for field in member.fields:
-        name = field.name.rpartition(".")[2]
-        fields |= {name, *(f"{name}_{inner.name.rpartition('.')[2]}" for inner in field.fields)}
-    return RobotMember(member.name, parameters=parameters_of(member.signature, fields), acts=acts)
+def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
+    member = node.describe()
+    if isinstance(node, RobotMethod):
+        fields = set()
+        for field in member.arguments or (() if member.kind == "task" else member.fields):
+            name = field.name.rpartition(".")[2]
+            fields |= {name, *(f"{name}_{inner.name.rpartition('.')[2]}" for inner in field.fields)}
+        yield RobotMember(node.path, parameters=parameters_of(member.signature, fields), acts=node.command)
+    else:
+        yield RobotMember(member.name, member.type)
+    if member.kind == "task":
+        yield from (RobotMember(field.name, field.type) for field in member.fields)
 
 
 def members_of_world(world: str) -> RobotMembers | None:

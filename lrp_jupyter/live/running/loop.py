@@ -38,13 +38,15 @@ from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.guarding.safety import Origin
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotStopped
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.errors import LRPError, UnknownElementError, sentence_of
+from lrp_jupyter.bridges.tasks import Asker, TaskState
+from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import means
 from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.language.reading.tokens import ACTIONS
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.running.breakpoints import Breakpoints
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
@@ -100,6 +102,8 @@ class Loop:
         self.changed = changed
         self._printed = printed
         self._has_robot = type(bridge) is not NullBridge
+        if self._has_robot:
+            interpreter.follow_visits(bridge.tasks)
         self._members = bridge.nodes.table
         self.breakpoints: Breakpoints | None = None
         self.paused_by: Hit | Issue | None = None
@@ -108,6 +112,7 @@ class Loop:
         self._driven_by = 0  # the thread that made the last turn
         bridge.outside, bridge.origin = self._from_outside, self._origin
         bridge.safety.recorded = partial(self.emit, "commanded")
+        bridge.tasks.asker, bridge.tasks.changed = self._asker, self._task_changed
         self._published = -math.inf  # wall time of the last frame
         self.frame = self.make_frame()
         """The newest published frame."""
@@ -223,7 +228,7 @@ class Loop:
     def _sense(self, now: float) -> tuple[float, object, object]:
         """Begin the tick of the robot; return the parts of its :class:`Moment`."""
         bridge, step = self.bridge, self.timing.step
-        moment = None if step is None else bridge.moment()
+        moment = bridge.moment()
         bridge.begin_tick(now, self.timing.period)
         world = None if step is None else bridge.simulated
         return now, moment, bridge.readings if world is None else world.sensed()
@@ -506,6 +511,7 @@ class Loop:
                 record.names.watch(record.names_used())
             if self.interpreter.restarts != restarts:  # no onexit has run, so everything must stop
                 self.bridge.stop_all()
+                self.bridge.tasks.drop()
 
     def _check_whole(self) -> None:
         if self.fault:
@@ -536,6 +542,27 @@ class Loop:
         if block is None:
             return Origin(interpreter.tick)
         return Origin(interpreter.tick, block.f_code.co_name, block.f_lineno)
+
+    def _asker(self) -> Asker:
+        """Return the machine and the kind of the action that asks for a task; nothing, if a person does.
+
+        Raises BridgeError: a block asks that is not an action.
+        """
+        filename, name = self.interpreter.program.filename, ""
+        frame: FrameType | None = sys._getframe(1)
+        while frame is not None:  # the outermost one is the block itself
+            name = frame.f_code.co_name if frame.f_code.co_filename == filename else name
+            frame = frame.f_back
+        machine, action = self.interpreter.acting
+        asks = name.rpartition(".")[2]
+        if asks and asks not in ACTIONS:
+            raise BridgeError("A task is asked for in an action, not in a test or an initial value.")
+        if not machine or asks != action:
+            return Asker()
+        return Asker(machine, action)
+
+    def _task_changed(self, name: str, state: TaskState) -> None:
+        self.interpreter.emit("task", (name, state), self.timing.now, ticks=1)  # of the tick that begins
 
     # -- what commands do ------------------------------------------------------------------------
 

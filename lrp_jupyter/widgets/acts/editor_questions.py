@@ -260,8 +260,9 @@ def _option(name: str, value: object) -> Option:
 
 def _member_card(title: str, member: Member) -> HoverView:
     names = (field.name.removeprefix(f"{member.name}.") for field in member.fields)
-    values = {"method": "", "part": ", ".join(names), "variable": member.absence or render(member.value)}
-    return _hover_view(title + member.signature, member.type, values[member.kind], member.doc)
+    inside = ", ".join(names)
+    shown = {"method": "", "task": inside, "part": inside, "variable": member.absence or render(member.value)}
+    return _hover_view(title + member.signature, member.type, shown[member.kind], member.doc)
 
 
 def _card(title: str, value: object) -> HoverView:
@@ -449,7 +450,8 @@ def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
         return None
     try:
         if called:
-            return [_field(field) for field in bridge.describe(path + inner).fields]
+            asked = bridge.describe(path + inner)
+            return [_field(field) for field in asked.arguments or asked.fields]
         names = path.split(".")
         if any(bridge.describe(".".join(names[:end])).kind == "method" for end in range(1, len(names) + 1)):
             return []
@@ -461,7 +463,7 @@ def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
 def _field(member: Member) -> Option:
     is_shown = member.value is not None and not (member.fields or member.stale)
     value = render(member.value, of_type)[:40] if is_shown else ""
-    kind = "method" if member.kind == "method" else "property"
+    kind = "method" if member.kind in ("method", "task") else "property"
     detail = value or member.signature or member.type
     return {"label": member.name.rpartition(".")[2], "kind": kind, "detail": detail, "info": member.doc}
 
@@ -473,10 +475,10 @@ def arguments_of(bridge: Bridge, command: str) -> list[Option]:
         member = bridge.describe(path) if root == "robot" and path else None
     except LRPError:
         member = None
-    if member is None or member.kind != "method":
+    if member is None or member.kind not in ("method", "task"):
         return []
     found = dict.fromkeys(_ARGUMENT.findall(member.signature), "")
-    for field in _leaves(member):
+    for field in _leaves(member.arguments if member.kind == "task" else member.fields):
         found[field.name.removeprefix(f"{path}.").replace(".", "_")] = field.type
     return [
         {"label": f"{name}=", "kind": "property", "detail": type_, "info": ""}
@@ -484,10 +486,10 @@ def arguments_of(bridge: Bridge, command: str) -> list[Option]:
     ]
 
 
-def _leaves(member: Member) -> Iterator[Member]:
-    for field in member.fields:
+def _leaves(fields: tuple[Member, ...]) -> Iterator[Member]:
+    for field in fields:
         if field.fields:
-            yield from _leaves(field)
+            yield from _leaves(field.fields)
         else:
             yield field
 

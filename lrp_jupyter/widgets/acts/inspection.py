@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence, Set
 from inspect import getattr_static
 from itertools import islice
 
+from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.interpreter.by_path import ByPath
@@ -104,12 +105,19 @@ def _times(seen: CountAndTick) -> str:
     return f"{count} {'time' if count == 1 else 'times'}, last in tick {tick}"
 
 
+def _shown(member: Member) -> str:
+    """Return the value of a reading, or the status of a task that was asked for."""
+    if member.kind == "task":
+        return str(member.fields[0].value or "")
+    return "" if member.kind == "method" else render(member.value)
+
+
 def _robot(session: Session) -> InspectView:
     bridge = session.bridge
     facets = [
         _facet(
             f"robot.{member.name}{member.signature}",
-            member.absence or ("" if member.kind == "method" else render(member.value)),
+            member.absence or _shown(member),
             member.unit or member.type,
         )
         for member in bridge.members()

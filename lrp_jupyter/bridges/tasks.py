@@ -1,0 +1,516 @@
+"""Tasks: what a robot is asked for and goes on with by itself, until it is done or no longer wanted.
+
+A request belongs to the visit of the state whose action makes it. Asked for in ``running``, it lives as long
+as that visit asks for it in every tick, as a velocity does; asked for in another action, until the state is
+left. Then it is cancelled and its outcome forgotten. What was asked for by hand lives until it ends or the
+robot is stopped. The same request again is the same task; another one replaces it.
+
+What a program sees is latched per tick, like a reading. All of it is one immutable value,
+:attr:`Tasks.moment`, so that a rewind and a fork return to it.
+
+Owner: the interpreter's thread. Any thread may `update` a task and stop all of them.
+"""
+
+from __future__ import annotations
+
+import inspect
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple, Protocol
+
+from lrp_jupyter.bridges.guarding.safety import Safety
+from lrp_jupyter.bridges.member_tree import Nodes, RobotMethod
+from lrp_jupyter.bridges.members import Member, MemberError
+from lrp_jupyter.bridges.message import Message
+from lrp_jupyter.errors import BridgeError, did_you_mean, ended, sentence_of
+
+TaskStatus = Literal["active", "succeeded", "aborted", "rejected", "cancelled", "lost"]
+STATUSES: tuple[TaskStatus, ...] = ("active", "succeeded", "aborted", "rejected", "cancelled", "lost")
+FAILURES: tuple[TaskStatus, ...] = ("aborted", "rejected", "lost")
+
+Command = Message | inspect.BoundArguments
+
+
+class TaskState(NamedTuple):
+    """The state of a task, as a program sees it in one tick.
+
+    `status`: None if nothing is asked for.
+    `reason`: why it has this status, a sentence; may be empty.
+    `at`: when it got this status, in seconds of the run.
+    """
+
+    status: TaskStatus | None = None
+    feedback: Any = None
+    result: Any = None
+    reason: str = ""
+    at: float = 0.0
+
+    @property
+    def is_active(self) -> bool:
+        """Whether it goes on."""
+        return self.status == "active"
+
+
+_NOTHING = TaskState()
+_MEMBERS = {
+    "status": ("str", "None, active, succeeded, aborted, rejected, cancelled or lost"),
+    "active": ("bool", "whether it goes on"),
+    "succeeded": ("bool", "whether it is done"),
+    "failed": ("bool", "whether it was aborted or rejected, or is lost"),
+    "feedback": ("", "what it has reported last; None before"),
+    "result": ("", "what it has returned; None before"),
+    "reason": ("str", "why it has this status, a sentence; may be empty"),
+    "since": ("float", "for how many seconds it has this status; None without one"),
+}
+"""What a program can read of a task, by name, with types and descriptions."""
+
+
+class Asker(NamedTuple):
+    """Who asks for a task.
+
+    `machine`: the instance whose state asks, by its path; None: a person.
+    `action`: the kind of the action: ``running``, ``onentry``, …
+    """
+
+    machine: tuple[str, ...] | None = None
+    action: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A request: `number` identifies it, `arguments` are those after limits.
+
+    `stays`: how many times its machine may still leave a state: one, if an effect has asked for it.
+    `at`: the time of the tick that asked for it last.
+    `is_void`: whether asking again with the same arguments begins another one: it was ended from outside.
+    """
+
+    number: int
+    arguments: Mapping[str, Any]
+    asker: Asker
+    stays: int
+    at: float
+    state: TaskState
+    is_void: bool = False
+
+
+class _Told(NamedTuple):
+    """What is to be latched about a request."""
+
+    name: str
+    number: int
+    status: TaskStatus
+    feedback: Any = None
+    result: Any = None
+    reason: str = ""
+    is_void: bool = False
+
+
+class TasksMoment(NamedTuple):
+    """All requests by the names of their tasks, how many there were, and what is not latched yet."""
+
+    requests: Mapping[str, Asked] = MappingProxyType({})
+    asked: int = 0
+    told: tuple[_Told, ...] = ()
+
+
+class Task:
+    """A task under way, for the author of a bridge: `start` and `cancel` are called with it.
+
+    Attributes
+    ----------
+    name : str
+        Of the member.
+    number : int
+        Identifies the request among those of the bridge.
+    replaced : Task or None
+        The one that this one replaces, if `start` has to end it: see `add_task`.
+    """
+
+    def __init__(self, tasks: Tasks, name: str, number: int, replaced: Task | None) -> None:
+        self._tasks, self.name, self.number, self.replaced = tasks, name, number, replaced
+        self.has_begun = False  # whether the robot may know of it
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether it is neither over nor cancelled nor replaced; a `start` that waits looks at it."""
+        return self._tasks.is_wanted(self)
+
+    def update(
+        self, status: TaskStatus = "active", feedback: object = None, result: object = None, reason: str = ""
+    ) -> None:
+        """Tell what is known of the task; from any thread.
+
+        Once it is over or not wanted any more, the call does nothing: late and double answers change nothing.
+
+        Parameters
+        ----------
+        status : {"active", "succeeded", "aborted", "rejected", "cancelled", "lost"}
+        feedback, result : object
+            Immutable values; None: nothing new.
+        reason : str
+            For the user: why, a sentence.
+
+        Raises
+        ------
+        ValueError
+            There is no such status.
+        """
+        if status not in STATUSES:
+            raise ValueError(f"A task has no status {status!r}.{did_you_mean(str(status), STATUSES)}")
+        self._tasks.tell(self, status, feedback, result, reason)
+
+
+class TaskOwner(Protocol):
+    """What tasks need to know of their bridge."""
+
+    safety: Safety
+    nodes: Nodes
+
+    @property
+    def has_world(self) -> bool:
+        """Whether the past of its robot can be restored."""
+
+
+class RobotTask(RobotMethod):
+    """A member that asks the robot for a task, and shows what has become of it."""
+
+    __slots__ = ("cancel", "moves", "replaces", "start", "tasks")
+
+    start: Callable[..., object]
+    cancel: Callable[[Task], object] | None
+    tasks: Tasks
+    moves: bool
+    replaces: bool
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # copy, pickle and notebooks ask for these
+            raise MemberError(f"A task of `robot` has no `{name}`.")
+        state = self.tasks.state(self.path)
+        match name:
+            case "status" | "feedback" | "result" | "reason":
+                return getattr(state, name)
+            case "active":
+                return state.is_active
+            case "succeeded":
+                return state.status == "succeeded"
+            case "failed":
+                return state.status in FAILURES
+            case "since":
+                return None if state.status is None else max(0.0, self.tasks.now - state.at)
+        listed = ", ".join(f"`{each}`" for each in _MEMBERS)
+        error = MemberError(
+            f"`robot.{self.path}` has no `{name}`; it has {listed}.{did_you_mean(name, _MEMBERS)}"
+        )
+        error.missing = f"{self.path}.{name}"
+        raise error
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in _MEMBERS:
+            raise MemberError(f"`robot.{self.path}.{name}` is read from the robot and cannot be assigned.")
+        object.__setattr__(self, name, value)
+
+    def __dir__(self) -> list[str]:
+        return sorted(_MEMBERS)
+
+    def _not_a_value(self) -> str:
+        path = f"robot.{self.path}"
+        return f"`{path}` is a task, not a value. Its outcome is `{path}.succeeded` or `{path}.failed`."
+
+    def perform(self, command: Command) -> object:
+        """Ask for it; BridgeError: it cannot be asked for now."""
+        if self._redirected is not None:
+            return self._redirected(command)
+        self.tasks.ask(self, command)
+        return None
+
+    def stand_in(self, other: RobotMethod) -> None:
+        """Take the arguments that another task takes."""
+        self._parameters, self.signature = other._parameters, other.signature
+
+    def begin(self, task: Task, command: Command) -> None:
+        """Have the robot begin a task."""
+        if isinstance(command, Message):
+            self.start(task, command)
+        else:
+            self.start(task, *command.args, **command.kwargs)
+
+    def describe(self) -> Member:
+        """Return the description, with what can be read of it and its present values."""
+        fields = [
+            Member(f"{self.path}.{name}", "variable", kind, "", doc, value=getattr(self, name))
+            for name, (kind, doc) in _MEMBERS.items()
+        ]
+        arguments = () if self.message is None else self.message.describe(self.path)
+        return Member(
+            self.path,
+            "task",
+            doc=self.doc,
+            signature=self.signature,
+            fields=tuple(fields),
+            arguments=tuple(arguments),
+        )
+
+
+class Tasks:
+    """The requests of one robot.
+
+    `asker`: returns who is asking.
+    `changed`: called with the name of each task that has another status in the tick that begins, and its
+        state.
+    `recorded`: returns what was recorded of a task for the tick that begins; None: nothing is recorded.
+    """
+
+    def __init__(self, owner: TaskOwner) -> None:
+        self._owner = owner
+        self._changing = threading.RLock()
+        self._moment = TasksMoment()
+        self._under_way: dict[str, tuple[RobotTask, Task]] = {}
+        self.asker: Callable[[], Asker] = Asker
+        self.changed: Callable[[str, TaskState], object] = lambda name, state: None
+        self.recorded: Callable[[str], TaskState | None] | None = None
+
+    @property
+    def now(self) -> float:
+        """The time of the tick, in seconds of the run."""
+        return self._owner.safety.now
+
+    @property
+    def moment(self) -> TasksMoment:
+        """All that is known of the requests; setting it returns to what was known then."""
+        return self._moment
+
+    @moment.setter
+    def moment(self, moment: TasksMoment) -> None:
+        with self._changing:
+            self._moment, self._under_way = moment, {}
+            for name, asked in moment.requests.items():
+                member = self._owner.nodes.table.get(name)
+                if asked.state.is_active and isinstance(member, RobotTask):
+                    self._under_way[name] = member, Task(self, name, asked.number, None)
+
+    def state(self, name: str) -> TaskState:
+        """Return the state of a task."""
+        asked = self._moment.requests.get(name)
+        return _NOTHING if asked is None else asked.state
+
+    # -- asking, on the interpreter's thread ------------------------------------------------------
+
+    def ask(self, member: RobotTask, command: Command, lost: str = "") -> None:
+        """Ask for a task; `lost`: why the robot cannot be reached."""
+        asker = self.asker()
+        arguments = arguments_of(command)
+        name, now, before = member.path, self.now, self._moment.requests.get(member.path)
+        stays = int(asker.action == "effect")
+        is_old = before is not None and before.asker.machine == asker.machine and before.stays == stays
+        if before is not None and is_old and before.arguments == arguments:
+            goes_on = before.state.is_active or (asker.machine is not None and not before.is_void)
+            if goes_on:
+                self._put(name, replace(before, asker=asker, at=now))
+                return
+        if before is not None and before.state.is_active:
+            others = before.asker.machine, asker.machine
+            if None not in others and others[0] != others[1]:
+                first = "/".join(others[0] or ())
+                raise BridgeError(f"`robot.{name}` is under way for `{first}`, which asked for it first.")
+        with self._changing:
+            state = TaskState("lost", reason=lost, at=now) if lost else TaskState("active", at=now)
+            number = self._moment.asked + 1
+            asked = Asked(number, arguments, asker, stays, now, state, is_void=bool(lost))
+            if lost:
+                self._cancel(name)
+                self._put(name, asked, number)
+            else:
+                self._start(member, command, asked)
+
+    def _start(self, member: RobotTask, command: Command, asked: Asked) -> None:
+        name, old = member.path, self._under_way.get(member.path)
+        if old is not None and not member.replaces:
+            self._cancel(name)
+            old = None
+        task = Task(self, name, asked.number, None if old is None else old[1])
+        if self._owner.has_world:
+            try:
+                member.begin(task, command)
+            except BaseException:  # what it refuses, the program has asked for in vain
+                self._drop(name)
+                raise
+        self._put(name, asked, asked.number)
+        self._under_way = {**self._under_way, name: (member, task)}
+        if not self._owner.has_world:
+            begin = partial(self._begin, member, task, command)
+            threading.Thread(target=begin, name=f"task {name}", daemon=True).start()
+
+    def _begin(self, member: RobotTask, task: Task, command: Command) -> None:
+        with self._changing:
+            task.has_begun = task.is_wanted or member.cancel is None  # a call is made, whoever waits for it
+        try:
+            if task.has_begun:
+                member.begin(task, command)
+        except BaseException as error:  # of a library
+            task.update("aborted", reason=ended(sentence_of(error)))
+
+    def _put(self, name: str, asked: Asked, count: int | None = None) -> None:
+        with self._changing:
+            requests = {**self._moment.requests, name: asked}
+            self._moment = self._moment._replace(
+                requests=requests, asked=self._moment.asked if count is None else count
+            )
+
+    # -- what becomes of it -----------------------------------------------------------------------
+
+    def is_wanted(self, task: Task) -> bool:
+        """Return whether a task is neither over nor cancelled nor replaced."""
+        under_way = self._under_way.get(task.name)
+        return under_way is not None and under_way[1] is task
+
+    def tell(self, task: Task, status: TaskStatus, feedback: object, result: object, reason: str) -> None:
+        """Note what is known of a task; from any thread."""
+        with self._changing:
+            if self.is_wanted(task):
+                if status != "active":
+                    self._forget(task.name)
+                self._tell(_Told(task.name, task.number, status, feedback, result, reason))
+
+    def _tell(self, told: _Told) -> None:
+        with self._changing:
+            earlier = self._moment.told
+            if told.status == "active":  # the newest feedback counts
+                earlier = tuple(each for each in earlier if each[:3] != told[:3])
+            self._moment = self._moment._replace(told=(*earlier, told))
+
+    def _forget(self, name: str) -> None:
+        self._under_way = {other: each for other, each in self._under_way.items() if other != name}
+        self._owner.safety.drive(name, False)
+
+    def latch(self) -> Mapping[str, TaskState]:
+        """Let the tick that begins see what is known; return the states of all requests by their names."""
+        if not (self._moment.requests or self._moment.told):
+            return {}
+        with self._changing:
+            told = self._moment.told
+            self._moment = self._moment._replace(told=())
+        before = self._moment.requests
+        for each in told:
+            asked = self._moment.requests.get(each.name)
+            if asked is not None and asked.number == each.number and asked.state.is_active:
+                self._put(
+                    each.name, replace(asked, state=self._state_after(asked, each), is_void=each.is_void)
+                )
+        if self.recorded is not None:
+            for name, asked in self._moment.requests.items():
+                if (recorded := self.recorded(name)) is not None:
+                    self._put(name, replace(asked, state=recorded))
+        states = {name: asked.state for name, asked in self._moment.requests.items()}
+        for name, state in states.items():
+            if state.status != before[name].state.status:
+                self.changed(name, state)
+        return states
+
+    def _state_after(self, asked: Asked, told: _Told) -> TaskState:
+        before = asked.state
+        return TaskState(
+            told.status,
+            before.feedback if told.feedback is None else told.feedback,
+            before.result if told.result is None else told.result,
+            told.reason,
+            before.at if told.status == before.status else self.now,
+        )
+
+    # -- the end of requests ----------------------------------------------------------------------
+
+    def left(self, machine: tuple[str, ...]) -> None:
+        """Cancel and forget what the state asked for that a machine has left."""
+        for name, asked in self._moment.requests.items():
+            if asked.asker.machine == machine:
+                if asked.stays:
+                    self._put(name, replace(asked, stays=asked.stays - 1))
+                else:
+                    self._drop(name)
+
+    def renamed(self, machines: Mapping[tuple[str, ...], tuple[str, ...]]) -> None:
+        """Follow machines to their new paths."""
+        for name, asked in self._moment.requests.items():
+            if (now := machines.get(asked.asker.machine or ())) is not None:
+                self._put(name, replace(asked, asker=asked.asker._replace(machine=now)))
+
+    def end_tick(self) -> None:
+        """Cancel what was asked for in every tick and is not in this one; the next tick sees that."""
+        for name, asked in self._moment.requests.items():
+            if asked.asker.action == "running" and asked.state.is_active and asked.at != self.now:
+                self._cancel(name)
+                reason = "It is no longer asked for."
+                self._tell(_Told(name, asked.number, "cancelled", reason=reason, is_void=True))
+
+    def report(self, name: str, number: int, state: TaskState) -> None:
+        """Note what a world of the bridge's own knows of the request with a number."""
+        with self._changing:
+            if (under_way := self._under_way.get(name)) is not None and under_way[1].number == number:
+                under_way[1].update(state.status or "active", state.feedback, state.result, state.reason)
+
+    def drop(self) -> None:
+        """Cancel and forget everything: the program begins again, or the robot is gone."""
+        for name in tuple(self._moment.requests):
+            self._drop(name)
+
+    def stop(self) -> None:
+        """Cancel everything; the next tick sees that. From any thread.
+
+        Raises what `cancel` raises, when all are cancelled.
+        """
+        why = self._owner.safety.lost
+        failures = []
+        with self._changing:
+            under_way, self._under_way = self._under_way, {}
+            for name, asked in self._moment.requests.items():
+                if asked.state.is_active:
+                    status: TaskStatus = "lost" if why else "cancelled"
+                    reason = why or "The robot was stopped."
+                    self._tell(_Told(name, asked.number, status, reason=reason, is_void=True))
+        for member, task in under_way.values():
+            try:
+                self._end(member, task)
+            except Exception as error:  # of a library: the others are to be cancelled all the same
+                failures.append(error)
+        if failures:
+            raise failures[0]
+
+    def entered(self) -> dict[str, str]:
+        """Return the tasks under way that no tick asks for again, for the log of what a stop has ended."""
+        return {
+            name: asked.asker.action
+            for name, asked in self._moment.requests.items()
+            if asked.state.is_active and asked.asker.action not in ("running", "")
+        }
+
+    def _drop(self, name: str) -> None:
+        self._cancel(name)
+        with self._changing:
+            kept = {other: each for other, each in self._moment.requests.items() if other != name}
+            self._moment = self._moment._replace(requests=kept)
+
+    def _cancel(self, name: str) -> None:
+        under_way = self._under_way.get(name)
+        if under_way is None:
+            return
+        self._forget(name)
+        try:
+            self._end(*under_way)
+        except Exception as error:
+            self._owner.safety.notice("fault", f"`robot.{name}` may go on: {sentence_of(error)}")
+
+    def _end(self, member: RobotTask, task: Task) -> None:
+        if member.cancel is not None and (task.has_begun or self._owner.has_world):
+            member.cancel(task)
+
+
+def arguments_of(command: Command) -> dict[str, Any]:
+    """Return the arguments of a command, with the defaults of those that were not given."""
+    if isinstance(command, Message):
+        return command.as_dict()
+    complete = inspect.BoundArguments(command.signature, command.arguments.copy())
+    complete.apply_defaults()
+    return dict(complete.arguments)

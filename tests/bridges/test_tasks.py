@@ -1,0 +1,372 @@
+"""Tasks: what a robot is asked for, for how long, and what has become of it."""
+
+from __future__ import annotations
+
+import pytest
+from support.robots import Courier
+
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.recording import read_recording
+from lrp_jupyter.live.reproduction import reproduce
+from lrp_jupyter.live.session import Session
+
+GOING = """
+(var place := [1])
+(machine courier
+  (state going (running [robot.go(place)]))
+  (state there (running [robot.go(place)]))
+  (state lost)
+  (on [robot.go.succeeded] going -> there)
+  (on [robot.go.failed] going -> lost)
+  (on [robot.go.succeeded] there -> going))
+(spawn courier going)
+"""
+
+
+def session_of(text: str, bot: Courier, **options: object) -> Session:
+    return Session(text, bridge=bot, **options)  # type: ignore[arg-type]
+
+
+def active(session: Session) -> str:
+    return session.frame.active[0][-1]
+
+
+# -- for how long ---------------------------------------------------------------------------------
+
+
+def test_asked_for_in_every_tick_it_is_one_task_until_the_state_is_left_and_then_another_one():
+    bot = Courier()
+    session = session_of(GOING, bot)
+    session.run(0.5)
+    first = bot.next()
+    assert bot.log == ["go 1"]
+    first.update(feedback=0.5)
+    session.run(0.1)
+    go = bot.robot.go
+    assert (go.status, go.active, go.feedback, go.result, go.reason) == ("active", True, 0.5, None, "")
+    assert go.since == pytest.approx(0.5)
+    first.update("succeeded", result="done")
+    session.run(0.1)
+    # the outcome was forgotten before the next state was tested, and the same words ask for another task
+    assert active(session) == "there"
+    second = bot.next()
+    assert bot.robot.go.status == "active"
+    first.update("aborted")  # a late and a double answer
+    first.update("succeeded")
+    session.run(0.5)
+    assert (active(session), bot.robot.go.status) == ("there", "active")
+    assert not first.is_wanted
+    assert second.is_wanted
+    assert bot.log == ["go 1", "go 1"]
+
+
+def test_another_goal_replaces_the_one_under_way():
+    bot = Courier()
+    session = session_of(GOING, bot)
+    session.run(0.1)
+    first = bot.next()
+    session.set_variable("place", 2)  # as a number that is dragged does
+    session.run(0.1)
+    bot.next()
+    first.update("succeeded")
+    session.run(0.2)
+    assert (active(session), bot.robot.go.status) == ("going", "active")
+    assert bot.log == ["go 1", "cancel go 1", "go 2"]
+
+
+def test_a_bridge_may_replace_a_goal_itself_so_that_the_robot_goes_on():
+    bot = Courier()
+    session = session_of(GOING.replace("robot.go(", "robot.lap("), bot)
+    session.run(0.1)
+    bot.next()
+    session.set_variable("place", 2)
+    session.run(0.1)
+    bot.next()
+    assert bot.log == ["lap 1", "lap 2", "cancel lap 1"]
+
+
+def test_it_ends_when_running_no_longer_asks_for_it():
+    bot = Courier()
+    session = session_of(
+        "(var on := [True]) (machine m (state s (running [if on: robot.go(1)]))) (spawn m s)", bot
+    )
+    session.run(0.1)
+    bot.next()
+    session.set_variable("on", False)
+    session.run(0.2)
+    assert bot.log == ["go 1", "cancel go 1"]
+    assert (bot.robot.go.status, bot.robot.go.reason) == ("cancelled", "It is no longer asked for.")
+    session.set_variable("on", True)
+    session.run(0.1)
+    bot.next()
+    assert bot.robot.go.status == "active"
+
+
+def test_an_edit_that_removes_the_line_ends_it_and_so_does_one_that_restarts():
+    for policy in ("keep", "restart"):
+        bot = Courier()
+        session = session_of(GOING, bot, on_active_edit=policy)
+        session.run(0.1)
+        bot.next()
+        session.edit(GOING.replace("going (running [robot.go(place)])", "going (running [pass])"))
+        session.run(0.2)
+        assert bot.log[:2] == ["go 1", "cancel go 1"], policy
+        assert bot.robot.go.status == ("cancelled" if policy == "keep" else None)
+
+
+def test_asked_for_at_the_entry_or_on_the_way_it_lives_until_the_state_is_left():
+    bot = Courier()
+    text = """
+    (var leave := [0])
+    (machine outer
+      (state a) (state b (onentry [robot.lap(2)])) (state c)
+      (on [leave == 1] a -> b (effect [robot.go(1)]))
+      (on [leave == 2] b -> b (effect [robot.go(1)]))
+      (on [leave == 3] b -> c))
+    (spawn outer a)
+    """
+    session = session_of(text, bot)
+    session.run(0.1)
+    session.set_variable("leave", 1)
+    session.run(0.5)
+    asked = bot.next(), bot.next()
+    assert sorted(bot.log) == ["go 1", "lap 2"]
+    for task in asked:
+        task.update("succeeded")
+    session.run(0.1)
+    assert (bot.robot.go.succeeded, bot.robot.lap.succeeded) == (True, True)
+    session.set_variable("leave", 2)  # the same words, for another visit
+    session.run(0.1)
+    _ = bot.next(), bot.next()
+    session.set_variable("leave", 0)
+    session.run(0.3)
+    assert (bot.robot.go.status, bot.robot.lap.status) == ("active", "active")
+    session.set_variable("leave", 3)
+    session.run(0.1)
+    assert sorted(bot.log) == ["cancel go 1", "cancel lap 2", "go 1", "go 1", "lap 2", "lap 2"]
+    assert (bot.robot.go.status, bot.robot.lap.status) == (None, None)
+
+
+def test_a_service_is_called_once_and_ends_by_itself():
+    bot = Courier()
+    session = session_of(
+        """
+        (machine m (state calling (running [robot.call("lamp")])) (state on (onexit [robot.call("dark")]))
+          (on [robot.call.succeeded] calling -> on) (ontime 400 on -> calling))
+        (spawn m calling)
+        """,
+        bot,
+    )
+    session.run(0.5)
+    bot.next().update("succeeded", result="lit")
+    session.run(0.4)
+    assert active(session) == "on"
+    session.run(0.1)
+    bot.next(), bot.next()
+    assert sorted(bot.log) == ["call dark", "call lamp", "call lamp"]
+
+
+# -- stops ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("how", ["pause", "stop_robot", "reset", "stop", "close"])
+def test_every_stop_cancels_it_at_once_and_what_runs_on_asks_again(how):
+    bot = Courier()
+    with session_of(GOING, bot) as session:
+        session.start()
+        first = bot.next()
+        getattr(session, how)()
+        assert bot.log[:3] == ["go 1", "cancel go 1", "stop"]
+        assert not first.is_wanted
+        if how in ("pause", "stop_robot"):
+            session.resume()
+        if how in ("pause", "stop_robot", "reset"):
+            assert bot.next() is not first
+
+
+def test_a_task_of_an_entry_that_a_stop_has_ended_is_not_begun_again_and_that_is_said():
+    bot = Courier()
+    text = "(machine m (state s (onentry [robot.go(1)])) (state t) (on [robot.go.failed] s -> t)) (spawn m s)"
+    session = session_of(text, bot)
+    session.run(0.1)
+    bot.next()
+    session.stop_robot()
+    session.run(0.5)
+    assert bot.log == ["go 1", "cancel go 1", "stop"]
+    assert (bot.robot.go.status, bot.robot.go.reason) == ("cancelled", "The robot was stopped.")
+    (notice,) = (each for each in bot.safety.notices if each.kind == "stopped")
+    assert notice.text.startswith("`go` ended when the robot was stopped")
+
+
+def test_disarmed_it_is_recorded_and_not_begun_and_disarming_cancels_it():
+    bot = Courier(hardware=True)
+    session = session_of(GOING, bot)
+    with pytest.warns(UserWarning, match="is disarmed"):
+        session.run(0.3)
+    assert (bot.log, bot.robot.go.status) == ([], None)
+    assert [(command.name, command.sent) for command in bot.safety.commands] == [("go", False)]
+    bot.arm()
+    session.run(0.1)
+    bot.next()
+    bot.disarm()
+    session.run(0.1)
+    assert bot.log == ["go 1", "cancel go 1", "stop"]
+
+
+def test_of_a_lost_robot_it_is_lost_and_not_an_issue():
+    bot = Courier()
+    session = session_of(GOING.replace("(on [robot.go.failed] going -> lost)", ""), bot)
+    session.run(0.1)
+    bot.next()
+    bot.set_status("lost", "The line is cut.")
+    session.run(0.3)
+    go = bot.robot.go
+    assert (go.status, go.failed, go.reason) == ("lost", True, "The line is cut.")
+    bot.set_status("connected")
+    session.run(0.1)
+    bot.next()
+    assert go.status == "active"
+    assert not session.issues
+
+
+def test_when_data_are_too_old_nothing_begins_that_moves_the_robot():
+    bot = Courier()
+    session = session_of(
+        '(machine m (state s (running [robot.go(1)] [robot.call("lamp")]))) (spawn m s)', bot
+    )
+    bot.fed.clock = lambda: 10.0
+    session.open()
+    bot.feed("light.data", 1)
+    bot.fed.clock = lambda: 12.0
+    session.run(0.2)
+    bot.next()
+    assert bot.log == ["stop", "call lamp"]
+    assert (bot.robot.go.status, bot.robot.call.status) == (None, "active")
+
+
+# -- who asks, and with what ----------------------------------------------------------------------
+
+
+def test_what_start_raises_aborts_it_with_the_sentence():
+    bot = Courier()
+    session = session_of(GOING.replace("[1]", '["nowhere"]'), bot)
+    session.open()
+    session.run(0.1)
+    over = session.run(until=lambda frame: frame.active[0][-1] == "lost", limit=60)
+    assert over
+    assert not session.issues
+
+
+def test_two_machines_cannot_have_one_task_at_the_same_time():
+    bot = Courier()
+    session = session_of(
+        """
+        (machine one (state s (running [robot.go(1)])))
+        (machine two (state s (running [robot.go(2)])))
+        (spawn one s) (spawn two s)
+        """,
+        bot,
+    )
+    session.run(0.3)
+    bot.next()
+    (issue,) = session.issues
+    assert issue.message.endswith("`robot.go` is under way for `one`, which asked for it first.")
+    assert (issue.line, bot.log) == (3, ["go 1"])
+
+
+def test_a_test_or_an_initial_value_cannot_ask():
+    for text in (
+        "(machine m (state s) (on [robot.go(1)] s -> s)) (spawn m s)",
+        "(var x := [robot.go(1)]) (machine m (state s)) (spawn m s)",
+    ):
+        session = session_of(text, Courier())
+        session.run(0.1)
+        (issue,) = session.issues
+        assert issue.message.endswith("A task is asked for in an action, not in a test or an initial value.")
+
+
+def test_by_hand_it_lives_until_it_ends_or_the_robot_is_stopped():
+    bot = Courier()
+    session = session_of("(machine m (state s) (state t) (ontime 100 s -> t)) (spawn m s)", bot)
+    session.open()
+    bot.robot.go(5)
+    task = bot.next()
+    session.run(1.0)
+    assert bot.robot.go.active
+    bot.robot.go(5)  # the same again
+    bot.stop_all()
+    session.run(0.1)
+    assert bot.log == ["go 5", "cancel go 5", "stop"]
+    bot.robot.go(6)
+    bot.next().update("succeeded")
+    task.update("aborted")
+    session.run(0.1)
+    assert bot.robot.go.succeeded
+
+
+def test_a_wrong_use_says_what_there_is():
+    bot = Courier()
+    bot.open()
+    go = bot.robot.go
+    with pytest.raises(BridgeError, match=r"^`robot\.go` has no `statsu`; .* Did you mean `status`\?$"):
+        _ = go.statsu
+    with pytest.raises(BridgeError, match=r"^`robot\.go\.status` is read from the robot"):
+        go.status = None
+    with pytest.raises(BridgeError, match=r"^`robot\.go` is a task, not a value\. Its outcome is "):
+        _ = go > 1
+    with pytest.raises(BridgeError, match=r"^`robot\.go\(place=0\)`: "):
+        go(plac=1)
+    with pytest.raises(ValueError, match=r"^A task has no status 'succeded'\. Did you mean `succeeded`\?$"):
+        go(1), bot.next().update("succeded")  # type: ignore[arg-type]
+
+
+# -- the past -------------------------------------------------------------------------------------
+
+
+def driven(path: str, bot: Courier) -> Session:
+    """Run a session in which a task succeeds, one is replaced, one is stopped, and one aborted; record it."""
+    session = session_of(GOING, bot)
+    with session.record(path):
+        session.run(0.3)
+        task = bot.next()
+        task.update(feedback=1.5)
+        session.run(0.2)
+        task.update("succeeded", result=(1, "done"))
+        session.run(0.3)
+        bot.next()
+        session.set_variable("place", 2)
+        session.run(0.2)
+        bot.next()
+        session.stop_robot()
+        session.run(0.2)
+        bot.next().update("succeeded")
+        session.run(0.3)
+        bot.next().update("aborted", reason="no path")
+        session.run(0.5)
+    assert active(session) == "lost"
+    return session
+
+
+def test_a_recorded_run_with_tasks_is_repeated_and_acts_on_no_robot(tmp_path):
+    path, bot = str(tmp_path / "run.lrplog"), Courier()
+    driven(path, bot)
+    log = list(bot.log)
+    replay = reproduce(read_recording(path))
+    assert replay.difference is None
+    assert replay.session.frame.active == (("courier", "lost"),)
+    assert bot.log == log
+
+
+def test_a_fork_continues_from_any_tick_with_what_was_known_then(tmp_path):
+    bot = Courier()
+    session = driven(str(tmp_path / "run.lrplog"), bot)
+    log = list(bot.log)
+    for tick in range(1, session.frame.tick + 1):
+        then, fork = session.at(tick), session.fork(at=tick)
+        assert (fork.frame.active, fork.frame.readings.get("go")) == (then.active, then.readings.get("go"))
+        before = fork.bridge.tasks.moment.requests["go"].state if then.active[0][-1] != "lost" else None
+        fork.run(0.3)
+        fork.rewind(fork.frame.tick - tick)
+        asked = fork.bridge.tasks.moment.requests.get("go")
+        assert (fork.frame.active, asked and asked.state) == (then.active, before)
+    assert bot.log == log
