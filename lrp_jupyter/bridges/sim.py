@@ -219,8 +219,10 @@ class SimBridge(Bridge, SimulatedWorld):
         )
 
     def sensed(self) -> object:
-        """Return what all sensors of all robots read in this tick."""
-        return tuple([robot.memory.readings for robot in self.simulation.robots])
+        """Return what all sensors of all robots read in this tick; then the states of their tasks, if any."""
+        read = [robot.memory.readings for robot in self.simulation.robots]
+        states = self.tasks.states
+        return (*read, states) if states else tuple(read)
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
         """See :class:`SimulatedWorld`; here all readings are known."""
@@ -229,7 +231,8 @@ class SimBridge(Bridge, SimulatedWorld):
         sensors = self._sensors.copy()  # another thread may ask while a world is loaded
         known = {name: each for name, each in sensors.items() if each[0] < len(sensed)}
         values = {name: read(sensed[index]) for name, (index, read) in known.items()}
-        return {name: value for name, value in values.items() if value is not None}
+        states = sensed[-1] if isinstance(sensed[-1], dict) else {}
+        return {name: value for name, value in values.items() if value is not None} | states
 
     def _move(self, index: int, message: Message) -> None:
         linear, angular = message.linear, message.angular

@@ -49,9 +49,19 @@ class TaskState(NamedTuple):
     at: float = 0.0
 
     @property
-    def is_active(self) -> bool:
+    def active(self) -> bool:
         """Whether it goes on."""
         return self.status == "active"
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether it is done."""
+        return self.status == "succeeded"
+
+    @property
+    def failed(self) -> bool:
+        """Whether it was aborted or rejected, or is lost."""
+        return self.status in FAILURES
 
 
 _NOTHING = TaskState()
@@ -190,17 +200,10 @@ class RobotTask(RobotMethod):
         if name.startswith("_"):  # copy, pickle and notebooks ask for these
             raise MemberError(f"A task of `robot` has no `{name}`.")
         state = self.tasks.state(self.path)
-        match name:
-            case "status" | "feedback" | "result" | "reason":
-                return getattr(state, name)
-            case "active":
-                return state.is_active
-            case "succeeded":
-                return state.status == "succeeded"
-            case "failed":
-                return state.status in FAILURES
-            case "since":
-                return None if state.status is None else max(0.0, self.tasks.now - state.at)
+        if name == "since":
+            return None if state.status is None else max(0.0, self.tasks.now - state.at)
+        if name in _MEMBERS:
+            return getattr(state, name)
         listed = ", ".join(f"`{each}`" for each in _MEMBERS)
         error = MemberError(
             f"`robot.{self.path}` has no `{name}`; it has {listed}.{did_you_mean(name, _MEMBERS)}"
@@ -289,8 +292,14 @@ class Tasks:
             self._moment, self._under_way = moment, {}
             for name, asked in moment.requests.items():
                 member = self._owner.nodes.table.get(name)
-                if asked.state.is_active and isinstance(member, RobotTask):
+                if asked.state.active and isinstance(member, RobotTask):
                     self._under_way[name] = member, Task(self, name, asked.number, None)
+
+    @property
+    def states(self) -> dict[str, TaskState]:
+        """The states of all that is asked for, by the names of the tasks."""
+        requests = self._moment.requests
+        return {name: asked.state for name, asked in requests.items()} if requests else {}
 
     def state(self, name: str) -> TaskState:
         """Return the state of a task."""
@@ -307,11 +316,11 @@ class Tasks:
         stays = int(asker.action == "effect")
         is_old = before is not None and before.asker.machine == asker.machine and before.stays == stays
         if before is not None and is_old and before.arguments == arguments:
-            goes_on = before.state.is_active or (asker.machine is not None and not before.is_void)
+            goes_on = before.state.active or (asker.machine is not None and not before.is_void)
             if goes_on:
                 self._put(name, replace(before, asker=asker, at=now))
                 return
-        if before is not None and before.state.is_active:
+        if before is not None and before.state.active:
             others = before.asker.machine, asker.machine
             if None not in others and others[0] != others[1]:
                 first = "/".join(others[0] or ())
@@ -396,7 +405,7 @@ class Tasks:
         before = self._moment.requests
         for each in told:
             asked = self._moment.requests.get(each.name)
-            if asked is not None and asked.number == each.number and asked.state.is_active:
+            if asked is not None and asked.number == each.number and asked.state.active:
                 self._put(
                     each.name, replace(asked, state=self._state_after(asked, each), is_void=each.is_void)
                 )
@@ -404,7 +413,7 @@ class Tasks:
             for name, asked in self._moment.requests.items():
                 if (recorded := self.recorded(name)) is not None:
                     self._put(name, replace(asked, state=recorded))
-        states = {name: asked.state for name, asked in self._moment.requests.items()}
+        states = self.states
         for name, state in states.items():
             if state.status != before[name].state.status:
                 self.changed(name, state)
@@ -440,7 +449,7 @@ class Tasks:
     def end_tick(self) -> None:
         """Cancel what was asked for in every tick and is not in this one; the next tick sees that."""
         for name, asked in self._moment.requests.items():
-            if asked.asker.action == "running" and asked.state.is_active and asked.at != self.now:
+            if asked.asker.action == "running" and asked.state.active and asked.at != self.now:
                 self._cancel(name)
                 reason = "It is no longer asked for."
                 self._tell(_Told(name, asked.number, "cancelled", reason=reason, is_void=True))
@@ -466,7 +475,7 @@ class Tasks:
         with self._changing:
             under_way, self._under_way = self._under_way, {}
             for name, asked in self._moment.requests.items():
-                if asked.state.is_active:
+                if asked.state.active:
                     status: TaskStatus = "lost" if why else "cancelled"
                     reason = why or "The robot was stopped."
                     self._tell(_Told(name, asked.number, status, reason=reason, is_void=True))
@@ -483,7 +492,7 @@ class Tasks:
         return {
             name: asked.asker.action
             for name, asked in self._moment.requests.items()
-            if asked.state.is_active and asked.asker.action not in ("running", "")
+            if asked.state.active and asked.asker.action not in ("running", "")
         }
 
     def _drop(self, name: str) -> None:

@@ -5,8 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from lrp_jupyter.bridges.tasks import RobotTask, TaskState
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.language.blocks.expressions import UnknownValueError
+
+
+class _EarlierTask(NotAValue):
+    """A task, with its state when the tick began."""
+
+    def __init__(self, state: TaskState) -> None:
+        self._state = state
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "since":
+            raise UnknownValueError("The time of a task is not recorded.")
+        return getattr(self._state, name)
 
 
 class RecordedRobot(NotAValue):
@@ -21,7 +34,9 @@ class RecordedRobot(NotAValue):
             value = self._readings[path]
             if isinstance(value, Exception):
                 raise value
-            return value
+            return _EarlierTask(value) if isinstance(value, TaskState) else value
+        if isinstance(self._nodes.get(path), RobotTask):
+            return _EarlierTask(TaskState())
         if any(each.startswith(f"{path}.") for each in self._nodes):
             return RecordedRobot(self._readings, self._nodes, f"{path}.")
         raise UnknownValueError(f"`robot.{path}` was not read in this tick.")

@@ -9,6 +9,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.guarding.safety import CommandRecord, Origin
 from lrp_jupyter.bridges.interventions import CommandsHeld, RobotStopped
 from lrp_jupyter.bridges.member_tree import RobotMethod
+from lrp_jupyter.bridges.tasks import RobotTask
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.language.blocks.block import read
@@ -19,6 +20,7 @@ from lrp_jupyter.live.reason import CommandCode, Reason
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.tasks import task_text
 from lrp_jupyter.live.why.wording import call_text, given_arguments, listed, restart_text, time_text
 
 
@@ -56,6 +58,8 @@ def command_reason(run: RecordedRun, name: str, tick: int, now: bool) -> Reason:
     code, sentence = _fate(run, last, origin.tick, tick, now)
     if sentence:
         draft.say(sentence)
+    if isinstance(run.loop.bridge.nodes.table[name], RobotTask):
+        draft.say(task_text(run, name, tick))
     return draft.reason(code, tick, time)
 
 

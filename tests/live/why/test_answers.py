@@ -1,6 +1,7 @@
 """What an answer says, and what it does not say: it never guesses."""
 
 import pytest
+from support.robots import Courier
 from support.tables import every
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -843,3 +844,27 @@ def test_a_time_that_is_still_to_come_is_refused():
         for ask in (live.at, lambda at: live.explain("go", at), lambda at: live.why("s", at)):
             with pytest.raises(ValueError, match=r"^99 s is later than the run, which is at 2 s\.$"):
                 ask(99.0)
+
+
+TASKS = """(machine courier
+  (state going (running [robot.go(1)]))
+  (state there)
+  (on [robot.go.succeeded] going -> there ok)
+  (on [robot.go.failed] going -> there bad)
+  (on [robot.go.succeeded] there -> going again))
+(spawn courier going)"""
+
+
+def test_what_became_of_a_task_is_said_and_that_its_outcome_ends_with_the_state():
+    bot = Courier()
+    with session(TASKS, bot) as live:
+        live.run(0.5)
+        assert "`robot.go` had been under way since 0 s." in str(live.why_not("ok"))
+        bot.next().update("aborted", reason="no path")
+        live.run(0.5)
+        fired = "because `robot.go.failed` was True. `robot.go` was aborted at 0.5 s: no path."
+        assert str(live.why_not("bad", at=6)).endswith(fired)
+        for answer in (live.why_not("again"), live.why("robot.go")):
+            assert "`robot.go` was not asked for; until 0.5 s its outcome was `aborted`, which ended" in str(
+                answer
+            )
