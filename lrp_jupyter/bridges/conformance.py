@@ -43,6 +43,7 @@ from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.probes import (
     ConformanceError,
     NotChecked,
+    ask_a_little,
     catch,
     commands,
     drive,
@@ -53,9 +54,11 @@ from lrp_jupyter.bridges.probes import (
     read,
     require,
     spy,
+    spy_tasks,
     variables,
     within,
 )
+from lrp_jupyter.bridges.tasks import RobotTask
 from lrp_jupyter.errors import BridgeError, ended
 
 __all__ = [
@@ -173,6 +176,10 @@ class BridgeConformance:
     def move_a_little(self, bridge: Bridge) -> None:
         """Give the smallest command that moves the robot. Default: its first velocity command, slow."""
         drive_a_little(bridge)
+
+    def ask_a_little(self, bridge: Bridge) -> None:
+        """Ask for the smallest task that can be cancelled. Default: the first that takes one number."""
+        ask_a_little(bridge)
 
     def has_moved(self, bridge: Bridge) -> bool | None:
         """Return whether that command has reached the robot; None: it cannot be seen from here."""
@@ -506,6 +513,29 @@ class BridgeConformance:
             faults = [notice.text for notice in bridge.safety.notices if notice.kind == "fault"]
             require(stopped is not False and not faults, "; ".join(faults) or "`stop_all` returned False.")
 
+    def test_a_stop_cancels_a_task(self) -> None:
+        """A task that is asked for begins, a stop cancels it in bounded time, and then it is not active."""
+        with self._opened() as bridge:
+            tasks = [task for task in commands(bridge) if isinstance(task, RobotTask) and task.cancel]
+            if not tasks:
+                return
+            if not self.moves:
+                raise NotChecked(
+                    "It would move the robot. Give it room, then set `moves = True` or pass `move=True`."
+                )
+            bridge.arm()
+            begun, cancelled = spy_tasks(tasks)
+            asked = self._ticks(bridge, self.stale_within, lambda: bool(begun), self.ask_a_little)
+            require(asked, "The task that was asked for has not begun.")
+            within(self.answer_within, "`stop_all`", bridge.stop_all)
+            require(bool(cancelled), "`stop_all` has not cancelled the task.")
+            over = self._ticks(
+                bridge, self.answer_within, until=lambda: not any(task.active for task in tasks)
+            )
+            require(over, "After a stop the task is still active.")
+            faults = [notice.text for notice in bridge.safety.notices if notice.kind == "fault"]
+            require(not faults, "; ".join(faults))
+
     def test_data_that_cease_stop_the_robot(self) -> None:
         """Without new data the status is stale or lost, readings fail, and the robot stands."""
         with self._opened() as bridge:
@@ -552,10 +582,11 @@ class BridgeConformance:
                     got = catch(method)
                     try:
                         give(bridge, method)
+                        failed = isinstance(method, RobotTask) and method.status == "lost"
                     except BridgeError:
-                        require(not got, f"`{method.path}` was sent to a lost robot.")
-                    else:
-                        raise ConformanceError(f"`{method.path}` did not fail, though the robot is lost.")
+                        failed = True
+                    require(not got, f"`{method.path}` was sent to a lost robot.")
+                    require(failed, f"`{method.path}` did not fail, though the robot is lost.")
             finally:
                 self._restore()
 

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import threading
 import unittest
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message
+from lrp_jupyter.bridges.tasks import RobotTask, Task
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 _SLICE = 0.01  # s
@@ -94,6 +95,25 @@ def listen(method: RobotMethod) -> list[object]:
     return results
 
 
+def spy_tasks(tasks: Iterable[RobotTask]) -> tuple[list[Task], list[Task]]:
+    """Record which tasks are begun and which are cancelled, and pass the calls on."""
+    begun: list[Task] = []
+    cancelled: list[Task] = []
+    for each in tasks:
+
+        def start(task: Task, *given: Any, begin: Callable[..., object] = each.start, **named: Any) -> object:
+            begun.append(task)
+            return begin(task, *given, **named)
+
+        def cancel(task: Task, end: Callable[[Task], object] | None = each.cancel) -> None:
+            cancelled.append(task)
+            if end is not None:
+                end(task)
+
+        each.start, each.cancel = start, cancel
+    return begun, cancelled
+
+
 def drive(bridge: Bridge, method: RobotMethod) -> None:
     """Give a command that moves the robot a little, as a program would."""
     command = method.standstill()
@@ -113,6 +133,17 @@ def drive_a_little(bridge: Bridge) -> None:
     if not moving:
         raise NotChecked("It has no velocity command such as `move`. Define `move_a_little` in a subclass.")
     drive(bridge, moving[0])
+
+
+def ask_a_little(bridge: Bridge) -> None:
+    """Ask for the first task of a robot that can be cancelled and takes one number, a small one."""
+    for task in commands(bridge):
+        if isinstance(task, RobotTask) and task.cancel is not None and task.message is None:
+            needed = [each.name for each in task.parameters if each.default is each.empty]
+            if len(needed) == 1:
+                task(_SLOW)
+                return
+    raise NotChecked("It has no task that takes one number. Define `ask_a_little` in a subclass.")
 
 
 def _first_number(method: RobotMethod) -> str:

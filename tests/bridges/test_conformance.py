@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from lrp_jupyter.bridges import probes
-from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, NullBridge, Panel, Twist
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, NullBridge, Panel, Task, Twist
 from lrp_jupyter.bridges.conformance import BridgeConformance, ConformanceError, NotChecked, check_bridge
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.sim import SimBridge
@@ -66,6 +66,9 @@ class Air:
         self.listeners: list[Far] = []
 
     def wait(self, seconds: float) -> None:
+        for thread in threading.enumerate():
+            if thread.name.startswith("task "):
+                thread.join()
         self.time += seconds
         for bridge in self.listeners:
             if bridge.is_open:
@@ -86,9 +89,16 @@ class Far(Bridge):
         self.feed("light.data", doc="0 dark ... 255 bright")
         self.feed("battery", doc="what is left", stale_after=None)
         self.add_method("move", self.move, "drive, in m/s", limits={"linear": 0.5})
+        self.add_task("dock", self.dock, self.undock, "drive to the dock, in m/s")
 
     def open_interface(self) -> None:
         """Nothing to connect to but the air."""
+
+    def dock(self, task: Task, speed: float) -> None:
+        self.move(speed)
+
+    def undock(self, task: Task) -> None:
+        self.move()
 
     def hear(self) -> None:
         """What the thread of a library does."""
@@ -460,6 +470,16 @@ class CallsNothing(Far):
         return None
 
 
+class NeverDocks(Far):
+    def send(self, method: Any, command: Any) -> object:
+        return None if method.path == "dock" else super().send(method, command)
+
+
+class CannotUndock(Far):
+    def undock(self, task: Task) -> None:
+        raise OSError("unplugged")
+
+
 class StopFailsAfterMoving(Far):
     def stop(self) -> None:
         if self.air.arrived:
@@ -494,6 +514,8 @@ BROKEN: list[tuple[type[Bridge], str, str]] = [
     (MoveIsForgotten, "test_a_command_reaches_the_robot", "not reached the robot within 2 s"),
     (CallsNothing, "test_a_command_reaches_the_robot", "called no function"),
     (StopFailsAfterMoving, "test_a_command_reaches_the_robot", "may not have stopped: OSError: unplugged"),
+    (NeverDocks, "test_a_stop_cancels_a_task", "The task that was asked for has not begun."),
+    (CannotUndock, "test_a_stop_cancels_a_task", "may not have stopped: OSError: unplugged"),
     (StopIsAReading, "test_a_program_can_stop_it", "has no command `stop`"),
     (
         StopHoldsTheTick,
