@@ -286,7 +286,7 @@ def test_a_table_that_is_moved_is_found_and_a_low_battery_leads_home():
 
 
 def _forms(program):
-    for name in ("variables", "events", "spawns", "onpause", "onresume"):
+    for name in ("variables", "events", "spawns", "onpause", "onresume", "onend"):
         if getattr(program, name):
             yield f"{name} of the program"
     if len(program.spawns) > 1:
@@ -338,8 +338,9 @@ def _forms_of_transition(transition):
 
 FORMS = {
     "variables of the program", "events of the program", "spawns of the program",
-    "onpause of the program", "onresume of the program", "several spawns", "machine at depth 0",
-    "machine at depth 1", "variables of a machine", "events of a machine", "empty state", "state",
+    "onpause of the program", "onresume of the program", "onend of the program", "several spawns",
+    "machine at depth 0", "machine at depth 1", "variables of a machine", "events of a machine",
+    "empty state", "state",
     "running of a state", "onexit of a state", "spawn in onentry", "spawn with settings in onentry",
     "block in onentry", "several spawns in onentry", "several blocks", "elapsed in a block",
     "dt in a block", "an event in a block", "a machine in a block", "on with Occurrence",

@@ -140,11 +140,11 @@ exit code 1.
 condition, if a state that it leaves is active. Recordings, `lrp replay` and `lrp why` know it.
 
 **Traces**: `--trace` writes JSON Lines, one object per event, with `tick` (the first is 1), `time` (seconds)
-and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,
-`source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`, `value`); `issue`
-(`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`); `restarted` (`reason`);
-`forced` (`state`, `how`); `commanded` (`command`, `arguments`, `sent`, and `block` and `line` of its origin);
-`printed` (`text`). `changed` is also written where a list, dict or set was changed in place, but not where an
+and `event`: `started`, `paused`, `resumed`, `ended` (`onend` has run); `entered`, `left` (`state`); `fired`
+(`machine`, `transition`, `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`,
+`value`); `issue` (`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`);
+`restarted` (`reason`); `forced` (`state`, `how`); `commanded` (`command`, `arguments`, `sent`, and `block`
+and `line` of its origin); `printed` (`text`). `changed` is also written where a list, dict or set was changed in place, but not where an
 attribute of an object was. The same program, world and seed produce the same trace, unless the program walks
 over a set of texts, which Python orders otherwise in every process: `PYTHONHASHSEED=0 lrp run …` fixes that.
 

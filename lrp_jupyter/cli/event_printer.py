@@ -17,7 +17,7 @@ from lrp_jupyter.language.program import Finding, Path
 from lrp_jupyter.live.predicted import finding_of
 from lrp_jupyter.live.trace import Trace
 
-SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
+SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed", "ended"})
 """The kinds of events that are printed."""
 
 

@@ -80,7 +80,7 @@ class Faulted(NamedTuple):
 class Commanded(NamedTuple):
     """A command was applied between two ticks; the facts of its effects precede it."""
 
-    kind: str  # patched, renamed, restarted, forced, assigned, paused or resumed
+    kind: str  # patched, renamed, restarted, forced, assigned, paused, resumed or ended
     text: str = ""  # the reason of a restart, how a state was forced, the variable that was assigned, …
     state: Path = ()  # that was forced, by path of definition
 

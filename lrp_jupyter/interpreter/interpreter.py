@@ -69,7 +69,10 @@ def nothing(_: object) -> None:
 
 
 _KEPT = 20  # number of recent edits whose maps are kept
-_CARRIED = ("on_active_edit", "on_issue", "paused", "patch_reason", "restarts", "restart_reason", "revision")
+_CARRIED = (
+    *("on_active_edit", "on_issue", "paused", "ended"),
+    *("patch_reason", "restarts", "restart_reason", "revision"),
+)
 """The attributes of an interpreter that a snapshot contains besides its run."""
 
 _POLICIES = {"on_active_edit": ("restart", "keep"), "on_issue": ("record", "pause")}
@@ -98,6 +101,8 @@ class Interpreter:
     Attributes
     ----------
     paused : bool
+    ended : bool
+        Whether the run has ended, until the program restarts.
     restarts : int
         How often the program was restarted; `restart_reason` says why the last time.
     revision : int
@@ -138,6 +143,7 @@ class Interpreter:
         self.on_active_edit = on_active_edit
         self.on_issue = on_issue
         self.paused = False
+        self.ended = False
         self.restarts = 0
         self.restart_reason = ""
         self.revision = 0
@@ -456,7 +462,7 @@ class Interpreter:
         run.attention = run.watched or bool(run.pending)
         if run.faulted:
             run.faulted = False
-            if self.on_issue == "pause" and not self.paused:
+            if self.on_issue == "pause" and not (self.paused or self.ended):
                 self.pause()
         if run.events:
             events, run.events = run.events, []
@@ -636,8 +642,8 @@ class Interpreter:
         self._done(Commanded("forced", how, target.path))
 
     def reset(self, now: float | None = None) -> None:
-        """Restart the program: nothing is active until the next tick, which starts it again."""
-        self._advance(now)
+        """End the run, and restart the program: nothing is active until the next tick."""
+        self.end(now)
         self._run.remember()
         self._restart("reset")
         self._done(Commanded("restarted", "reset"))
@@ -730,6 +736,20 @@ class Interpreter:
             self._run.emit("resumed", ())
         self._done(Commanded("resumed") if was_paused else None)
 
+    @property
+    def must_end(self) -> bool:
+        """Whether :meth:`end` would run an action."""
+        return bool(self._run.plan.onend and self._run.roots and not self.ended)
+
+    def end(self, now: float | None = None) -> None:
+        """Run the ``onend`` actions, once in each run, if anything is active."""
+        self._advance(now)
+        is_over, self.ended = not self.must_end, True
+        if not is_over:
+            self._between(self._run.plan.onend)
+            self._run.emit("ended", ())
+        self._done(None if is_over else Commanded("ended"))
+
     def rewind(self, ticks: int) -> None:
         """Return to the moment right after the tick that was `ticks` before the last one.
 
@@ -777,6 +797,7 @@ class Interpreter:
         """Restart without any onexit, since no transition fires; issues stay. Paper: §6.1."""
         self.restarts += 1
         self.restart_reason = reason
+        self.ended = False
         self._run.clear()
         self._run.emit("restarted", (), reason)
 

@@ -173,6 +173,7 @@ class Plan:
     spawns: tuple[SpawnPlan, ...] = ()
     onpause: tuple[BlockPlan, ...] = ()
     onresume: tuple[BlockPlan, ...] = ()
+    onend: tuple[BlockPlan, ...] = ()
     duplicates: tuple[Site, ...] = ()
     dangling: set[tuple[Element, IssueKind]] = field(default_factory=set)
     places: dict[Element, int] = field(default_factory=dict)
@@ -250,6 +251,7 @@ class _Linker:
         plan.spawns = tuple(self.spawns.get((), {}).values())
         plan.onpause = self._blocks(Element("onpause", ()))
         plan.onresume = self._blocks(Element("onresume", ()))
+        plan.onend = self._blocks(Element("onend", ()))
         # When copied all at once, the code of the blocks is contiguous in memory instead of scattered among
         # leftovers of the compiler: a ring of 1,000 states runs a third faster.
         for block in self.blocks:

@@ -21,6 +21,7 @@ EVENT_KINDS = (
     "forced",
     "paused",
     "resumed",
+    "ended",
     "commanded",
     "task",
     "printed",

@@ -73,8 +73,8 @@ DEVIATIONS = (
     ),
     Deviation(
         "§3.2",
-        "`exit`, inline conditions, `{…}` and `*-{…}` sources, `onpause`, `onresume`, delay expressions, "
-        "top-level events, several blocks in one action and comments are additions.",
+        "`exit`, inline conditions, `{…}` and `*-{…}` sources, `onpause`, `onresume`, `onend`, delay "
+        "expressions, top-level events, several blocks in one action and comments are additions.",
         "Some are plans of the paper (§9), and later programs by its authors call for others.",
     ),
     Deviation(

@@ -51,9 +51,9 @@ class ChangeSet:
     `added`, `removed`: only the outermost elements: an added one by its path in the new program, a removed
         one by its path in the old program.
     `changed`: variables and settings (the initialiser), events (the condition), transitions (when they fire),
-        and the actions ``onentry``, ``running``, ``onexit``, ``effect``, ``onpause``, ``onresume``, of which
-        every state (every transition, every program) has one of each, possibly empty: they are never added or
-        removed. By their paths in the new program.
+        and the actions ``onentry``, ``running``, ``onexit``, ``effect``, ``onpause``, ``onresume``,
+        ``onend``, of which every state (every transition, every program) has one of each, possibly empty: they are
+        never added or removed. By their paths in the new program.
     `moved`: transitions and variables whose order has changed: the fewest that explain the new order.
     `successors`: the new element for each element of the old program.
     """
@@ -127,10 +127,9 @@ def _program(old: Program, new: Program) -> Iterator[_Change]:
     yield from (("removed", Element("spawn", path)) for path in before if path not in after)
     yield from (("added", Element("spawn", path)) for path in after if path not in before)
     yield from _settings((), old.spawns, new.spawns)
-    if old.onpause != new.onpause:
-        yield "changed", Element("onpause", ())
-    if old.onresume != new.onresume:
-        yield "changed", Element("onresume", ())
+    for kind, blocks in old.hooks.items():
+        if blocks != new.hooks[kind]:
+            yield "changed", Element(kind, ())
 
 
 def _machine(path: Path, old: Machine, new: Machine) -> Iterator[_Change]:

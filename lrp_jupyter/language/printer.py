@@ -49,7 +49,7 @@ def to_source(program: Program) -> str:
         [_variable(variable, "") for variable in program.variables],
         [_event(event, "") for event in program.events],
         *[[_machine(machine, "")] for machine in program.machines],
-        [*_actions("onpause", program.onpause, ""), *_actions("onresume", program.onresume, "")],
+        [text for kind, blocks in program.hooks.items() for text in _actions(kind, blocks, "")],
         [_spawn("", spawn) for spawn in program.spawns],
     ]
     return "\n\n".join("\n".join(section) for section in sections if section) + "\n"

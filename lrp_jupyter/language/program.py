@@ -54,9 +54,9 @@ class Element(_Identity):
 
     ``kind`` is ``variable``, ``event``, ``machine``, ``state``, ``transition`` or ``spawn``; the
     actions of a state (``onentry``, ``running``, ``onexit``) are elements too, under the path of
-    their state, and so are the ``effect`` of a transition, under its path, and the program's ``onpause``
-    and ``onresume`` (empty path). A ``setting`` is a variable in a spawn, under the path of the latter.
-    The last name of a transition's path is its :attr:`Transition.id`.
+    their state, and so are the ``effect`` of a transition, under its path, and the program's ``onpause``,
+    ``onresume`` and ``onend`` (empty path). A ``setting`` is a variable in a spawn, under the path of the
+    latter. The last name of a transition's path is its :attr:`Transition.id`.
     """
 
     label: str = ""
@@ -279,12 +279,18 @@ class Program(Displayed):
     spawns: tuple[Spawn, ...] = ()
     onpause: tuple[Block, ...] = ()
     onresume: tuple[Block, ...] = ()
+    onend: tuple[Block, ...] = ()
     text: str = field(default="", compare=False, repr=False)
     filename: str = field(default="<lrp>", compare=False)
 
     @cached_property
     def _line_starts(self) -> list[int]:
         return line_starts(self.text)
+
+    @property
+    def hooks(self) -> dict[str, tuple[Block, ...]]:
+        """The actions of the program as a whole, by their kind."""
+        return {"onpause": self.onpause, "onresume": self.onresume, "onend": self.onend}
 
     @property
     def main(self) -> str:

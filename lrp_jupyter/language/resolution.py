@@ -294,7 +294,7 @@ class Resolution:
     def __init__(self, program: Program) -> None:
         self.scopes: tuple[Scope, ...] = ()
         self._spawns = program.spawns
-        self._hooks = {"onpause": program.onpause, "onresume": program.onresume}
+        self._hooks = program.hooks
         repeats: list[Repeat] = []
         self.top = Scope(())
         _define(self.top, program, repeats)
@@ -448,7 +448,7 @@ class Resolution:
         for spawning in self.spawns:
             yield spawning.element
             yield from spawning.settings
-        yield from (Element("onpause", ()), Element("onresume", ()))
+        yield from (Element(kind, ()) for kind in self._hooks)
 
     def places(self, machine: Path) -> tuple[Path, ...]:
         """Return the paths as spawned that a machine, by path of definition, can have; at most :data:`MOST`.

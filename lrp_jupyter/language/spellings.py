@@ -27,6 +27,7 @@ OTHERS = {
             "ontime": "after timeout wait delay timer ontimeout every sleep timed",
             "onpause": "pause",
             "onresume": "resume",
+            "onend": "onstop onclose onfinish finally shutdown onshutdown cleanup teardown atexit",
             "eps": "epsilon immediate immediately otherwise else default auto automatic true",
             "running eps": "always",
             "exit": "return break",
@@ -34,7 +35,7 @@ OTHERS = {
             "on": "when if event",
             "spawn onentry": "start begin",
             "spawn running": "run loop do execute while",
-            "onexit exit": "end finish stop",
+            "onexit exit onend": "end finish stop",
         }
     ).items()
 }
@@ -75,6 +76,7 @@ FOLLOWERS: dict[str, tuple[str, ...]] = {
     "ontime": ("time", "after", "timeout"),
     "onpause": ("pause",),
     "onresume": ("resume",),
+    "onend": ("end", "stop", "close", "finish"),
 }
 ARROWS = "→⇒⟶⟹➔➜➝➞←⇐"
 SIGN = re.compile(rf"[=:<>~\-{ARROWS}]+")

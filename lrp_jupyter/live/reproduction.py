@@ -100,6 +100,7 @@ def reproduce(
         name="replay",
         journal=recording.reach if recording.reach > TICKS else None,
     )
+    session._loop.is_copy = True
     with session._closed_on_error():
         if observer is not None:
             session.observe(observer)

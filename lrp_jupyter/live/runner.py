@@ -322,7 +322,11 @@ class Runner:
         self.submit(do.Pause("The robot was stopped."))
 
     def stop(self) -> None:
-        """End the run: stop the robot, end the threads; :meth:`start` then starts from the beginning."""
+        """End the run: stop the robot, end the threads; :meth:`start` then starts from the beginning.
+
+        The robot stands when the ``onend`` actions of the program run, and is stopped again after them. They
+        have a second, as a block that is still running has.
+        """
         self._end("stopped")
 
     def close(self) -> None:
@@ -342,9 +346,18 @@ class Runner:
         if bridge.is_open:
             bridge.stop_all()
         over = self._driver.end()
-        if bridge.is_open and (bridge.unstopped or bridge.safety.motion):
-            bridge.stop_all()
+        stuck = "" if over else self._driver.left_running
         self._loop.halt(status)
+        if over and self._loop.must_end:
+            try:
+                self._driver.leave_program()
+            except SessionTimeoutError as error:
+                last = self.interpreter.issues.newest
+                stuck = "" if last is not None and last.kind == "did not return" else str(error)
+        if stuck:
+            bridge.safety.notice("fault", stuck)
+        if bridge.is_open and (bridge.unstopped or bridge.safety.motion or not over):
+            bridge.stop_all()
         if over:
             self._loop.publish()
         self._notify()

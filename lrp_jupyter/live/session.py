@@ -31,8 +31,9 @@ and the session, which then is ``broken`` and keeps the traceback; it never look
 program. ``reset`` or ``start`` make it whole again, with the last text. A bridge that fails is ``lost``,
 and the loop continues. No exception ends the loop's thread.
 
-*The end.* ``close`` stops the robot first, then ends and joins the threads; it may be called
-twice. Sessions that are still open when Python exits are closed then.
+*The end.* ``close`` stops the robot first, then has the ``onend`` actions run on the loop's thread, stops
+the robot again, and joins the threads; it may be called twice. Sessions that are still open when Python exits
+are closed then.
 
 Paper: §5.1 (the loop and its rate), §6 (live programming), §6.3 (pause), §6.4 (forcing states).
 """

@@ -19,12 +19,12 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the
     {"tick":9,"time":0.8,"event":"task","task":"drive_to","status":"aborted","reason":"no path"}
     {"tick":9,"time":0.8,"event":"printed","text":"found it\n"}
 
-``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable has changed if its value is
-another one, or is a list, dict, set, deque, bytearray or array that was changed in place: of these the number
-of items and the first 200 values are compared, three levels deep. A change inside any other object is not
-seen. A variable that has lost its value has no ``value``. An issue has an ``instance``, the machine's path as
-spawned, if that can run in several places. Values without a JSON type are written as text, without addresses,
-so equal runs have equal traces.
+``started``, ``paused``, ``resumed`` and ``ended`` (its ``onend`` has run) concern the program as a whole. A
+variable has changed if its value is another one, or is a list, dict, set, deque, bytearray or array that was
+changed in place: of these the number of items and the first 200 values are compared, three levels deep. A
+change inside any other object is not seen. A variable that has lost its value has no ``value``. An issue has
+an ``instance``, the machine's path as spawned, if that can run in several places. Values without a JSON type
+are written as text, without addresses, so equal runs have equal traces.
 
 In a recording (``recording.py``), the same lines are the effects of its ticks and inputs.
 """
@@ -156,6 +156,8 @@ def words_of(line: Line) -> str:
             name = line["element"].rpartition("/")[2]
             where = f" in `{line['instance']}`" if "instance" in line else ""
             return f"`{name}`{where} (line {line['line']}) had an issue: {line['message']}"
+        case "ended":
+            return "the run ended"
         case "restarted":
             return f"the program was restarted ({line['reason'].rstrip('.')})"
         case "printed":

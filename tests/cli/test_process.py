@@ -50,6 +50,25 @@ def test_a_signal_ends_the_run_cleanly(process, program, tmp_path, kind, speed):
     assert out.splitlines()[-1].startswith("my: ")
 
 
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_what_a_program_does_at_its_end_is_done_at_a_signal_and_repeated_by_a_replay(
+    process, program, tmp_path, kind
+):
+    text = f"(onend [robot.lamp(True)] [print('lamp on')]) {WAIT}"
+    trace, log = tmp_path / "trace.jsonl", tmp_path / "run.lrplog"
+    run = process("run", program(text), "--trace", trace, "--record", log)
+    until(lambda: events_of(trace, "entered"), "the start")
+    run.send_signal(kind)
+    out, err = run.communicate()
+    assert (run.returncode, err) == (128 + kind, "")
+    assert out.count("lamp on\n") == 1
+    assert [line["command"] for line in events_of(trace, "commanded")][-1] == "lamp"
+    assert len(events_of(trace, "ended")) == 1
+    replay = process("replay", log)
+    out, err = replay.communicate()
+    assert (replay.returncode, out.count("s  ended\n"), err) == (0, 1, "")
+
+
 @pytest.mark.parametrize("speed", ["1", "max"])
 def test_ctrl_c_ends_a_block_that_does_not_return(process, program, speed):
     text = """(machine m (state a (running [

@@ -51,6 +51,17 @@ def test_a_run_is_traced_line_by_line(lrp, program):
     assert result.stdout.endswith("times real time\n")
 
 
+@pytest.mark.parametrize("options", [("--for", "1"), ("--until", "two")])
+def test_what_a_program_does_at_its_end_is_the_last_thing_in_a_trace(lrp, program, options):
+    text = f"(onend [print('over')] [1 / 0]) {COUNT}"
+    result = lrp("run", program(text), "--speed", "max", *options, "--bridge", "none", "--trace", "-")
+    *_, printed, issue, ended = trace_of(result)
+    assert [line["event"] for line in (printed, issue, ended)] == ["printed", "issue", "ended"]
+    assert printed["text"] == "over\n"
+    assert "issue LRP601 line 1: " in result.stderr
+    assert "; 1 issue; " in result.stderr
+
+
 def test_a_run_beside_a_clock_ends_in_time(lrp, program):
     result = lrp("run", program(COUNT), "--for", "0.5", "--bridge", "none", "--trace", "-")
     assert result.exit_code == 0

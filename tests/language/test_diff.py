@@ -85,10 +85,12 @@ def test_a_changed_action_is_an_element_under_its_state() -> None:
 def test_change_sets_read_as_sentences() -> None:
     old = program(machine("follower", states=[state("moving")]), onpause=[Block("1")])
     new = program(
-        machine("follower", states=[state("moving", running=[Block("1")]), state("x")]), onresume=[Block("1")]
+        machine("follower", states=[state("moving", running=[Block("1")]), state("x")]),
+        onresume=[Block("1")],
+        onend=[Block("1")],
     )
     assert str(diff(old, new)) == (
-        "`running` of `follower/moving` changed; `onpause` changed; `onresume` changed; "
+        "`running` of `follower/moving` changed; `onpause` changed; `onresume` changed; `onend` changed; "
         "state `follower/x` added"
     )
 

@@ -92,15 +92,13 @@ def test_every_form_is_read() -> None:
             (machine n (state q)))
           (on e s -> t) (on [True] * -> s back) (ontime 100 {s t}->s) (ontime b *-{s} -> t x)
           (ontime [2 * b] s->t) (eps s -> t) (exit e s -> t out) (exit [True] s -> t))
-        (onpause [7]) (onresume [8] [9]) (onpause [10]) (spawn m s) (spawn m t)
+        (onpause [7]) (onresume [8] [9]) (onpause [10]) (onend [11]) (spawn m s) (spawn m t)
         """
     )
     assert [variable.name for variable in program.variables] == ["a"]
     assert [event.name for event in program.events] == ["top"]
-    assert [[block.text for block in part] for part in (program.onpause, program.onresume)] == [
-        ["7", "10"],
-        ["8", "9"],
-    ]
+    hooks = {kind: [block.text for block in part] for kind, part in program.hooks.items()}
+    assert hooks == {"onpause": ["7", "10"], "onresume": ["8", "9"], "onend": ["11"]}
     assert [(spawn.machine, spawn.state) for spawn in program.spawns] == [("m", "s"), ("m", "t")]
     (machine,) = program.machines
     (state,) = machine.states

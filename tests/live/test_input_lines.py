@@ -40,6 +40,7 @@ EXAMPLES = [
     ChangeNames({"old": None}, {"new": [1], "limit": 0.5}),
     do.Rewind(3),
     do.Reset(),
+    do.EndProgram(),
     do.Renew(PROGRAM),
     do.SetRate(12.5),
     do.SetPolicy("on_issue", "pause"),

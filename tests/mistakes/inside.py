@@ -15,7 +15,7 @@ from lrp_jupyter.language.python.scanner import strings
 from .planting import Slip, kind, slip
 from .sources import Source
 
-ACTIONS = ("onentry", "running", "onexit", "onpause", "onresume")
+ACTIONS = ("onentry", "running", "onexit", "onpause", "onresume", "onend")
 CONDITIONS = ("event", "on", "exit")
 
 

@@ -11,7 +11,7 @@ from lrp_jupyter.language.reading.tokens import LEGAL, Token
 from .planting import Slip, kind, slip
 from .sources import Form, Source
 
-ACTIONS = ("onentry", "running", "onexit", "onpause", "onresume")
+ACTIONS = ("onentry", "running", "onexit", "onpause", "onresume", "onend")
 TRANSITIONS = ("on", "ontime", "eps", "exit")
 DEFINITIONS = ("var", "event", "machine", "state")
 

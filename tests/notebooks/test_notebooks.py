@@ -363,8 +363,7 @@ def test_the_examples_of_the_reference_use_the_whole_grammar(examples: list[Prog
     assert any(program.variables for program in examples)
     assert any(program.events for program in examples)
     assert any(len(program.spawns) > 1 for program in examples)
-    assert any(program.onpause for program in examples)
-    assert any(program.onresume for program in examples)
+    assert all(any(program.hooks[kind] for program in examples) for kind in Program().hooks)
     assert all(any(getattr(state, part) for state in states) for part in ("onentry", "running", "onexit"))
     assert any(state.machines for state in states)
 

@@ -151,7 +151,8 @@ def programs(draw):
     machines = [draw(machine_of("m")), *(draw(machine_of(n, 1)) for n in MACHINES[1:] if draw(st.booleans()))]
     parts = draw(st.permutations(machines))
     parts = [*draw(st.lists(variable, max_size=1)), *draw(st.lists(event, max_size=2)), *parts]
-    parts += [f"(onpause {draw(action)})", f"(onresume {draw(action)})"] if draw(st.booleans()) else []
+    hooks = ("onpause", "onresume", "onend")
+    parts += [f"({hook} {draw(action)})" for hook in hooks] if draw(st.booleans()) else []
     spawns = [f"(spawn m {draw(st.sampled_from('aaab'))})", *draw(st.lists(spawn, max_size=2))]
     return "(var n := [0])(var k := [1])\n" + "\n".join([*parts, *draw(st.permutations(spawns))])
 
@@ -282,6 +283,7 @@ ROVING = """(var n := [0])
   (on [elapsed >= every and not bump] low -> high)
   (ontime 300 high -> low))
 (onpause [n += 100])
+(onend [n += 1000] [robot.lamp(n > 1500)])
 (spawn m drive)
 (spawn watch idle)
 """
@@ -363,7 +365,7 @@ FORMS = [
     "(spawn m a)",
     "(var n := [0])(machine m (state a (running [{}])) (state b) (ontime [n] a -> b) (ontime n b -> a))"
     "(spawn m a)",
-    "(var n := [0])(onpause [{}])(onresume [{}])(machine m (state a (running [n])))(spawn m a)",
+    "(var n := [0])(onpause [{}])(onresume [{}])(onend [{}])(machine m (state a (running [n])))(spawn m a)",
     "(var n := [1])(machine m (state a (onentry (spawn o x)) (machine o (var k := [{}\nn])"
     " (state x (running [{}])) (exit [k] x -> b))) (state b) (ontime 50 b -> a))(spawn m a)",
 ]
@@ -371,7 +373,8 @@ WORDS = [
     *"()[]{}*;#\"'\\,.:=<>-",
     *("->", "*->", ":=", "=>", "[[", "]]", '"""', "\n", "\r\n", "\t", "  ", "\x00", "\ufeff", "\u2028"),
     *("machine", "state", "var", "event", "on", "eps", "ontime", "exit", "spawn", "running", "onentry"),
-    *("onexit", "onpause", "onresume", "a", "b", "m", "n", "robot", "0", "1e999", "9" * 40, "µ", "μ", "ſ"),
+    *("onexit", "onpause", "onresume", "onend", "a", "b", "m", "n", "robot", "0", "1e999", "9" * 40, "µ"),
+    *("μ", "ſ"),
     *("lambda", "while True: pass", "def f():", "return", "yield", "await x", "f'{", "0x", "\N{ROBOT FACE}"),
     *("import os", "nonlocal n", "global n", "del n", "\u202e", "\ud800", "ℌ", "\x0c", "1_0", "1__0", "→"),
 ]

@@ -128,4 +128,11 @@ export const FORMS: Record<string, Form> = {
     "(onresume [action])",
     "Runs when the program resumes.",
   ),
+  onend: form(
+    "onend [#{}]",
+    "at the end of the run",
+    "Program",
+    "(onend [action])",
+    "Runs once when the run ends: when it is reset, stopped or closed. The robot stands before and after that.",
+  ),
 };

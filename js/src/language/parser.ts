@@ -3,19 +3,19 @@ import {LRParser} from "@lezer/lr"
 import {word, hold, python} from "./tokens"
 export const parser = LRParser.deserialize({
   version: 14,
-  states: "*tQYQWOOOwQYO'#DqO!rQ^O'#CcOOQQ'#Dq'#DqO#pQXO'#DQOOQO'#Ds'#DsO$vQWO'#DYOOQO'#Dr'#DrOOQO'#Dp'#DpOOQO'#DZ'#DZQYQWOOO%XQWO,58{OOQQ,58},58}O%^QYO,58}OOQO'#Ci'#CiOOQO'#Cl'#ClOOQO'#Cn'#CnOOQO'#Cp'#CpOOQO'#Cr'#CrOOQO'#Ct'#CtOOQO'#Cu'#CuOOQO'#Cv'#CvOOQO'#Cw'#CwOOQO'#Cx'#CxOOQO'#Cy'#CyOOQO'#C{'#C{OOQO'#C|'#C|OOQO'#DO'#DOOOQO'#DP'#DPOOQO,59l,59lO&XQWO,59lO&`QWO,59SO&`QWO,59VO&`QWO,59XO&`QWO,59ZO'QQWO,59]O'XQWO,59_O'`QWO,59fO'gQWO,59fOOQO'#D['#D[O'nQWO,59tOOQO,59t,59tOOQO-E7X-E7XOOQQ1G.g1G.gOOQQ1G.i1G.iOOQO1G/W1G/WOOQO'#Cj'#CjO(PQWO'#DtO(WQWO1G.nO(]QWO1G.qO(bQWO1G.sO(gQWO1G.uO(lQWO1G.wOOQO1G.w1G.wO(sQWO1G.yOOQO1G.y1G.yO(zQYO'#DuO(}QWO'#DuO)UQWO1G/QO)ZQWO1G/QOOQO1G/Q1G/QOOQO-E7Y-E7YOOQO1G/`1G/`O)bQWO,5:`OOQO7+$Y7+$YOOQO7+$]7+$]OOQO7+$_7+$_OOQO7+$a7+$aOOQO7+$c7+$cOOQO7+$e7+$eOOQO'#C}'#C}O)iQWO,5:aO)iQWO,5:aOOQO7+$l7+$lO)pQWO1G/{",
-  stateData: "){~O!cOSQOS~OSPOWQOZSOuVOvVOwVOxVOyVO{UO~OUZOS!eXW!eXZ!eXu!eXv!eXw!eXx!eXy!eX{!eX!P!eXY!eX!a!eX~OP]OX[OSVXWVXZVXuVXvVXwVXxVXyVX{VX!PVXYVX!aVX~OYmO!Q^O!R_O!S`O!TaO!UbO!VcO!WdO!XeO!YiO!ZkO![lO!]jO!^fO!_gO!`hO~PYOSwOuwOxwOywOzyO~OS{O~OX|OSVaWVaZVauVavVawVaxVayVa{Va!PVaYVa!aVa~OY}O~PYOS!OOWQOZSOuVOvVOwVOxVOyVO{UOY!hP~OY!VO~PYOY!XO~PYOY!iP~PYOY!^O~PYOSwOuwOxwOywOz!`O~OY!hX~PYOY!bO~OY!cO~OY!dO~OY!eO~OY!fO~PYOY!gO~PYO!a!hOY!iX~PYOY!kO~OY!kO~PYOY!ha~PYOY!ia~PYOY!ii~PYOvuy~",
-  goto: "'{!jPPPPP!kP#PPPPP#k$T#e#k$W#k$Z#k$^#k$a#k$d$d$d$d$d$d#k$g$g$j$m$m#kPPPPPPP$p%Y%}PPPPPPPPPPPPPPPPPPP&T&h'O$p'l'xuROSYnstuv!P!U!W!Y!Z!]!a!i!j!ltROSYnstuv!P!U!W!Y!Z!]!a!i!j!lX!Popqr}TOSYnopqrstuv!P!U!W!Y!Z!]!a!i!j!lRoSRpSRqSRrSRsSRtSRuSR!j!YRvS}VOSYnopqrstuv!P!U!W!Y!Z!]!a!i!j!lQYOQnS`zYn!U!W!]!a!i!lQ!UsQ!WtQ!]vQ!a!PS!i!Y!ZR!l!jQxUR!_xsXOSYnstv!P!U!W!Y!Z!]!a!i!j!lrWOSYnstv!P!U!W!Y!Z!]!a!i!j!lR!YurWOSYnstv!P!U!W!Y!Z!]!a!i!j!lW!PopqrR!ZuQ!QoQ!RpQ!SqR!TrR![u",
-  nodeNames: "⚠ Python Comment Program Name InState Dot Block [ ] ) ( Variable Keyword Definition Machine Keyword State Keyword Event Keyword Spawn Keyword Action Keyword Keyword Keyword Keyword Keyword Keyword Transition Keyword Keyword Keyword Keyword Keyword Unknown Number Arrow Assign Star Minus } { Group",
-  maxTerm: 71,
+  states: "*zQYQWOOOwQYO'#DsO!rQ^O'#CcOOQQ'#Ds'#DsO#pQXO'#DROOQO'#Du'#DuO$yQWO'#DZOOQO'#Dt'#DtOOQO'#Dr'#DrOOQO'#D['#D[QYQWOOO%[QWO,58{OOQQ,58},58}O%aQYO,58}OOQO'#Ci'#CiOOQO'#Cl'#ClOOQO'#Cn'#CnOOQO'#Cp'#CpOOQO'#Cr'#CrOOQO'#Ct'#CtOOQO'#Cu'#CuOOQO'#Cv'#CvOOQO'#Cw'#CwOOQO'#Cx'#CxOOQO'#Cy'#CyOOQO'#Cz'#CzOOQO'#C|'#C|OOQO'#C}'#C}OOQO'#DP'#DPOOQO'#DQ'#DQOOQO,59m,59mO&[QWO,59mO&cQWO,59SO&cQWO,59VO&cQWO,59XO&cQWO,59ZO'TQWO,59]O'[QWO,59_O'cQWO,59gO'jQWO,59gOOQO'#D]'#D]O'qQWO,59uOOQO,59u,59uOOQO-E7Y-E7YOOQQ1G.g1G.gOOQQ1G.i1G.iOOQO1G/X1G/XOOQO'#Cj'#CjO(SQWO'#DvO(ZQWO1G.nO(`QWO1G.qO(eQWO1G.sO(jQWO1G.uO(oQWO1G.wOOQO1G.w1G.wO(vQWO1G.yOOQO1G.y1G.yO(}QYO'#DwO)QQWO'#DwO)XQWO1G/RO)^QWO1G/ROOQO1G/R1G/ROOQO-E7Z-E7ZOOQO1G/a1G/aO)eQWO,5:bOOQO7+$Y7+$YOOQO7+$]7+$]OOQO7+$_7+$_OOQO7+$a7+$aOOQO7+$c7+$cOOQO7+$e7+$eOOQO'#DO'#DOO)lQWO,5:cO)lQWO,5:cOOQO7+$m7+$mO)sQWO1G/}",
+  stateData: "*O~O!eOSQOS~OSPOWQOZSOvVOwVOxVOyVOzVO|UO~OUZOS!gXW!gXZ!gXv!gXw!gXx!gXy!gXz!gX|!gX!Q!gXY!gX!c!gX~OP]OX[OSVXWVXZVXvVXwVXxVXyVXzVX|VX!QVXYVX!cVX~OYnO!R^O!S_O!T`O!UaO!VbO!WcO!XdO!YeO!ZjO![lO!]mO!^kO!_fO!`gO!ahO!biO~PYOSxOvxOyxOzxO{zO~OS|O~OX}OSVaWVaZVavVawVaxVayVazVa|Va!QVaYVa!cVa~OY!OO~PYOS!POWQOZSOvVOwVOxVOyVOzVO|UOY!jP~OY!WO~PYOY!YO~PYOY!kP~PYOY!_O~PYOSxOvxOyxOzxO{!aO~OY!jX~PYOY!cO~OY!dO~OY!eO~OY!fO~OY!gO~PYOY!hO~PYO!c!iOY!kX~PYOY!lO~OY!lO~PYOY!ja~PYOY!ka~PYOY!ki~PYOwvz~",
+  goto: "'}!lPPPPP!mP#RPPPP#m$V#g#m$Y#m$]#m$`#m$c#m$f$f$f$f$f$f$f#m$i$i$l$o$o#mPPPPPPP$r%[&PPPPPPPPPPPPPPPPPPPPP&V&j'Q$r'n'zuROSYotuvw!Q!V!X!Z![!^!b!j!k!mtROSYotuvw!Q!V!X!Z![!^!b!j!k!mX!Qpqrs}TOSYopqrstuvw!Q!V!X!Z![!^!b!j!k!mRpSRqSRrSRsSRtSRuSRvSR!k!ZRwS}VOSYopqrstuvw!Q!V!X!Z![!^!b!j!k!mQYOQoS`{Yo!V!X!^!b!j!mQ!VtQ!XuQ!^wQ!b!QS!j!Z![R!m!kQyUR!`ysXOSYotuw!Q!V!X!Z![!^!b!j!k!mrWOSYotuw!Q!V!X!Z![!^!b!j!k!mR!ZvrWOSYotuw!Q!V!X!Z![!^!b!j!k!mW!QpqrsR![vQ!RpQ!SqQ!TrR!UsR!]v",
+  nodeNames: "⚠ Python Comment Program Name InState Dot Block [ ] ) ( Variable Keyword Definition Machine Keyword State Keyword Event Keyword Spawn Keyword Action Keyword Keyword Keyword Keyword Keyword Keyword Keyword Transition Keyword Keyword Keyword Keyword Keyword Unknown Number Arrow Assign Star Minus } { Group",
+  maxTerm: 73,
   nodeProps: [
-    ["openedBy", 10,"(",42,"{"],
-    ["closedBy", 11,")",43,"}"]
+    ["openedBy", 10,"(",43,"{"],
+    ["closedBy", 11,")",44,"}"]
   ],
   skippedNodes: [0,2],
   repeatNodeCount: 2,
-  tokenData: "&S~RiXY!pYZ!p[]!p]^!ppq!pst#Xxy#syz#xz{#}}!O$S!O!P$l!Q![$_![!]$q!]!^#X!c!}$|!}#O%n#P#Q%s#R#S$|#T#o$|#o#p%x#q#r%}$f$g!p$g;'S$|;'S;=`%h<%lO$|~!uU!c~XY!pYZ!p[]!p]^!ppq!p$f$g!p~#^TQ~OY#XZ]#X^;'S#X;'S;=`#m<%lO#X~#pP;=`<%l#X~#xOZ~~#}OY~~$SOx~~$XQy~!Q![$_!`!a$g~$dPu~!Q![$_~$lOv~~$qOU~~$tP!_!`$w~$|Ow~~%RVS~!Q![$|!c!}$|#R#S$|#T#o$|$g;'S$|;'S;=`%h<%lO$|~%kP;=`<%l$|~%sOW~~%xOX~~%}O{~~&SOz~",
+  tokenData: "&S~RiXY!pYZ!p[]!p]^!ppq!pst#Xxy#syz#xz{#}}!O$S!O!P$l!Q![$_![!]$q!]!^#X!c!}$|!}#O%n#P#Q%s#R#S$|#T#o$|#o#p%x#q#r%}$f$g!p$g;'S$|;'S;=`%h<%lO$|~!uU!e~XY!pYZ!p[]!p]^!ppq!p$f$g!p~#^TQ~OY#XZ]#X^;'S#X;'S;=`#m<%lO#X~#pP;=`<%l#X~#xOZ~~#}OY~~$SOy~~$XQz~!Q![$_!`!a$g~$dPv~!Q![$_~$lOw~~$qOU~~$tP!_!`$w~$|Ox~~%RVS~!Q![$|!c!}$|#R#S$|#T#o$|$g;'S$|;'S;=`%h<%lO$|~%kP;=`<%l$|~%sOW~~%xOX~~%}O|~~&SO{~",
   tokenizers: [word, hold, python, 0],
   topRules: {"Program":[0,3]},
-  tokenPrec: 407
+  tokenPrec: 410
 })

@@ -20,6 +20,7 @@ const WORDS: Record<string, number> = {
   effect: terms.effect,
   onpause: terms.onpause,
   onresume: terms.onresume,
+  onend: terms.onend,
 };
 
 /** Keywords are words only directly after `(`, the one place at which the parser asks for them. */

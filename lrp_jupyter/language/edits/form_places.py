@@ -19,7 +19,10 @@ from lrp_jupyter.language.python.scanner import LINE_END, strings
 from lrp_jupyter.language.reading.tokens import ACTIONS, LEGAL, NAMED, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS
 
-_ORDER = ("var", "event", "onentry", "running", "onexit", "onpause", "onresume", "state", "machine", "spawn")
+_ORDER = (
+    *("var", "event", "onentry", "running", "onexit", "onpause", "onresume", "onend"),
+    *("state", "machine", "spawn"),
+)
 _RANKS = {keyword: rank for rank, keyword in enumerate(_ORDER)} | dict.fromkeys(
     (*FORMS, "effect"), len(_ORDER)
 )

@@ -34,7 +34,8 @@ def two_words(draft: TextDraft, form: DraftForm) -> Corrections:
     if form.keyword == "state":
         meant = "machine" if word == "machine" and kind == "NAME" else ""
     else:
-        meant = next((meant for meant, words in FOLLOWERS.items() if word in words), "")
+        found = [meant for meant, words in FOLLOWERS.items() if word in words]
+        meant = next((meant for meant in found if meant in LEGAL.get(form.around, ())), next(iter(found), ""))
         number = as_if(after.items) if isinstance(after, DraftForm) else (kind,)  # `after(2000)`
         timed = number in (("INTEGER",), ("AMOUNT",)) or (joined and kind == "NAME")
         acts = kind in ("BLOCK", "INVALID", "UNCLOSED") or isinstance(after, DraftForm)

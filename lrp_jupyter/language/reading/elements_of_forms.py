@@ -87,11 +87,11 @@ def program(types: Sequence[str], parts: Sequence[Any], text: str, filename: str
     found = _sorted(types, parts)
     kinds = ("VAR_FORM", "EVENT_FORM", "MACHINE_FORM", "SPAWN_FORM")
     variables, events, machines, spawns = (tuple(found[kind]) for kind in kinds)
-    onpause, onresume = (
+    onpause, onresume, onend = (
         tuple(block for part in found[kind] if part is not None for block in part.items)
-        for kind in ("ONPAUSE_FORM", "ONRESUME_FORM")
+        for kind in ("ONPAUSE_FORM", "ONRESUME_FORM", "ONEND_FORM")
     )
-    return Program(variables, events, machines, spawns, onpause, onresume, text, filename)
+    return Program(variables, events, machines, spawns, onpause, onresume, onend, text, filename)
 
 
 def _sorted(types: Sequence[str], parts: Sequence[Any]) -> dict[str, list[Any]]:

@@ -26,6 +26,7 @@ USAGE = {
     "effect": "(effect [action])",
     "onpause": "(onpause [action])",
     "onresume": "(onresume [action])",
+    "onend": "(onend [action])",
 }
 
 

@@ -10,7 +10,7 @@ from lrp_jupyter.language.python.scanner import block_end, brackets, line_end
 from lrp_jupyter.language.triggers import FORMS
 
 LEGAL: dict[str, frozenset[str]] = {
-    "program": frozenset({"var", "machine", "event", "spawn", "onpause", "onresume"}),
+    "program": frozenset({"var", "machine", "event", "spawn", "onpause", "onresume", "onend"}),
     "machine": frozenset({"var", "event", "state", *FORMS}),
     "state": frozenset({"onentry", "running", "onexit", "machine"}),
     "onentry": frozenset({"spawn"}),
@@ -24,7 +24,7 @@ HELD = frozenset({"on", "exit"})
 """The forms in which `for` is a keyword, after the trigger; anywhere else it is a name."""
 NAMED = frozenset({"event", "machine", "state", "var"})
 """The forms that begin with the name that they define."""
-ACTIONS = frozenset({"onentry", "running", "onexit", "effect", "onpause", "onresume"})
+ACTIONS = frozenset({"onentry", "running", "onexit", "effect", "onpause", "onresume", "onend"})
 
 _SKIP = r"[\s\ufeff]*+(?:[;#][^\r\n]*+[\s\ufeff]*+)*+"
 _MORE = r"[^\x00-\x2f\x3a-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff]"

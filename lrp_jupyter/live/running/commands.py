@@ -19,6 +19,7 @@ from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.running.breakpoint import Breakpoint
 from lrp_jupyter.live.running.breakpoints import Breakpoints
 from lrp_jupyter.live.running.inbox import Command
+from lrp_jupyter.live.running.inputs import EndProgram as EndProgram
 from lrp_jupyter.live.running.inputs import Pause as Pause
 from lrp_jupyter.live.running.inputs import Resume as Resume
 from lrp_jupyter.live.running.loop import Loop
@@ -131,10 +132,10 @@ class Rewind(Command, recorded=True, undoes=True, interrupts=True, misuse=_ARGUM
 
 @dataclass(frozen=True, slots=True)
 class Reset(Command, recorded=True, interrupts=True):
-    """Restart the program at the next tick."""
+    """End the run, and restart the program at the next tick."""
 
     def apply(self, loop: Loop) -> None:
-        loop.interpreter.reset(loop.timing.now)
+        loop.reset()
 
 
 @dataclass(frozen=True, slots=True)

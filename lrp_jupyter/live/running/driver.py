@@ -16,7 +16,7 @@ import math
 import re
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager, suppress
@@ -44,6 +44,7 @@ class LoopThread:
         self._loop = loop
         self._turning = turning
         self._ended = False
+        self._turned = threading.Event()  # the last turn is over
         self._suspended = 0  # number of callers that drive the loop themselves
         # The context is copied; otherwise output of the thread would be routed to the cell run last.
         context = contextvars.copy_context()
@@ -72,13 +73,28 @@ class LoopThread:
         self._ended = True
         self._loop.inbox.notify()
 
-    def join(self, timeout: float) -> bool:
+    def finish(self, timeout: float) -> bool:
         """Wait for the last turn and return whether it is over; a thread does not wait for itself."""
+        return self._turned.wait(0 if self._thread is threading.current_thread() else timeout)
+
+    def join(self, timeout: float) -> bool:
+        """Wait for the end of the thread and return whether it came; a thread does not wait for itself."""
         if self._thread is not threading.current_thread():
             self._thread.join(timeout)
         return not self._thread.is_alive()
 
     def _run(self) -> None:
+        try:
+            self._turn()
+        finally:
+            self._turned.set()
+        if self._turning.acquire(blocking=False):  # else another thread is driving the loop
+            try:
+                self._loop.leave()
+            finally:
+                self._turning.release()
+
+    def _turn(self) -> None:
         loop, wake = self._loop, self._loop.inbox.wake
         rested = perf_counter()
         while not self._ended:
@@ -136,6 +152,10 @@ class LoopTask:
         """Make no further turn; from any thread."""
         self._ended = True
         self._loop.inbox.notify()
+
+    def finish(self, timeout: float) -> bool:
+        """Return at once, as :meth:`join` does."""
+        return True
 
     def join(self, timeout: float) -> bool:
         """Return at once: the task ends when the event loop gets to it."""
@@ -210,16 +230,14 @@ class Driver:
 
         A block that does not return is interrupted. Inside a C call that has no effect, and the thread, a
         daemon, is left running.
+
+        What the program does at its end has time of its own: a block that is in its way is interrupted first.
         """
         motor, monitor = self._motor, self._monitor
         over = True
         self.leave()
         if motor is not None:
-            over = motor.join(PATIENCE)
-            end = monotonic() + PATIENCE
-            while not over and motor.ident != threading.get_ident() and monotonic() < end:
-                self.interrupt(others=True)  # one block after the other, until the tick is over
-                over = motor.join(AGAIN)
+            over = self._comes(motor, motor.finish) and self._comes(motor, motor.join)
         for each in (monitor, self._spare):
             if each is not None:
                 each.end()
@@ -227,6 +245,14 @@ class Driver:
         if over:
             self._motor = self._monitor = None
         return over and not self.loop.ticking
+
+    def _comes(self, motor: LoopThread | LoopTask, end: Callable[[float], bool]) -> bool:
+        """Wait for an end, interrupting one block after the other if it takes long; return if it came."""
+        over, until = end(PATIENCE), monotonic() + PATIENCE
+        while not over and motor.ident != threading.get_ident() and monotonic() < until:
+            self.interrupt(others=True)
+            over = end(AGAIN)
+        return over
 
     def interrupt(self, others: bool = False) -> bool:
         """Interrupt the block that is running; return whether there is one.
@@ -239,6 +265,24 @@ class Driver:
         if self._monitor is not None:
             self._monitor.note(block)
         return interrupt(thread, block)
+
+    def leave_program(self) -> None:
+        """Have the program do what it does at its end, if no thread has seen to that; see :meth:`Loop.leave`.
+
+        Raises SessionTimeoutError: it did not return, or another thread did not make way.
+        """
+        with self.exclusive("stop"), self.limited(PATIENCE):
+            self.loop.leave()
+        self.end()
+
+    @property
+    def left_running(self) -> str:
+        """A sentence about the block that still runs though the run has ended; empty if there is none."""
+        block = self._block() if self._thread != threading.get_ident() else None
+        if block is None:
+            return ""
+        line = f" (line {block.line})" if block.line else ""
+        return f"`{block.name}`{line} did not return at the end of the run, and could not be interrupted."
 
     def _block(self, others: bool = True) -> RunningBlock | None:
         """Return the block or the foreign code that is running on the thread that drives the loop."""

@@ -44,6 +44,14 @@ class EndRun(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class EndProgram(Command, recorded=True):
+    """Run the ``onend`` actions, once: the run is over, for good or until it starts again."""
+
+    def apply(self, loop: Any) -> None:
+        loop.end_program()
+
+
+@dataclass(frozen=True, slots=True)
 class Rewound:
     """Later ticks were undone; `checkpoint` is the session right after that, with everything not undone."""
 

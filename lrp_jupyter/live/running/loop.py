@@ -53,7 +53,7 @@ from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.running.foreign_code import Foreign, on_main_thread
 from lrp_jupyter.live.running.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.live.running.inbox import Command, Inbox
-from lrp_jupyter.live.running.inputs import EndRun, Pause, Resume
+from lrp_jupyter.live.running.inputs import EndProgram, EndRun, Pause, Resume
 from lrp_jupyter.live.running.record import Record
 from lrp_jupyter.live.running.timing import ROUNDING, STEP, Timing
 from lrp_jupyter.live.running.values import ValueTexts, numbers_of
@@ -97,6 +97,8 @@ class Loop:
         """The traceback of the fault that broke the session, or an empty text."""
         self.ticking: object = None
         """Identifies the current tick; None between two ticks."""
+        self.is_copy = False
+        """Whether it repeats or tries out a run, whose end is not its own."""
         self._unstarted = False  # whether it was paused before it was started
         self._texts = ValueTexts(self._calling)
         self.changed = changed
@@ -274,6 +276,7 @@ class Loop:
 
     def begin(self, checkpoint: SessionCheckpoint) -> None:
         """Continue from a checkpoint of another session; see :meth:`Record.begin`."""
+        self.is_copy = True
         self.record.begin(checkpoint)
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
 
@@ -633,6 +636,34 @@ class Loop:
             interpreter.issues.report((element, 0, "unknown state"), lambda: issue, message, tick)
 
     # -- the end ---------------------------------------------------------------------------------
+
+    @property
+    def must_end(self) -> bool:
+        """Whether the program has something to do at the end of this run."""
+        return self.interpreter.must_end and self.bridge.is_open and not (self.fault or self.is_copy)
+
+    def leave(self) -> None:
+        """Have the program do what it does at the end of a run; after the last turn, never raises."""
+        if self.must_end:
+            self.rest()
+            self._apply(EndProgram())
+
+    def end_program(self) -> None:
+        """Run the ``onend`` actions, unless the run has ended; the robot is stopped before and after that."""
+        if not self.interpreter.must_end:
+            return
+        safety = self.bridge.safety
+        try:
+            self._call_hook(self.bridge.stop_all)
+            safety.tick(self.timing.now, self.timing.period)  # commands held back were those of the last tick
+            self.interpreter.end(self.timing.now)
+        finally:
+            self._call_hook(self.bridge.stop_all)
+
+    def reset(self) -> None:
+        """End the run, and restart the program at the next tick."""
+        self.end_program()
+        self.interpreter.reset(self.timing.now)
 
     def halt(self, status: Literal["stopped", "closed"]) -> None:
         """Set the status, permanently (``closed``) or until the next start; from any thread."""

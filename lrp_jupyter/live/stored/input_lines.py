@@ -34,6 +34,7 @@ INPUTS: dict[str, type] = {
     "pause": do.Pause,
     "resume": do.Resume,
     "rest": EndRun,
+    "end": do.EndProgram,
     "edit": do.ReplaceProgram,
     "rename": do.Rename,
     "force": do.Force,

@@ -145,6 +145,8 @@ def _fate(run: RecordedRun, last: CommandRecord, given: int, tick: int, now: boo
         if isinstance(fact, Commanded) and fact.kind == "paused":
             why = run.loop.reason if now else ""
             return "stopped", f"Then the program was paused, which stops the robot. {why}".strip()
+        if isinstance(fact, Commanded) and fact.kind == "ended":
+            return "stopped", "Then the run ended, which stops the robot."
         if isinstance(fact, Commanded) and fact.kind == "restarted":
             restarted = f"Then the program was restarted ({restart_text(fact)})"
             return "stopped", f"{restarted}, which stops the robot."
