@@ -144,9 +144,10 @@ and `event`: `started`, `paused`, `resumed`, `ended` (`onend` has run); `entered
 (`machine`, `transition`, `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`,
 `value`); `issue` (`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`);
 `restarted` (`reason`); `forced` (`state`, `how`); `commanded` (`command`, `arguments`, `sent`, and `block`
-and `line` of its origin); `printed` (`text`). `changed` is also written where a list, dict or set was changed in place, but not where an
-attribute of an object was. The same program, world and seed produce the same trace, unless the program walks
-over a set of texts, which Python orders otherwise in every process: `PYTHONHASHSEED=0 lrp run …` fixes that.
+and `line` of its origin); `printed` (`text`). `changed` is also written where a list, dict or set was changed
+in place, but not where an attribute of an object was. The same program, world and seed produce the same
+trace, unless the program walks over a set of texts, which Python orders otherwise in every process:
+`PYTHONHASHSEED=0 lrp run …` fixes that.
 
 **Recordings**: `--record run.lrplog` writes the trace and the inputs of the run: program and world, every
 save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit (of a program that

@@ -52,8 +52,8 @@ class ChangeSet:
         one by its path in the old program.
     `changed`: variables and settings (the initialiser), events (the condition), transitions (when they fire),
         and the actions ``onentry``, ``running``, ``onexit``, ``effect``, ``onpause``, ``onresume``,
-        ``onend``, of which every state (every transition, every program) has one of each, possibly empty: they are
-        never added or removed. By their paths in the new program.
+        ``onend``, of which every state (every transition, every program) has one of each, possibly empty:
+        they are never added or removed. By their paths in the new program.
     `moved`: transitions and variables whose order has changed: the fewest that explain the new order.
     `successors`: the new element for each element of the old program.
     """
