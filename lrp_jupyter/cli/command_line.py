@@ -301,8 +301,9 @@ Trusted = Annotated[
 RECORDING_EPILOG = """
 **What runs**: the recorded program. Its blocks are Python, which can do whatever you can do: of a recording
 that another person made, or changed, it is asked first. Without a keyboard `--trust` is the answer. Commands
-of `robot` reach no robot, but what a block does by itself happens again: one that uses `rospy`, a socket or a
-serial port acts on the real robot.
+of `robot` reach no robot: they are recorded, and inert. What a block does by itself cannot be held back, and
+happens again: one that uses `rospy` or another client library, a socket or a serial port acts on the live
+robot. `lrp check` names such blocks (LRP550, LRP551).
 """
 
 

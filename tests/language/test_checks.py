@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+import socket
+import subprocess
 from importlib.util import find_spec
+from types import ModuleType
 
 from checking import fixed, found, start_of
 from hypothesis import given
@@ -240,3 +243,46 @@ def test_the_states_of_a_machine_are_searched_once_for_a_name_in_their_blocks(mo
     states = " ".join(f"(state s{i} (running [move.tries + {i}]))" for i in range(300))
     check(f"(machine m {states}) (machine move (var tries := [0])) (spawn m s0)")
     assert len(looked) < 1000
+
+
+# 55x: what acts past `robot`
+
+
+ROSPY = ModuleType("rospy")
+exec("class Publisher:\n  def publish(self, value): return value", vars(ROSPY))
+
+
+class Lamp:
+    """Something of the notebook that acts on nothing."""
+
+    def switch(self, on: bool) -> bool:
+        return on
+
+
+@every(
+    ("name", "value", "call", "code"),
+    [
+        ("s", socket, "s.create_connection(('lamp', 1))", "LRP550"),
+        ("dial", socket.create_connection, "dial(('lamp', 1))", "LRP550"),
+        ("link", socket.socket.__new__(socket.socket), "link.send(b'on')", "LRP550"),
+        ("send", socket.socket.__new__(socket.socket).send, "send(b'on')", "LRP550"),
+        ("beep", subprocess.run, "beep(['beep'])", "LRP550"),
+        ("done", subprocess.CompletedProcess([], 0), "done.check_returncode()", None),
+        ("lamp", Lamp(), "lamp.switch(True)", None),
+        ("light", Lamp().switch, "light(True)", None),
+        ("r", ROSPY, "r.sleep(1)", "LRP551"),
+        ("lamps", ROSPY.Publisher(), "lamps.publish(True)", "LRP551"),
+        ("publish", ROSPY.Publisher().publish, "publish(True)", "LRP551"),
+        ("Client", ROSPY.Publisher, "Client().publish(True)", "LRP551"),
+        ("lamps", ROSPY.Publisher(), "print(lamps)", None),
+        ("lamps", ROSPY.Publisher(), "lamps = Lamp(); lamps.publish(True)", None),
+    ],
+)
+def test_what_a_notebook_has_made_of_a_library_that_acts_is_known_by_its_value(
+    name: str, value: object, call: str, code: str | None
+) -> None:
+    program = f"(machine m (state a (onentry [{call}]))) (spawn m a)"
+    findings = check(program, {name: value, "Lamp": Lamp})
+    assert [finding.code for finding in findings] == ([code] if code else [])
+    shadowed = check(f"(var {name} := [Lamp()]) {program}", {name: value, "Lamp": Lamp})
+    assert not [finding for finding in shadowed if finding.code in ("LRP550", "LRP551")]
