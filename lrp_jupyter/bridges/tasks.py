@@ -18,6 +18,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from time import monotonic
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -65,6 +66,7 @@ class TaskState(NamedTuple):
 
 
 _NOTHING = TaskState()
+_CALLING = 0.5  # wall seconds that the calls of the last actions of a run may take together
 _MEMBERS = {
     "status": ("str", "None, active, succeeded, aborted, rejected, cancelled or lost"),
     "active": ("bool", "whether it goes on"),
@@ -143,6 +145,7 @@ class Task:
     def __init__(self, tasks: Tasks, name: str, number: int, replaced: Task | None) -> None:
         self._tasks, self.name, self.number, self.replaced = tasks, name, number, replaced
         self.has_begun = False  # whether the robot may know of it
+        self.thread: threading.Thread | None = None  # that begins it, where `start` may wait
 
     @property
     def is_wanted(self) -> bool:
@@ -351,7 +354,8 @@ class Tasks:
         self._under_way = {**self._under_way, name: (member, task)}
         if not self._owner.has_world:
             begin = partial(self._begin, member, task, command)
-            threading.Thread(target=begin, name=f"task {name}", daemon=True).start()
+            task.thread = threading.Thread(target=begin, name=f"task {name}", daemon=True)
+            task.thread.start()
 
     def _begin(self, member: RobotTask, task: Task, command: Command) -> None:
         with self._changing:
@@ -459,6 +463,13 @@ class Tasks:
         with self._changing:
             if (under_way := self._under_way.get(name)) is not None and under_way[1].number == number:
                 under_way[1].update(state.status or "active", state.feedback, state.result, state.reason)
+
+    def finish_calls(self) -> None:
+        """Wait, for a moment, until what cannot be cancelled has reached the robot: the run ends."""
+        until = monotonic() + _CALLING
+        for member, task in tuple(self._under_way.values()):
+            if member.cancel is None and task.thread is not None:
+                task.thread.join(max(0.0, until - monotonic()))
 
     def drop(self) -> None:
         """Cancel and forget everything: the program begins again, or the robot is gone."""

@@ -2,14 +2,16 @@
 
 import asyncio
 import gc
+import sys
 import threading
 import warnings
 from itertools import groupby
 
 import pytest
-from support.robots import Bare
+from support.robots import Bare, Courier
 from support.waiting import until
 
+from lrp_jupyter.bridges.tasks import Tasks
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
@@ -150,6 +152,33 @@ def test_the_robot_stands_before_it_and_is_stopped_after_it(session, act, thread
     calls = [call for call, _ in groupby(bridge.calls) if call != 0.2]
     assert calls == ["stop", ("lamp", True), 0.5, "stop"]
     assert not bridge.safety.motion
+
+
+class Teller(Courier):
+    """A robot whose calls take as long as the end of the run waits for them."""
+
+    def call(self, task, what):
+        def is_waited_for():
+            frame = sys._current_frames().get(threading.main_thread().ident)
+            while frame is not None and frame.f_code is not Tasks.finish_calls.__code__:
+                frame = frame.f_back
+            return (frame is not None and "go 1" in self.log) or self.is_closed
+
+        until(is_waited_for, "the end")
+        self.log.append(f"call {what}")
+
+    def close_interface(self):
+        self.log.append("close")
+
+
+def test_what_is_asked_for_there_ends_with_it_but_a_call_reaches_the_robot_before_it_is_closed(session):
+    bot = Teller()
+    made = session(f"(onend [robot.go(1)] [robot.call('dark')]) {COUNT}", bot)
+    made.run(0.3)
+    made.close()
+    assert [each for each, _ in groupby(bot.log) if each != "go 1"] == [
+        "stop", "call dark", "cancel go 1", "stop", "close",
+    ]  # fmt: skip
 
 
 def test_a_robot_that_is_disarmed_gets_nothing(session):

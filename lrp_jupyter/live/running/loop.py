@@ -657,6 +657,7 @@ class Loop:
             self._call_hook(self.bridge.stop_all)
             safety.tick(self.timing.now, self.timing.period)  # commands held back were those of the last tick
             self.interpreter.end(self.timing.now)
+            self.bridge.tasks.finish_calls()
         finally:
             self._call_hook(self.bridge.stop_all)
 
