@@ -43,7 +43,7 @@ class Member:
     age : float or None
         Seconds since the reading arrived; None for methods and before the first reading.
     value : object
-        The last reading; None before the first one.
+        The last reading, None before the first one; the state of a task.
     signature : str
         ``"(linear=0.0, angular=0.0)"`` for a method or a task, else empty.
     fields : tuple of Member

@@ -64,6 +64,10 @@ class TaskState(NamedTuple):
         """Whether it was aborted or rejected, or is lost."""
         return self.status in FAILURES
 
+    def __str__(self) -> str:
+        """Return the status with its reason; nothing if nothing is asked for."""
+        return ": ".join(filter(None, (self.status, self.reason)))
+
 
 _NOTHING = TaskState()
 _CALLING = 0.5  # wall seconds that the calls of the last actions of a run may take together
@@ -255,6 +259,7 @@ class RobotTask(RobotMethod):
             self.path,
             "task",
             doc=self.doc,
+            value=self.tasks.state(self.path),
             signature=self.signature,
             fields=tuple(fields),
             arguments=tuple(arguments),

@@ -37,12 +37,14 @@ class RobotMember(NamedTuple):
     `type`: name of the type of a reading; empty where it is unknown.
     `parameters`: of a method; None for a reading.
     `acts`: whether it is a method that makes the robot do something, and returns nothing.
+    `values`: all texts that a reading can be; empty if they are not known.
     """
 
     path: str
     type: str = ""
     parameters: Parameters | None = None
     acts: bool = False
+    values: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +71,11 @@ class RobotMembers:
     def inside(self, path: str) -> tuple[str, ...]:
         """Return the names directly below a part of the robot; below the robot itself for an empty path."""
         return tuple(self._inside.get(path, ()))
+
+    @cached_property
+    def tasks(self) -> tuple[str, ...]:
+        """The paths of the tasks: methods of which something can be read."""
+        return tuple(path for path in self.members if path in self._inside)
 
     def named(self, name: str) -> Iterator[str]:
         """Yield the paths of the members with a last name."""

@@ -174,7 +174,10 @@ class Courier(Bridge, offered=False):
         self._places: dict[int, object] = {}
 
     def open_interface(self) -> None:
-        """Add the tasks; there is nothing to connect."""
+        """There is nothing to connect."""
+
+    def add_members(self) -> None:
+        """Add the tasks."""
         self.add_task("go", self.go, self.cancel, "go to a place")
         self.add_task("lap", self.go, self.cancel, "run a lap", replaces=True)
         self.add_task("call", self.call, doc="call for something", moves=False)

@@ -9,7 +9,7 @@ from pathlib import Path
 from threading import Event, current_thread, main_thread
 
 import pytest
-from support.robots import Bare
+from support.robots import Bare, Courier
 
 from lrp_jupyter.live.running.commands import Call
 from lrp_jupyter.live.session import Session
@@ -558,6 +558,25 @@ def test_values_of_the_robots_members_are_sent_though_no_program_reads_them(benc
     members = {member["name"]: member for member in page.latest("bridge")["members"]}
     assert members["move"]["insert"] == "robot.move(linear=0.0, angular=0.0)"
     assert members["distance.data"]["unit"] == "m"
+
+
+def test_what_has_become_of_a_task_is_sent_also_of_a_tick_that_is_looked_at(bench):
+    bot = Courier()
+    lab = bench("(machine m (state a (running [robot.go(1)]))) (spawn m a)", bridge=bot)
+    page, seen = lab.page(), []
+    lab.session.run(0.2)
+    task = bot.next()
+    lab.publish()
+    seen.append(page.latest("members")["go"])
+    task.update("aborted", reason="no path")
+    lab.session.run(0.1)
+    lab.publish()
+    seen.append(page.latest("members")["go"])
+    for tick in (2, 1):
+        page.do("look", tick=tick)
+        lab.publish()
+        seen.append(page.latest("members")["go"])
+    assert seen == ["active", "aborted: no path", "active", ""]
 
 
 def test_a_fault_of_the_lab_is_reported_in_the_lab(bench, monkeypatch):

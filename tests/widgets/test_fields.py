@@ -20,9 +20,13 @@ class Far(Bridge):
         self.add_variable("light.data", lambda: 7, "0 dark", unit="grey")
         self.add_method("move", lambda message: None, "drive", message=Twist)
         self.add_method("motor.turn", self.turn, "turn")
+        self.add_task("go", self.go, doc="go on", message=Twist)
 
     def turn(self, speed, brake=True):
         """Turn the motor."""
+
+    def go(self, task, message):
+        """Go on."""
 
 
 @pytest.fixture
@@ -59,6 +63,13 @@ def test_a_command_itself_has_no_fields(far):
     assert fields_of(far, "robot.move") == []
     assert fields_of(far, "robot.move.linear") == []
     assert not [member for member in listed_members(far) if member.name.startswith("move.")]
+
+
+def test_a_task_has_fields_that_can_be_read_and_arguments_that_can_be_given(far):
+    states = labels(fields_of(far, "robot.go"))
+    assert states == "status active succeeded failed feedback result reason since".split()
+    assert labels(fields_of(far, "robot.go()")) == ["linear", "angular"]
+    assert {"linear=", "linear_x="} <= set(labels(arguments_of(far, "robot.go")))
 
 
 def test_other_chains_are_not_known_here(far):

@@ -55,6 +55,7 @@ def check_robot(
     for index, name in enumerate(use.names):
         around, path = path, f"{path}.{name}" if path else name
         member = members.members.get(path)
+        is_certain = members.complete or path in members.tasks or around in members.tasks
         if member is not None:
             left = use.names[index + 1 :]
             if member.parameters is not None:
@@ -62,14 +63,16 @@ def check_robot(
                     continue
                 if left:
                     return _inside_method(use, member, index)
-                if is_condition and use.is_value and member.acts and members.complete:
+                if is_condition and use.is_value and member.acts and is_certain:
                     return _command(use, member)
+                if path in members.tasks and use.role in _USED:
+                    return _task(use, member)
                 return _method(use, member, member.parameters, is_number)
             if left:
                 return _inside_reading(use, member, index) if members.complete else None
-            return _reading(use, member, is_condition) if members.complete else None
+            return _reading(use, member, is_condition) if is_certain else None
         if not members.inside(path):
-            return _unknown(use, members, around, index) if members.complete else None
+            return _unknown(use, members, around, index) if is_certain else None
     return _part(use, members, path, is_condition) if path else None
 
 
@@ -77,6 +80,12 @@ def _command(use: NameUse, member: RobotMember) -> Remedied:
     path = f"robot.{member.path}"
     message = f"`{path}` does something and has no value. Call it in an action, and write a test here."
     return Remedied("LRP505", use.span, message)
+
+
+def _task(use: NameUse, member: RobotMember) -> Remedied:
+    path, end = f"robot.{member.path}", use.span.end
+    message = f"`{path}` is a task, not a value. Its outcome is `{path}.succeeded` or `{path}.failed`."
+    return Remedied("LRP524", use.span, message, Fix("Insert `.succeeded`", (Edit(end, end, ".succeeded"),)))
 
 
 def _unknown(use: NameUse, members: RobotMembers, around: str, index: int) -> Remedied:
@@ -180,7 +189,16 @@ def _reading(use: NameUse, member: RobotMember, is_condition: bool) -> Remedied 
         what = _ARTICLES[kind]
         message = f"A condition is `True` or `False`, but `{path}` is {what}. Compare it with {what}."
         return Remedied("LRP508", use.span, message)
+    if use.other and use.other.kind == "text" and member.values and use.other.value not in member.values:
+        return _no_such_value(path, use.other, member.values)
     return compared(path, kind, use.other) if use.other and kind else None
+
+
+def _no_such_value(path: str, other: Other, values: tuple[str, ...]) -> Remedied:
+    meant = nearest(str(other.value), frozenset(values))
+    hint = f"Did you mean `{meant}`?" if meant else f"It has {', '.join(f'`{each}`' for each in values)}."
+    fix = replace(other.span, f'"{meant}"') if meant else None
+    return Remedied("LRP526", other.span, f"`{path}` is never {other.value!r}. {hint}", fix)
 
 
 def compared(path: str, kind: str, with_what: Other) -> Remedied | None:

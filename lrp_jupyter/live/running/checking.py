@@ -9,6 +9,7 @@ from lrp_jupyter import programs
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
+from lrp_jupyter.bridges.tasks import STATUSES
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language import checks
 from lrp_jupyter.language.program import Finding, Program
@@ -87,7 +88,10 @@ def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
     else:
         yield RobotMember(member.name, member.type)
     if member.kind == "task":
-        yield from (RobotMember(field.name, field.type) for field in member.fields)
+        for field in member.fields:
+            yield RobotMember(
+                field.name, field.type, values=STATUSES if field.name.endswith(".status") else ()
+            )
 
 
 def members_of_world(world: str) -> RobotMembers | None:

@@ -108,7 +108,7 @@ def _times(seen: CountAndTick) -> str:
 def _shown(member: Member) -> str:
     """Return the value of a reading, or the status of a task that was asked for."""
     if member.kind == "task":
-        return str(member.fields[0].value or "")
+        return str(member.value)
     return "" if member.kind == "method" else render(member.value)
 
 

@@ -15,6 +15,7 @@ from typing import Any, get_args
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.guarding.safety import OF_COMMANDS, Notice
 from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.bridges.tasks import TaskState
 from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.errors import NoDataYet, StaleData
 from lrp_jupyter.graph.layout import fit_tags
@@ -135,7 +136,7 @@ class ViewStates:
                 for path, each in frame.countdowns.items()
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
-            "members": _member_values(members, frame.readings if looking else {}),
+            "members": _member_values(members, frame.readings if looking else None),
             "issues": self._issues(frame),
             "printed": self._lines(),
             "restarts": self._last_restarts(frame),
@@ -421,15 +422,18 @@ def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
     }
 
 
-def _member_values(members: Iterable[Member], past: Mapping[str, object]) -> dict[str, str]:
-    """Return the last reading of every variable of the robot, or one of the past, as text."""
-    return {
-        member.name: _short(past[member.name])
-        if member.name in past
-        else member.absence or _short(member.value)
-        for member in members
-        if member.kind == "variable" and not member.fields
-    }
+def _member_values(members: Iterable[Member], past: Mapping[str, object] | None) -> dict[str, str]:
+    """Return the last readings of the robot and the states of its tasks, or those of the past, as text."""
+
+    def text(member: Member) -> str:
+        if past is not None and member.name in past:
+            return _short(past[member.name])
+        if member.kind == "task" and past is not None:
+            return ""  # it was not asked for then
+        return member.absence or _short(member.value)
+
+    shown = [each for each in members if each.kind == "task" or (each.kind == "variable" and not each.fields)]
+    return {member.name: text(member) for member in shown}
 
 
 def listed_members(bridge: Bridge) -> Iterator[Member]:
@@ -459,4 +463,4 @@ def _member_view(member: Member) -> MemberView:
 def _short(value: object) -> str:
     if isinstance(value, NoDataYet):
         return "stale" if isinstance(value, StaleData) else "waiting"
-    return render(value)
+    return str(value) if isinstance(value, TaskState) else render(value)
