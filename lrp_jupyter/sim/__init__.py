@@ -11,7 +11,20 @@ from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.world_edits import Draw, PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart, WorldEdit
-from lrp_jupyter.sim.world_inputs import Drive, Input, Lamp, Latch, Pen, PlaceRobot, PlaceSolid, ResetWorld
+from lrp_jupyter.sim.world_inputs import (
+    Drive,
+    DriveBy,
+    DriveTo,
+    Input,
+    Lamp,
+    Latch,
+    Pen,
+    PlaceRobot,
+    PlaceSolid,
+    ResetWorld,
+    Say,
+    TurnBy,
+)
 from lrp_jupyter.sim.worlds import BUNDLED, load
 
 if TYPE_CHECKING:
@@ -25,6 +38,8 @@ __all__ = [
     "STEP",
     "Draw",
     "Drive",
+    "DriveBy",
+    "DriveTo",
     "Input",
     "Lamp",
     "Latch",
@@ -37,8 +52,10 @@ __all__ = [
     "RemoveSolid",
     "RemoveZone",
     "ResetWorld",
+    "Say",
     "SetStart",
     "Simulation",
+    "TurnBy",
     "World",
     "WorldEdit",
     "WorldError",

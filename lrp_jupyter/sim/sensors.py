@@ -44,12 +44,12 @@ class Odometer(NamedTuple):
         dx, dy = _turned(here[0] - self.seen[0], here[1] - self.seen[1], turn)
         return self._replace(seen=(there[0] - dx, there[1] - dy, self.seen[2] + turn))
 
-    def advanced(self, here: Pose, noise: float, random: Random) -> Odometer:
-        """Return the odometer after the way since the last tick."""
+    def advanced(self, here: Pose, noise: float = 0.0, random: Random | None = None) -> Odometer:
+        """Return the odometer after the way since the last tick; noise is drawn from `random`."""
         x, y, theta = self.pose
         dx, dy = _turned(here[0] - self.seen[0], here[1] - self.seen[1], theta - self.seen[2])
         turn = here[2] - self.seen[2]
-        if noise:
+        if noise and random is not None:
             scale = 1.0 + random.gauss(0.0, noise)
             dx, dy, turn = dx * scale, dy * scale, turn * (1.0 + random.gauss(0.0, noise))
         return Odometer(here, (x + dx, y + dy, theta + turn))

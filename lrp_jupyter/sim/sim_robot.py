@@ -18,6 +18,7 @@ from random import Random
 
 import pymunk
 
+from lrp_jupyter.sim.errands import Errand, Speech, guided
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
 from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid, middle_of
@@ -124,6 +125,8 @@ class Memory:
     pen_at: Point = (0.0, 0.0)
     lamp: bool = False
     blind: int = 0  # ticks for which the distance sensors still see nothing
+    errand: Errand | None = None  # the last way or turn that it was asked for
+    speech: Speech | None = None  # the last text that it was asked to say
 
 
 class SimRobot:
@@ -159,6 +162,23 @@ class SimRobot:
     def command(self) -> tuple[float, float]:
         """The commanded speeds, in m/s and rad/s, within its limits."""
         return self.memory.command
+
+    @property
+    def reckoned(self) -> Pose:
+        """Where it is by its wheels: as the odometer said last, and the way since then."""
+        return self.memory.odometer.advanced(self.pose).pose
+
+    @property
+    def is_on_errand(self) -> bool:
+        """Whether it drives by itself."""
+        return self.memory.errand is not None and self.memory.errand.is_active
+
+    def guide(self, step: int) -> None:
+        """Compute the speeds of a step that is to be made, for the errand that it is on."""
+        memory = self.memory
+        assert memory.errand is not None
+        memory.errand, memory.command = guided(memory.errand, self.reckoned, memory.command, step)
+        self.steer()
 
     def steer(self) -> None:
         """Compute the target speeds from the command and the motor noise of this tick."""

@@ -19,6 +19,7 @@ from contextlib import suppress
 from dataclasses import replace
 from random import Random
 
+from lrp_jupyter.sim.errands import ENDED, begun, spoken
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed, unpack
 from lrp_jupyter.sim.rest import Rest
@@ -27,7 +28,10 @@ from lrp_jupyter.sim.sim_robot import STEP, Motion, SimRobot, SimSolid, StepCoun
 from lrp_jupyter.sim.world import Point, Pose, Solid, World, middle_of, put_at
 from lrp_jupyter.sim.world_edits import Become, Draw, Edition, WorldEdit, WorldHistory
 from lrp_jupyter.sim.world_inputs import (
+    ByProgram,
     Drive,
+    DriveBy,
+    DriveTo,
     Input,
     Lamp,
     Latch,
@@ -35,6 +39,8 @@ from lrp_jupyter.sim.world_inputs import (
     PlaceRobot,
     PlaceSolid,
     ResetWorld,
+    Say,
+    TurnBy,
     check_input,
 )
 from lrp_jupyter.sim.worlds import load
@@ -100,6 +106,7 @@ class Simulation:
         self.drained: Callable[[Input], object] | None = None  # called with each queued input when applied
         self._inputs = 0
         self._base = 0
+        self._guided: list[SimRobot] = []
         self._log = InputLog()
         self._space = fresh_space(self._clock)
         self.is_closed = False
@@ -157,7 +164,7 @@ class Simulation:
     def _advance(self, count: int) -> None:
         """Make `count` steps between which nothing but physics happens."""
         clock, make_step, writing = self._clock, self._space.step, self._writing
-        halted = all(robot.body.target == (0.0, 0.0) for robot in self.robots)
+        halted = not self._guided and all(robot.body.target == (0.0, 0.0) for robot in self.robots)
         if not halted:
             self._rest.disturb()
         for left in range(count, 0, -1):
@@ -167,6 +174,10 @@ class Simulation:
                 return
             for thing in self._moving:
                 thing.go(clock.steps + 1 - self._base)
+            if self._guided:
+                for robot in self._guided:
+                    robot.guide(clock.steps + 1)
+                self._guided = self._on_errands()
             make_step(STEP)
             clock.steps += 1
             for robot in writing:
@@ -230,7 +241,7 @@ class Simulation:
         ValueError
             It names no robot or solid of this world, or a number is not finite.
         """
-        if not isinstance(what, (Drive, Pen, Lamp)):  # these are a program's, in the middle of a tick
+        if not isinstance(what, ByProgram):
             self._drain()
         self._apply_new(check_input(what, self.world))
 
@@ -272,8 +283,18 @@ class Simulation:
             case Latch():
                 self._latch()
             case Drive(linear, angular, index):
-                self.robots[index].memory.command = (linear, angular)
-                self.robots[index].steer()
+                robot = self.robots[index]
+                robot.memory.command = (linear, angular)
+                robot.steer()
+                if (errand := robot.memory.errand) is not None and errand.is_active:
+                    robot.memory.errand = errand.ended("aborted", ENDED)
+                    self._guided = self._on_errands()
+            case DriveBy() | TurnBy() | DriveTo():
+                robot = self.robots[what.robot]
+                robot.memory.errand = begun(what, self._inputs, robot.reckoned, self.steps)
+                self._guided = self._on_errands()
+            case Say():
+                self.robots[what.robot].memory.speech = spoken(what, self._inputs, self.steps)
             case Pen():
                 self._lower(what)
             case Lamp(on, index):
@@ -318,6 +339,9 @@ class Simulation:
         robot.memory.pen_at = robot.pose[:2]
         self._writing = self._pens_down()
 
+    def _on_errands(self) -> list[SimRobot]:
+        return [robot for robot in self.robots if robot.is_on_errand]
+
     def _pens_down(self) -> list[SimRobot]:
         return [robot for robot in self.robots if robot.memory.pen is not None]
 
@@ -331,6 +355,11 @@ class Simulation:
         memory.pen_at = (x, y)
 
     # -- queries -------------------------------------------------------------------------------
+
+    def said(self, robot: int = 0) -> str:
+        """Return what a robot says now; nothing if it is silent."""
+        speech = self.robots[robot].memory.speech
+        return speech.text if speech is not None and self.steps < speech.until else ""
 
     def zones(self, robot: int = 0) -> frozenset[str]:
         """Return the names of the zones in which the middle of a robot is."""
@@ -465,7 +494,7 @@ class Simulation:
                 self._advance_to(min(at, self.steps - self.steps % every + every))
                 is_due = self.steps % every == 0
             if what is not None:
-                is_moved = not isinstance(what, (Latch, Drive, Pen))
+                is_moved = not isinstance(what, (Latch, ByProgram)) or isinstance(what, Lamp)
                 if is_moved:
                     yield self
                 self._apply_now(what)
@@ -523,7 +552,7 @@ class Simulation:
         for thing, motion in zip(self.solids, solids, strict=True):
             thing.embody(space, motion, self.steps - self._base)
         self._moving = [thing for thing in self.solids if thing.spec.patrol is not None]
-        self._writing = self._pens_down()
+        self._writing, self._guided = self._pens_down(), self._on_errands()
         for robot, motion in zip(self.robots, robots, strict=True):
             robot.embody(space, motion)
         self._rest = Rest(self.robots, self.solids)

@@ -43,6 +43,46 @@ class Lamp:
 
 
 @dataclass(frozen=True, slots=True)
+class DriveBy:
+    """Let a robot drive straight on by itself, backwards if negative; `speed` in m/s."""
+
+    metres: float
+    speed: float = 0.2
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class TurnBy:
+    """Let a robot turn on the spot by itself, counter-clockwise; `speed` in rad/s."""
+
+    radians: float
+    speed: float = 1.0
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class DriveTo:
+    """Let a robot turn to a point and drive there by itself.
+
+    `x`, `y`: in the coordinates of its odometer, in metres.
+    `speed`: in m/s.
+    """
+
+    x: float
+    y: float
+    speed: float = 0.2
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Say:
+    """Let a robot say a text, for as long as that takes; an empty one ends what it says."""
+
+    text: str
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class PlaceRobot:
     """Move a robot by hand to a pose, at rest."""
 
@@ -63,7 +103,13 @@ class ResetWorld:
     """Reset the world to its start and erase trails."""
 
 
-Input = Latch | Drive | Pen | Lamp | PlaceRobot | PlaceSolid | WorldEdit | ResetWorld
+ByProgram = Drive | Pen | Lamp | DriveBy | TurnBy | DriveTo | Say
+"""What a program does, in the middle of a tick."""
+
+Input = Latch | ByProgram | PlaceRobot | PlaceSolid | WorldEdit | ResetWorld
+
+FARTHEST = 1000.0  # m, as worlds are large, or rad
+LONGEST_TEXT = 200
 
 
 def check_input(what: Input, world: World) -> Input:
@@ -83,6 +129,20 @@ def check_input(what: Input, world: World) -> Input:
             return Pen(down, _clamp(grey, 0.0, 255.0), _clamp(width, 0.001, 0.2), robot)
         case Lamp(_, robot):
             _index(robot, world.robots, "robot")
+            return what
+        case DriveBy(metres, speed, robot):
+            most, _ = world.robots[_index(robot, world.robots, "robot")].limits
+            return DriveBy(_within(metres, "m"), _speed(speed, most), robot)
+        case TurnBy(radians, speed, robot):
+            _, most = world.robots[_index(robot, world.robots, "robot")].limits
+            return TurnBy(_within(radians, "rad"), _speed(speed, most), robot)
+        case DriveTo(x, y, speed, robot):
+            most, _ = world.robots[_index(robot, world.robots, "robot")].limits
+            return DriveTo(_within(x, "m"), _within(y, "m"), _speed(speed, most), robot)
+        case Say(text, robot):
+            _index(robot, world.robots, "robot")
+            if len(text) > LONGEST_TEXT:
+                raise ValueError(f"A text has at most {LONGEST_TEXT} characters, not {len(text)}.")
             return what
         case PlaceRobot(pose, robot):
             _index(robot, world.robots, "robot")
@@ -120,6 +180,20 @@ def _finite(*numbers: float) -> None:
     for number in numbers:
         if not math.isfinite(number):
             raise ValueError(f"Expected a finite number, not {number!r}.")
+
+
+def _within(number: float, unit: str) -> float:
+    _finite(number)
+    if abs(number) > FARTHEST:
+        raise ValueError(f"{number:g} {unit} is too far: the farthest is {FARTHEST:g} {unit}.")
+    return float(number)
+
+
+def _speed(speed: float, most: float) -> float:
+    _finite(speed)
+    if speed <= 0:
+        raise ValueError(f"`speed` must be greater than 0, not {speed:g}: the way says in which direction.")
+    return min(float(speed), most)
 
 
 def _clamp(number: float, low: float, high: float) -> float:

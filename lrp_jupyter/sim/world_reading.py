@@ -230,7 +230,10 @@ def _robot_name(value: object, place: str) -> str:
 
 
 _MEMBERS = frozenset(
-    {"light", "bumper", "distance", "gyro", "odom", "move", "stop", "pen", "lamp", *DIRECTIONS}
+    {
+        *("light", "bumper", "distance", "gyro", "odom", *DIRECTIONS),
+        *("move", "stop", "pen", "lamp", "drive_by", "turn_by", "drive_to", "say"),
+    }
 )
 """Members of a robot, which another robot cannot be called by."""
 

@@ -10,6 +10,8 @@ from support.tables import every
 from lrp_jupyter.sim import (
     Draw,
     Drive,
+    DriveBy,
+    DriveTo,
     Lamp,
     Latch,
     Pen,
@@ -18,8 +20,10 @@ from lrp_jupyter.sim import (
     PutSolid,
     RemoveSolid,
     ResetWorld,
+    Say,
     SetStart,
     Simulation,
+    TurnBy,
     WorldError,
     input_log,
     load,
@@ -80,7 +84,12 @@ def seen(simulation):
 def drive_about(simulation, random, loops):
     for _ in range(loops):
         simulation.latch()
-        simulation.drive(random.uniform(-0.1, 0.5), random.uniform(-1, 1), random.randint(0, 1))
+        if random.random() < 0.7:
+            simulation.drive(random.uniform(-0.1, 0.5), random.uniform(-1, 1), random.randint(0, 1))
+        if random.random() < 0.1:
+            simulation.apply(DriveTo(random.uniform(-0.2, 0.6), random.uniform(-0.3, 0.3), 0.4, 1))
+            simulation.apply(TurnBy(random.uniform(-3, 3), 2.0))
+            simulation.apply(Say("x" * random.randint(0, 20)))
         if random.random() < 0.05:
             simulation.pen(random.random() < 0.7)
         simulation.lamp(random.random() < 0.5)
@@ -122,6 +131,10 @@ poses = st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3))
 inputs = st.one_of(
     st.just(Latch()),
     st.builds(Drive, st.floats(-0.5, 0.5), st.floats(-3, 3), st.integers(0, 1)),
+    st.builds(DriveBy, st.floats(-0.5, 0.5), st.floats(0.05, 0.5), st.integers(0, 1)),
+    st.builds(TurnBy, st.floats(-3, 3), st.floats(0.05, 4), st.integers(0, 1)),
+    st.builds(DriveTo, st.floats(-1, 1), st.floats(-1, 1), st.floats(0.05, 0.5), st.integers(0, 1)),
+    st.builds(Say, st.text(max_size=9), st.integers(0, 1)),
     st.builds(Pen, st.booleans(), robot=st.integers(0, 1)),
     st.builds(Lamp, st.booleans(), st.integers(0, 1)),
     st.builds(
