@@ -5,7 +5,7 @@ import { complete } from "../src/world/complete";
 import { trailStyles } from "../src/world/legend";
 import { barLength, gripAt } from "../src/world/overlay";
 import { between, firstPoses, poseBytes, readPoses } from "../src/world/poses";
-import { paintRobot } from "../src/world/robot";
+import { paintRobot, paintSpeech, wrapped } from "../src/world/robot";
 import {
   dragged,
   drawn,
@@ -91,8 +91,8 @@ interface Written {
   text: string;
 }
 
-/** What is written beside a robot with a light sensor. */
-function writtenAt(pose: Pose, sensor: Point, value: number, pixels: number): Written {
+/** What is written by someone who paints. */
+function writtenBy(paint: (c: never) => void): Written[] {
   const written: Written[] = [];
   const pen = { at: [0, 0] as Point, size: 0 };
   const notes: Record<string, (...given: never[]) => void> = {
@@ -101,10 +101,17 @@ function writtenAt(pose: Pose, sensor: Point, value: number, pixels: number): Wr
     fillText: (text: string) => void written.push({ x: pen.at[0], y: pen.at[1], size: pen.size, text }),
   };
   const c = new Proxy({}, { get: (_, name) => notes[String(name)] ?? (() => {}), set: () => true });
+  paint(c as never);
+  return written;
+}
+
+const palette = { dim: false } as never;
+
+/** What is written beside a robot with a light sensor. */
+function writtenAt(pose: Pose, sensor: Point, value: number, pixels: number): Written {
   const shape = { ...world.robots[0]!, light: [sensor] };
   const robot = { ...firstPoses(world, null).robots[0]!, pose, lights: [value] };
-  paintRobot({ c: c as never, palette: { dim: false } as never, pixels }, world.size, shape, robot);
-  return written[0]!;
+  return writtenBy((c) => paintRobot({ c, palette, pixels }, world.size, shape, robot))[0]!;
 }
 
 it("a robot has the values of its light sensors beside it, and none on it", () => {
@@ -133,6 +140,40 @@ it("the edge of the world cuts off no value of a light sensor", () => {
       expect(Math.abs(written.x - width / 2) + half).toBeLessThan(width / 2);
     }),
   );
+});
+
+it("what a robot says stands beside it within the world, line by line, wherever it is", () => {
+  const [width, height] = world.size;
+  const robots = fc.record({ x: real(0, width), y: real(0, height), text: fc.string({ minLength: 1 }) });
+  fc.assert(
+    fc.property(robots, real(150, 500), ({ x, y, text }, pixels) => {
+      const [shape, robot] = [world.robots[0]!, { ...firstPoses(world, null).robots[0]!, pose: [x, y, 1] }];
+      const lines = writtenBy((c) =>
+        paintSpeech({ c, palette, pixels }, world.size, shape, robot as never, text),
+      );
+      expect(lines.map(({ text }) => text)).toEqual(wrapped(text));
+      for (const line of lines) {
+        expect(Math.abs(line.x - width / 2) + 0.3 * line.text.length * line.size).toBeLessThan(width / 2);
+        expect(Math.abs(line.y - height / 2) + line.size / 2).toBeLessThan(height / 2);
+        expect(Math.abs(line.y - y)).toBeGreaterThan(shape.radius);
+      }
+      lines.slice(1).forEach(({ y }, i) => expect(y).toBeLessThan(lines[i]!.y - lines[i]!.size));
+    }),
+  );
+});
+
+it("a text is wrapped without losing anything, unless it is too long", () => {
+  fc.assert(
+    fc.property(fc.lorem({ maxCount: 30 }), (text) => {
+      const lines = wrapped(text);
+      expect(lines.length).toBeLessThanOrEqual(4);
+      for (const line of lines) expect(line.length).toBeLessThanOrEqual(24);
+      if (lines.join(" ") === text) return;
+      expect(text.length).toBeGreaterThan(48);
+      expect(lines[3]).toMatch(/ …$/);
+    }),
+  );
+  expect(wrapped(`It is ${"x".repeat(30)}`)).toEqual(["It is", "x".repeat(24), "x".repeat(6)]);
 });
 
 describe("poses", () => {

@@ -48,6 +48,7 @@ class RobotPicture:
     `bumper`: 1 pressed, 0 free.
     `distances`: in metres; ``inf`` where nothing is in reach.
     `pen`: whether it leaves a trail.
+    `says`: the text that it says.
     """
 
     pose: tuple[float, float, float]
@@ -57,6 +58,7 @@ class RobotPicture:
     distances: tuple[float, ...]
     pen: bool
     lamp: bool = False
+    says: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -598,6 +600,7 @@ def _picture(simulation: Simulation) -> SimPicture:
             robot.readings.distances,
             robot.memory.pen is not None,
             robot.memory.lamp,
+            simulation.said(robot.index),
         )
         for robot in simulation.robots
     )

@@ -17,7 +17,7 @@ from lrp_jupyter.sim import svg_shapes as shapes
 from lrp_jupyter.sim.floor import Mark
 from lrp_jupyter.sim.sim_robot import SimRobot
 from lrp_jupyter.sim.simulation import STEPS_PER_SECOND, Simulation
-from lrp_jupyter.sim.svg import framed, joined, scaled, zone_name
+from lrp_jupyter.sim.svg import framed, joined, scaled, speech_of, zone_name
 from lrp_jupyter.sim.svg_shapes import num
 from lrp_jupyter.sim.world import Point
 
@@ -98,15 +98,19 @@ class _Senses:
     place: _Series = field(default_factory=_Series)
     turn: _Series = field(default_factory=_Series)
     pressed: _Series = field(default_factory=_Series)
+    said: list[tuple[str, list[tuple[float, bool]]]] = field(
+        default_factory=list
+    )  # bubbles, and when they are
     lights: list[_Series] = field(init=False)
     ways: list[_Series] = field(init=False)
+    _text: str = ""
 
     def __post_init__(self) -> None:
         self.lights = [_Series() for _ in self.robot.spec.light]
         self.ways = [_Series() for _ in self.robot.spec.distance]
 
-    def add(self, time: float, last_step: int) -> None:
-        """Add what the robot senses now; the bumper is pressed if it ever was since the last step."""
+    def add(self, time: float, last_step: int, simulation: Simulation) -> None:
+        """Add what the robot senses and says now; the bumper is pressed if it was since the last step."""
         robot = self.robot
         x, y, angle = robot.pose
         self.place.add(time, x, y)
@@ -116,6 +120,12 @@ class _Senses:
             series.add(time, level)
         for series, way in zip(self.ways, robot.readings.distances, strict=False):
             series.add(time, way)
+        if (text := simulation.said(robot.index)) != self._text:
+            if self._text:
+                self.said[-1][1].append((time, False))
+            if text:
+                self.said.append((speech_of(simulation, robot), [(time, True)]))
+            self._text = text
 
 
 class _Film:
@@ -170,7 +180,7 @@ class _Film:
             if key not in present and thing.seen[-1][1]:
                 thing.seen.append((time, False))
         for senses in self.robots:
-            senses.add(time, last_step)
+            senses.add(time, last_step, simulation)
 
     # -- drawing --------------------------------------------------------------------------------
 
@@ -219,6 +229,7 @@ class _Film:
         drawn = shapes.robot(spec, robot.index, "".join(rays), "".join(above))
         names = self.simulation.world.robot_names
         label = shapes.name_of(names[robot.index], spec, robot.index) if len(names) > 1 else ""
+        label += "".join(_group(self._visible(seen), speech) for speech, seen in senses.said)
         return self._moved(senses.place, senses.turn, drawn, label)
 
     def _ray(self, senses: _Senses, index: int) -> str:

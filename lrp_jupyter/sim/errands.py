@@ -1,8 +1,8 @@
-"""What a robot of the world does by itself when it is asked to: drive a way, turn, drive to a point, say a text.
+"""What a robot of the world does by itself when it is asked to: drive a way, turn, drive to a point, say.
 
-It has a controller in the steps of the world, as a real robot has: that knows where the wheels have driven it, as
-the odometer says, and not where it is. It accelerates and brakes evenly, keeps to the straight line, and gives up
-where it does not get on. The values are part of a robot's memory, so a copy of that is a snapshot.
+It has a controller in the steps of the world, as a real robot has: it knows where the wheels have driven
+it, as the odometer says, and not where it is. It accelerates and brakes evenly, keeps to the straight line,
+and gives up where it does not get on. The values are part of a robot's memory: a copy of that is a snapshot.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Errands = DriveBy | TurnBy | DriveTo
 
 
 class Leg(NamedTuple):
-    """A turn on the spot to a heading; with a `goal` the straight way there: `ahead` 1 forwards, -1 backwards."""
+    """A turn on the spot to a heading; with a `goal` the way there: `ahead` 1 forwards, -1 backwards."""
 
     heading: float
     goal: Point | None = None
@@ -113,7 +113,7 @@ def begun(what: Errands, number: int, pose: Pose, step: int) -> Errand:
 def spoken(what: Say, number: int, step: int) -> Speech | None:
     """Return what a robot says from a step on; None for no text."""
     until = step + round(STEPS * (_SAYING + _LETTER * len(what.text)))
-    return Speech(what.text, number, until) if what.text else None
+    return Speech(what.text, number, until) if what.text.strip() else None
 
 
 def guided(errand: Errand, pose: Pose, command: Command, step: int) -> tuple[Errand, Command]:

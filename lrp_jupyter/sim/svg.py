@@ -58,6 +58,7 @@ def svg(
         *(_placed(shapes.solid(thing.spec), thing.pose) for thing in simulation.solids),
         *(_placed(_robot(robot), robot.pose) for robot in simulation.robots),
         *_names(simulation),
+        *_speeches(simulation),
     ]
     over = [
         *(zone_name(name, zone, tall, scale) for name, zone in simulation.world.zones.items()),
@@ -124,6 +125,8 @@ def _readings(simulation: Simulation) -> str:
         words.append(f"distance {' '.join(ways)} m")
     if simulation.robot.memory.lamp:
         words.append("lamp lit")
+    if said := simulation.said():
+        words.append(f"says “{said}”")
     return " · ".join(words)
 
 
@@ -209,6 +212,18 @@ def _names(simulation: Simulation) -> list[str]:
         _placed(shapes.name_of(name, robot.spec, robot.index), (*robot.pose[:2], 0.0))
         for name, robot in zip(names, simulation.robots, strict=False)
     ]
+
+
+def _speeches(simulation: Simulation) -> list[str]:
+    """Write what the robots say."""
+    said = ((robot, speech_of(simulation, robot)) for robot in simulation.robots)
+    return [_placed(drawn, (*robot.pose[:2], 0.0)) for robot, drawn in said if drawn]
+
+
+def speech_of(simulation: Simulation, robot: SimRobot) -> str:
+    """Return what a robot says, drawn around the origin; nothing if it is silent."""
+    text = simulation.said(robot.index)
+    return shapes.speech(text, robot.spec, robot.index, robot.pose[:2], simulation.world.size) if text else ""
 
 
 def _robot(robot: SimRobot) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from html import escape
+from textwrap import wrap
 
 from lrp_jupyter.sim.floor import Paint
 from lrp_jupyter.sim.sim_robot import BAR, BAR_HALF, WHEELBASE
@@ -27,6 +28,7 @@ CALM, BUMP = ("#2b3138", "0.011"), ("#E31A1C", "0.02")
 """Colour and width of a bumper that is free, and of one that is pressed."""
 
 _FIXED, _PUSHABLE, _MOVING = ("#646d77", "#4b525a"), ("#d9a566", "#8a5a1f"), ("#8fc7c3", "#2b7a75")
+_LINE, _LINES = 24, 4  # characters of a line of what a robot says, and how many lines
 _ROBOTS = (("#A6CEE3", "#1F78B4"), ("#FDBF6F", "#B35900"), ("#B2DF8A", "#257A20"), ("#CAB2D6", "#6A3D9A"))
 
 
@@ -133,6 +135,29 @@ def name_of(text: str, spec: RobotSpec, index: int) -> str:
         'text-anchor="middle" font-family="system-ui,sans-serif" font-size="10" font-weight="600" '
         f'stroke="#fff" stroke-width="3" stroke-opacity="0.8" paint-order="stroke" '
         f'fill="{robot_colour(index)[1]}">{escape(text)}</text>'
+    )
+
+
+def speech(text: str, robot: RobotSpec, index: int, place: Point, size: Point) -> str:
+    """Write what a robot says beside it, where a world of this size has room; upright, as :func:`name_of`."""
+    px, lines = max(0.07, robot.radius) / 10, wrap(text, _LINE, max_lines=_LINES, placeholder=" …")
+    wide, tall = 5.8 * max(map(len, lines), default=0) + 10, 12 * len(lines) + 6
+    (x, y), away = place, robot.radius / px + 8
+    half = min(wide * px, size[0]) / 2
+    shift = (min(size[0] - half, max(half, x)) - x) / px
+    top, tip = (away, -6) if y > size[1] / 2 else (-away - tall, tall + 6)
+    style = f'fill="#fff" stroke="{robot_colour(index)[1]}"'
+    corner = f'x="{num(shift - wide / 2)}" y="{num(top)}"'
+    edge = top if tip < 0 else top + tall
+    texts = "".join(
+        f'<text x="{num(shift)}" y="{num(top + 12 * number - 1)}">{escape(line)}</text>'
+        for number, line in enumerate(lines, 1)
+    )
+    return (
+        f'<g transform="scale({num(px)} {num(-px)})" text-anchor="middle" '
+        f'font-family="system-ui,sans-serif" font-size="10" fill="#1f2328">'
+        f'<rect {corner} width="{num(wide)}" height="{tall}" rx="5" {style}/>'
+        f'<path d="M-4 {num(edge)}L0 {num(top + tip)}L4 {num(edge)}" {style}/>{texts}</g>'
     )
 
 

@@ -464,8 +464,8 @@ class Publisher:
             if not urgent and now - view.framed < _distance(changes, world is not None):
                 continue  # what is calm comes with the next tick
             if world is not None:
-                ink, buffers = world.advance(bridge, picture)
-                changes |= ink
+                seen, buffers = world.advance(bridge, picture)
+                changes |= seen
             view.sent, view.framed = state, now
             view.send(view.frame(now, changes), buffers)
 

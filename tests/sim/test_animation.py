@@ -10,7 +10,7 @@ import pytest
 from support.seeds import seeds
 from support.smil import SVG, evaluate, placed
 
-from lrp_jupyter.sim import PutSolid, PutZone, RemoveSolid, Simulation, World, load
+from lrp_jupyter.sim import PutSolid, PutZone, RemoveSolid, Say, Simulation, World, load
 from lrp_jupyter.sim.animation import EVERY, TURNED, WITHIN, animated
 from lrp_jupyter.sim.simulation import WorldMoment
 from lrp_jupyter.sim.svg_shapes import BUMP, robot_colour
@@ -223,6 +223,27 @@ def test_ink_appears_as_it_was_drawn_and_goes_with_a_reset():
     assert ink(1.0) == pytest.approx(0.2, abs=0.01)
     assert ink(1.9) == pytest.approx(0.38, abs=0.01)
     assert ink(2.5) is None
+
+
+def test_what_the_robot_says_is_there_while_it_says_it():
+    simulation = Simulation("empty")
+    simulation.drive(0.2)
+    for text in ("Hello", "Bye"):
+        simulation.step(100)
+        simulation.apply(Say(text))
+    simulation.step(200)
+    picture = of_all(simulation)
+
+    def said(time):
+        root = evaluate(picture, time)
+        hidden = [
+            each for group in root.iter() if group.get("visibility") == "hidden" for each in group.iter()
+        ]
+        return [each.text for each in root.iter(f"{SVG}text") if each.get("x") == "0" and each not in hidden]
+
+    assert [said(time) for time in (0.9, 1.1, 1.9, 2.1, 3.0, 3.9)] == [
+        [], ["Hello"], ["Hello"], ["Bye"], ["Bye"], []
+    ]  # fmt: skip
 
 
 def test_a_part_of_a_run_begins_with_what_was_there():

@@ -2,7 +2,7 @@ from xml.etree import ElementTree
 
 from support.tables import every
 
-from lrp_jupyter.sim import BUNDLED, Simulation, World, load
+from lrp_jupyter.sim import BUNDLED, Say, Simulation, World, load
 from lrp_jupyter.sim.sketch import sketch
 from lrp_jupyter.sim.svg import svg
 from lrp_jupyter.sim.world import BoxSolid, DiscSolid, FloorSpec, PathStroke, RobotSpec
@@ -50,6 +50,21 @@ def test_a_lit_lamp_is_drawn_and_said():
     picture = svg(simulation)
     assert "the lamp is lit" in picture
     assert "lamp lit" in ElementTree.fromstring(picture).attrib["aria-label"]
+
+
+def test_what_a_robot_says_is_in_a_bubble_within_the_world_and_in_the_words():
+    simulation = Simulation("empty")
+    simulation.place((0.1, 1.9, 2.0))
+    assert "says" not in svg(simulation)
+    simulation.apply(Say("Tea & <cake>, and whatever else there is on this long and ample table"))
+    root = ElementTree.fromstring(svg(simulation, 300))
+    assert "says “Tea & <cake>, and" in root.attrib["aria-label"]
+    lines = [text.text for text in root.iter(f"{SVG}text") if text.get("text-anchor") is None]
+    assert lines[:4] == ["Tea & <cake>, and", "whatever else there is", "on this long and ample", "table"]
+    rect = next(rect for rect in root.iter(f"{SVG}rect") if rect.get("rx") == "5")
+    left, top = float(rect.get("x")) * 0.008 + 0.1, 1.9 - float(rect.get("y")) * 0.008
+    assert left >= -1e-3
+    assert 1 < top < 1.9 - simulation.robot.spec.radius
 
 
 def test_trails_and_drawings_are_joined_paths():

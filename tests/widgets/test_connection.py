@@ -13,6 +13,7 @@ from support.robots import Bare, Courier
 
 from lrp_jupyter.live.running.commands import Call
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim import Say
 from lrp_jupyter.sim.world import FloorSpec, PathStroke, RobotSpec
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.text.saver import Saver
@@ -509,6 +510,24 @@ def test_trails_come_as_ink_that_is_added_to(bench):
     lab.publish()
     assert page.last("world")["world"]["name"] == "empty"
     assert "ink" not in page.last("frame")
+
+
+def test_what_a_robot_says_comes_when_it_begins_and_when_it_ends_also_in_another_view(bench):
+    lab = bench("(machine m (state a)) (spawn m a)", bridge="sim", world="convoy")
+    page = lab.page()
+    simulation = lab.session.bridge.simulation
+    lab.publish()
+    assert "says" not in page.last("frame")
+    lab.session.call(lambda: (simulation.apply(Say("Hello", robot=1)), simulation.step(10)))
+    lab.publish()
+    assert page.last("frame")["says"] == ["", "Hello"]
+    late = lab.page("late")
+    lab.session.call(lambda: simulation.step(10))
+    lab.publish()
+    assert late.last("frame")["says"] == ["", "Hello"]
+    lab.session.call(lambda: simulation.step(200))
+    lab.publish()
+    assert page.last("frame")["says"] == late.last("frame")["says"] == []
 
 
 def test_what_blocks_print_is_sent_once_and_in_order(bench):

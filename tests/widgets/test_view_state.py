@@ -48,6 +48,7 @@ def test_a_view_state_has_all_fields_of_its_type(bench):
         "view",
         "frame",
         "ink",
+        "says",
         "asks",
     }
 

@@ -5,7 +5,7 @@ import { type Brush, drawPath, fillAndOutline, paintAt, setDash, traceBox, trace
 import type { FullStroke, FullWorld } from "./complete";
 import { ofRobot, shade } from "./palette";
 import type { Snapshot } from "./poses";
-import { FINE, paintName, paintRays, paintRobot, TEXT } from "./robot";
+import { FINE, paintName, paintRays, paintRobot, paintSpeech, TEXT } from "./robot";
 
 export function paintFloor(brush: Brush, world: FullWorld, ink: readonly FullStroke[]): void {
   const { c, palette, pixels } = brush;
@@ -113,12 +113,16 @@ export function paintSolids(brush: Brush, world: FullWorld, now: Snapshot): void
   });
 }
 
-export function paintRobots(brush: Brush, world: FullWorld, now: Snapshot): void {
+export function paintRobots(brush: Brush, world: FullWorld, now: Snapshot, says: readonly string[]): void {
   world.robots.forEach((shape, i) => {
     const robot = now.robots[i];
     if (!robot) return;
     const own = { ...brush, palette: ofRobot(brush.palette, i) };
     paintRobot(own, world.size, shape, robot);
     if (world.robots.length > 1) paintName(own, shape, robot);
+  });
+  world.robots.forEach((shape, i) => {
+    const [robot, text] = [now.robots[i], says[i]];
+    if (robot && text) paintSpeech(brush, world.size, shape, robot, text);
   });
 }

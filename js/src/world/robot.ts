@@ -96,6 +96,50 @@ export function paintName(brush: Brush, { name, radius }: FullRobot, { pose: [x,
   write(brush, name, [x, y + radius + 0.9 * size], size, brush.palette.robotEdge);
 }
 
+const [LINE, LINES] = [24, 4]; // characters of a line of what a robot says, and how many lines
+
+/** Write what a robot says into a bubble, below it in the upper half of the world, within the world's width. */
+export function paintSpeech(
+  brush: Brush,
+  size: Point,
+  shape: FullRobot,
+  robot: RobotPose,
+  text: string,
+): void {
+  const { c, palette, pixels } = brush;
+  const [x, y] = robot.pose;
+  const high = Math.max(0.05, TEXT / pixels);
+  const lines = wrapped(text);
+  const half = Math.min(size[0] / 2, (0.3 * Math.max(...lines.map(({ length }) => length)) + 0.4) * high);
+  const middle = Math.min(size[0] - half, Math.max(half, x));
+  const up = y > size[1] / 2 ? -1 : 1;
+  const near = y + up * (shape.radius + 0.7 * high);
+  const tall = (1.2 * lines.length + 0.5) * high;
+  c.beginPath();
+  c.roundRect(middle - half, Math.min(near, near + up * tall), 2 * half, tall, 0.4 * high);
+  c.moveTo(x - 0.35 * high, near);
+  c.lineTo(x, near - up * 0.55 * high);
+  c.lineTo(x + 0.35 * high, near);
+  fillAndOutline(c, palette.paper, palette.ink, Math.max(0.005, FINE / pixels));
+  const top = Math.max(near, near + up * tall) - 0.85 * high;
+  lines.forEach((line, i) => {
+    write(brush, line, [middle, top - 1.2 * i * high], high, palette.ink, { halo: false });
+  });
+}
+
+/** The lines of a text; what is too long for them ends with dots. */
+export function wrapped(text: string): string[] {
+  const lines = [""];
+  for (const word of text.split(/\s+/).flatMap((word) => word.match(/.{1,24}/gu) ?? [])) {
+    const line = lines[lines.length - 1]!;
+    const longer = line ? `${line} ${word}` : word;
+    if (longer.length <= LINE) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  if (lines.length <= LINES) return lines;
+  return [...lines.slice(0, LINES - 1), `${lines[LINES - 1]!.slice(0, LINE - 2)} …`];
+}
+
 export function paintRays(brush: Brush, { radius, distance }: FullRobot, robot: RobotPose): void {
   paintAt(brush.c, robot.pose, () =>
     distance.forEach(([angle, reach], i) => paintRay(brush, radius, angle, reach, robot.distances[i])),

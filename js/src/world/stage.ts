@@ -55,6 +55,8 @@ export class Stage {
   /** The shapes that things will have, by thing, until the kernel has answered all edits. */
   private readonly drafts = new Map<string, Shape>();
   private ink: FullStroke[] = [];
+  /** What each robot says; empty if none says anything. */
+  says: readonly string[] = [];
   private readonly floor = document.createElement("canvas");
   private floorStale = true;
   /** The time up to which the floor has the faint trail. */
@@ -87,6 +89,7 @@ export class Stage {
     this.world = world;
     this.others = (world?.robots.slice(1) ?? []).map((_, i) => this.others[i] ?? new Trail());
     this.ink = [];
+    this.says = [];
     this.clearDrafts();
     if (world) this.before = this.latest = firstPoses(world, this.latest); // its solids are where they are now
     if (other) this.arrange();
@@ -298,7 +301,7 @@ export class Stage {
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     paintBar(brush, this.canvas.height / this.ratio, this.showsGrid.on); // no robot hides below it
     c.restore();
-    paintRobots(brush, world, current);
+    paintRobots(brush, world, current, this.says);
     if (this.whatIf) paintParting(brush, this.whatIf);
   }
 

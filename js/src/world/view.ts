@@ -259,6 +259,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       if (message.type === "snapshot" || message.type === "world") stage.show(message.world);
       if (message.type !== "frame" || !stage.world) return;
       stage.isPast = store.state.looking !== null;
+      if (message.says) stage.says = message.says;
       if (message.ink) stage.draw(message.ink.first, message.ink.strokes);
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);
       if (!poses) return;

@@ -30,11 +30,13 @@ class WorldCursor:
         self._picture: SimPicture | None = None
         self._marks = 0
         self._strokes = 0
+        self._says: list[str] = []
 
     def describe(self, bridge: Bridge, picture: object, now: float) -> WorldView | None:
         """Return the whole world; its poses and ink are then sent from the beginning."""
         self._scene, self._described = _scene_of(bridge, picture), now
         self._marks = self._strokes = 0
+        self._says = []
         self._picture = None
         return world_view(bridge, picture)
 
@@ -48,19 +50,23 @@ class WorldCursor:
             return isinstance(picture, SimPicture)
         return replace(picture, time=self._picture.time) != self._picture
 
-    def advance(self, bridge: Bridge, picture: object) -> tuple[dict[str, InkView], list[bytes]]:
-        """Return the movement for a frame: a field for new ink, and the buffer of the poses."""
+    def advance(self, bridge: Bridge, picture: object) -> tuple[dict[str, Any], list[bytes]]:
+        """Return the movement for a frame: fields for ink and texts that are new, and the buffer of poses."""
         assert isinstance(bridge, SimBridge)
         assert isinstance(picture, SimPicture)
         self._picture = picture
+        fields: dict[str, Any] = {}
+        says = [robot.says for robot in picture.robots] if any(robot.says for robot in picture.robots) else []
+        if says != self._says:
+            fields["says"] = self._says = says
         if picture.marks == self._marks:
-            return {}, [_poses(picture)]
+            return fields, [_poses(picture)]
         if picture.marks < self._marks:  # an earlier moment is looked at
             self._marks = self._strokes = 0
         strokes = _strokes_of(bridge.simulation.floor.marks[self._marks : picture.marks])
         ink: InkView = {"first": self._strokes, "strokes": strokes}
         self._marks, self._strokes = picture.marks, self._strokes + len(strokes)
-        return {"ink": ink}, [_poses(picture)]
+        return {**fields, "ink": ink}, [_poses(picture)]
 
 
 def _scene_of(bridge: Bridge, picture: object) -> object:

@@ -513,6 +513,7 @@ class FrameMessage(ViewState, total=False):
     frame: Required[int]
     asks: bool  # it is to be acknowledged at once, and not by what the page says next
     ink: InkView  # new trails of pens
+    says: list[str]  # what each robot says; empty if none says anything
 
 
 class AnswerMessage(TypedDict):
