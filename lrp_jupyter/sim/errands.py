@@ -128,7 +128,7 @@ def guided(errand: Errand, pose: Pose, command: Command, step: int) -> tuple[Err
     else:
         left = _along(leg, pose) - leg.ahead * command[0] * STEP
         is_done = abs(left) <= _NEAR and abs(command[0]) <= _SLOW
-    errand = _after_leg(errand, pose, step) if is_done else _judged(errand, pose, step)
+    errand = after_leg(errand, pose, step) if is_done else judged(errand, pose, step)
     if not errand.is_active:
         return errand, (0.0, 0.0)
     if errand.leg is not leg:
@@ -148,7 +148,8 @@ def guided(errand: Errand, pose: Pose, command: Command, step: int) -> tuple[Err
     )
 
 
-def _after_leg(errand: Errand, pose: Pose, step: int) -> Errand:
+def after_leg(errand: Errand, pose: Pose, step: int) -> Errand:
+    """Return an errand whose leg is done: it is over, or has another one."""
     leg, what = errand.leg, errand.what
     if isinstance(what, DriveTo):
         if math.dist(pose[:2], (what.x, what.y)) <= _THERE:
@@ -160,7 +161,7 @@ def _after_leg(errand: Errand, pose: Pose, step: int) -> Errand:
     return errand.ended("succeeded")
 
 
-def _judged(errand: Errand, pose: Pose, step: int) -> Errand:
+def judged(errand: Errand, pose: Pose, step: int) -> Errand:
     """Return an errand that goes on, or is given up."""
     if errand.leg.goal is None:
         way = abs(pose[2] - errand.mark[2])

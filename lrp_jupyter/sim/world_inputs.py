@@ -103,7 +103,10 @@ class ResetWorld:
     """Reset the world to its start and erase trails."""
 
 
-ByProgram = Drive | Pen | Lamp | DriveBy | TurnBy | DriveTo | Say
+ByItself = DriveBy | TurnBy | DriveTo | Say
+"""What a robot does for a while, and is asked for once."""
+
+ByProgram = Drive | Pen | Lamp | ByItself
 """What a program does, in the middle of a tick."""
 
 Input = Latch | ByProgram | PlaceRobot | PlaceSolid | WorldEdit | ResetWorld
@@ -130,20 +133,8 @@ def check_input(what: Input, world: World) -> Input:
         case Lamp(_, robot):
             _index(robot, world.robots, "robot")
             return what
-        case DriveBy(metres, speed, robot):
-            most, _ = world.robots[_index(robot, world.robots, "robot")].limits
-            return DriveBy(_within(metres, "m"), _speed(speed, most), robot)
-        case TurnBy(radians, speed, robot):
-            _, most = world.robots[_index(robot, world.robots, "robot")].limits
-            return TurnBy(_within(radians, "rad"), _speed(speed, most), robot)
-        case DriveTo(x, y, speed, robot):
-            most, _ = world.robots[_index(robot, world.robots, "robot")].limits
-            return DriveTo(_within(x, "m"), _within(y, "m"), _speed(speed, most), robot)
-        case Say(text, robot):
-            _index(robot, world.robots, "robot")
-            if len(text) > LONGEST_TEXT:
-                raise ValueError(f"A text has at most {LONGEST_TEXT} characters, not {len(text)}.")
-            return what
+        case DriveBy() | TurnBy() | DriveTo() | Say():
+            return checked(what, world.robots[_index(what.robot, world.robots, "robot")].limits)
         case PlaceRobot(pose, robot):
             _index(robot, world.robots, "robot")
             return PlaceRobot(_inside(pose, world.size), robot)
@@ -160,6 +151,25 @@ def check_input(what: Input, world: World) -> Input:
             what.edited(world)
             return what
         case _:
+            return what
+
+
+def checked(what: ByItself, limits: tuple[float, float]) -> ByItself:
+    """Return what a robot is to do by itself, with its speed clamped to the robot's limits, in m/s and rad/s.
+
+    Raises ValueError: a number is not finite or too large, a speed is not positive, or a text is too long.
+    """
+    most, most_turning = limits
+    match what:
+        case DriveBy(metres, speed, robot):
+            return DriveBy(_within(metres, "m"), _speed(speed, most), robot)
+        case TurnBy(radians, speed, robot):
+            return TurnBy(_within(radians, "rad"), _speed(speed, most_turning), robot)
+        case DriveTo(x, y, speed, robot):
+            return DriveTo(_within(x, "m"), _within(y, "m"), _speed(speed, most), robot)
+        case Say(text):
+            if len(text) > LONGEST_TEXT:
+                raise ValueError(f"A text has at most {LONGEST_TEXT} characters, not {len(text)}.")
             return what
 
 
