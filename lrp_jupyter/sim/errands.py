@@ -85,6 +85,11 @@ class Errand:
         goal = (self.what.x, self.what.y) if isinstance(self.what, DriveTo) else self.leg.goal
         return math.dist(pose[:2], goal or pose[:2])
 
+    def rest(self, pose: Pose) -> tuple[float, float]:
+        """Return how far to drive ahead and to turn until the leg is done."""
+        turn = self.leg.heading - pose[2]
+        return (0.0 if self.leg.goal is None else self.leg.ahead * _along(self.leg, pose)), turn
+
 
 class Speech(NamedTuple):
     """A text that a robot says until a step."""

@@ -78,6 +78,11 @@ class BrickLink(Link):
         self._counted: tuple[int, ...] = (0,) * 4  # … at the last reading
         self.modes = [SAME_MODE] * 4  # that are wanted of the sensors, from the next reading on
         self._usual: tuple[int, ...] = (SAME_MODE,) * 4
+        self.noticed: Callable[[], object] = lambda: None  # called after each reading
+        self.owner: object = (
+            None  # what drives some motors by itself, until another command reaches one of them
+        )
+        self._owned = 0
 
     @property
     def client(self) -> BrickClient | None:
@@ -85,27 +90,43 @@ class BrickLink(Link):
         connection = self._connection
         return connection.client if connection else None
 
-    def command(self, code: bytes, motors: int = 0) -> None:
+    def own(self, owner: object, motors: int) -> None:
+        """Let motors, a bit mask, be driven by one owner, until another command reaches one of them."""
+        self.owner, self._owned = owner, motors
+
+    def command(self, code: bytes, motors: int = 0, owner: object = None) -> None:
         """Send a byte code without waiting for the brick to perform it.
 
         `motors`: bit mask of the motors that it commands: what they were to go on doing is over.
+        `owner`: nothing is sent if the motors do not belong to it any more.
         """
         connection = self._connected()
 
         def compose() -> bytes:
+            if not self._may(owner, motors):
+                return b""
             connection.slices.release(motors)
             return code
 
         connection.client.command(compose)
 
-    def turn(self, percents: Mapping[int, int], regulated: bool = True) -> None:
-        """Let motors turn on until another command; see :meth:`Slices.turn`."""
-        connection = self._connected()
-        connection.client.command(lambda: connection.slices.turn(percents, regulated))
+    def turn(self, percents: Mapping[int, int], regulated: bool = True, owner: object = None) -> None:
+        """Let motors turn on until another command; see :meth:`Slices.turn` and :meth:`command`."""
+        connection, motors = self._connected(), sum(1 << motor for motor in percents)
+
+        def compose() -> bytes:
+            return connection.slices.turn(percents, regulated) if self._may(owner, motors) else b""
+
+        connection.client.command(compose)
+
+    def _may(self, owner: object, motors: int) -> bool:
+        if owner is None and motors & self._owned:
+            self.owner = None
+        return owner is None or owner is self.owner
 
     def stop(self) -> None:
         """Stop all motors in one packet."""
-        connection = self._connection
+        connection, self.owner = self._connection, None
         if connection is not None:
             _stop(connection, _STOP_TIME)
         elif self.snapshot.reading is not None and not self.is_ended:
@@ -145,7 +166,7 @@ class BrickLink(Link):
     def connect(self) -> float:
         """Search for the brick and read it once; one that was lost is stopped first: it may still drive."""
         client, again = self._find(lambda: self.is_ended), self.snapshot.reading is not None
-        connection = _Connection(client, Slices(self._clock))
+        connection, self.owner = _Connection(client, Slices(self._clock)), None
         try:
             if again:
                 _stop(connection)
@@ -166,6 +187,7 @@ class BrickLink(Link):
         connection = self._connected()
         try:
             self._read(connection)
+            self.noticed()
         except BridgeError as error:
             if connection.client.lost:
                 raise

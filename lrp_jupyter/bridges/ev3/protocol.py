@@ -9,12 +9,16 @@ seen as sensors. The layer is always 0: the brick itself, no chained one.
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from lrp_jupyter.errors import BridgeError
 
 ALL_MOTORS = 0b1111
 NAME_SIZE = 32
+SCREEN = 22, 8
+"""How many characters a line of the display has in the usual font, and how many lines it has."""
+
 MAXIMUM_FRAME = 1024  # the brick's buffer: a sender that announces more is not a brick
 
 _WITH_REPLY, _WITHOUT_REPLY = 0x00, 0x80
@@ -111,6 +115,16 @@ def clear_count(ports: int) -> bytes:
 def beep(volume: int, frequency: int, milliseconds: int) -> bytes:
     """Sound a tone: volume 0 to 100, frequency in Hz."""
     return _operation(0x94, 0x01, values=(volume, frequency, milliseconds))
+
+
+def show(lines: Sequence[str]) -> bytes:
+    """Clear the display and show lines on it, at most `SCREEN` of characters and lines, in its usual font."""
+    white, black, usual, height = 0, 1, 0, 12
+    code = _operation(0x84, 0x13, values=(white, 0, 0)) + _operation(0x84, 0x11, values=(usual,))
+    for number, line in enumerate(lines, 1):
+        text = line.encode("ascii", "replace").replace(b"\0", b"?")
+        code += _operation(0x84, 0x05, values=(black, 0, height * number)) + b"\x84" + text + b"\0"
+    return code + _operation(0x84, 0x00)
 
 
 def brick_name() -> tuple[bytes, int]:

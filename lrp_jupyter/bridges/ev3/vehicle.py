@@ -116,6 +116,11 @@ class Vehicle:
         way, heading = (left + right) / 2, theta + turn / 2
         return x + way * math.cos(heading), y + way * math.sin(heading), theta + turn
 
+    def degrees(self, left: float, right: float) -> dict[int, float]:
+        """Return by how much each motor turns while the wheels roll so far, in metres."""
+        ways = {self.left: left, self.right: right}
+        return {_motor(name): _sign(name) * way / self._way(1.0) for name, way in ways.items()}
+
     def _way(self, degrees: float) -> float:
         """Return how far a wheel rolls while its motor turns, in metres."""
         return degrees / 360 * math.pi * self.wheel / 1000

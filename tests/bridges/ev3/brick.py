@@ -48,6 +48,10 @@ OPERATIONS: dict[bytes, tuple[str, str]] = {
     b"\x99\x1d": ("ready_si", "layer input type mode count >f"),
     b"\x9d": ("read_si", "layer input type mode >f"),
     b"\x94\x01": ("tone", "volume frequency steps"),
+    b"\x84\x00": ("update", ""),
+    b"\x84\x05": ("write", "colour column row string"),
+    b"\x84\x11": ("font", "font"),
+    b"\x84\x13": ("fill_window", "colour row row"),
     b"\x81\x01": ("voltage", ">f"),
     b"\x81\x02": ("current", ">f"),
     b"\x81\x03": ("text", "length >s"),
@@ -66,7 +70,7 @@ RANGES = {
     "layer": range(1), "ports": range(1, 16), "motor": range(4), "flag": range(2),
     "percent": range(-100, 101), "steps": range(2**31), "input": (*range(4), *range(16, 20)),
     "type": range(128), "mode": range(-1, 8), "count": range(1, 9), "length": range(1, 256),
-    "volume": range(101), "frequency": range(250, 10001), "hardware": range(1, 4),
+    "colour": range(2), "column": range(178), "row": range(128), "font": range(4), "volume": range(101), "frequency": range(250, 10001), "hardware": range(1, 4),
 }  # fmt: skip
 
 
@@ -90,9 +94,16 @@ class EmulatedMotor:
     tacho_zero: float = 0.0  # the same of the other count, which only `reset` clears
     begun: float = 0.0
     lasting: float = 0.0
+    is_held: bool = False  # by something stronger
+
+    def hold(self, is_held: bool) -> None:
+        self.base, self.is_held = self.angle, is_held
+        self.begun, self.lasting = self.clock(), max(0.0, self.ends - self.clock())
 
     @property
     def angle(self) -> float:
+        if self.is_held:
+            return self.base
         elapsed = min(self.clock() - self.begun, self.lasting)
         return self.base + (self.percent * DEGREES_PER_PERCENT * elapsed if self.percent else 0.0)
 
@@ -250,6 +261,8 @@ class Brick:
         self.sensors = [EmulatedSensor() for _ in range(4)]
         self.battery = 87
         self.tones: list[tuple[int, int, int]] = []
+        self.drawn: list[str] = []  # on the display, which shows it after an update
+        self.shown: list[str] = []
         self.frames: list[bytes] = []
         self.commands: list[bytes] = []
         self.violations: list[str] = []
@@ -523,10 +536,17 @@ def run_code(brick: Brick, code: bytes, size: int) -> bytes:
             raise RefusedError(f"unknown operation {head.hex()}")
         at += len(head)
         name, shape = OPERATIONS[head]
-        arguments: list[int] = []
+        arguments: list[int | str] = []
         named: dict[str, int] = {}
         places: list[tuple[str, int]] = []
         for word in shape.split():
+            if word == "string":
+                end = code.find(b"\0", at)
+                if code[at : at + 1] != b"\x84" or end < 0:
+                    raise RefusedError(f"{name}: no string")
+                arguments.append(code[at + 1 : end].decode("ascii"))
+                at = end + 1
+                continue
             times = named.get("count", 1) if word.startswith(">") else 1
             for _ in range(times):
                 where, value, at = decode_parameter(code, at)
@@ -620,7 +640,7 @@ class Operations:
 
     def read(brick, layer, number):  # noqa: N805
         motor = brick.motors[number]
-        return round(motor.turning), round(motor.angle - motor.tacho_zero)
+        return round(0 if motor.is_held else motor.turning), round(motor.angle - motor.tacho_zero)
 
     def test(brick, layer, ports):  # noqa: N805
         return (int(any(motor.turning for motor in Operations._chosen(brick, ports))),)
@@ -651,6 +671,21 @@ class Operations:
 
     def tone(brick, volume, frequency, duration):  # noqa: N805
         brick.tones.append((volume, frequency, duration))
+
+    def fill_window(brick, colour, first, height):  # noqa: N805
+        assert (colour, first, height) == (0, 0, 0), "all of it, white"
+        brick.drawn = []
+
+    def font(brick, number):  # noqa: N805
+        pass
+
+    def write(brick, colour, column, row, text):  # noqa: N805
+        if len(text) * 8 + column > 178 or row + 9 > 128:
+            raise RefusedError(f"{text!r} does not fit on the display")
+        brick.drawn.append(text)
+
+    def update(brick):  # noqa: N805
+        brick.shown = list(brick.drawn)
 
     def voltage(brick):  # noqa: N805
         return (7.5,)
