@@ -254,6 +254,7 @@ class Interface:
         limits: Limits | None = None,
         moves: bool = True,
         replaces: bool = False,
+        mover: str | None = None,
     ) -> None:
         """Register a task as ``robot.<name>(...)``: what the robot is asked for, and goes on with by itself.
 
@@ -282,6 +283,9 @@ class Interface:
         replaces : bool
             Whether `start` itself ends `Task.replaced`, so that the robot does not stop in between. If not,
             `cancel` is called for it first.
+        mover : str, optional
+            The robot that it moves, as in `add_method`, if beginning it ends a velocity by which that moves:
+            the command watchdog then waits for no other one. Default: velocities go on beside it.
 
         Raises
         ------
@@ -291,7 +295,7 @@ class Interface:
         text = doc or _doc_of(start)
         task = RobotTask(self, name, partial(start, None), text, message, True, False, limits or {})
         task.tasks, task.start, task.cancel = self.tasks, start, cancel
-        task.moves, task.replaces = moves, replaces
+        task.moves, task.replaces, task.takes_over = moves, replaces, mover
         self.nodes.add(task)
 
     def remove_member(self, name: str) -> None:
@@ -545,6 +549,8 @@ class Interface:
             # what did not return was no command: nothing is known of the robot that was not known before
             if guard.is_on:
                 safety.drive(method.path, drives)
+            if task is not None and task.takes_over is not None:
+                safety.moving(method.path, False, task.takes_over)
             if method.sets_in_motion:
                 safety.moving(method.path, moves, method.mover, method.velocity)
             return result

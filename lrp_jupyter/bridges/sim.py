@@ -20,17 +20,20 @@ from typing import Any, NamedTuple, cast
 
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel, SimulatedWorld
+from lrp_jupyter.bridges.errands import ERRANDS, add_errands
 from lrp_jupyter.bridges.guarding.safety import Motion
 from lrp_jupyter.bridges.interventions import WorldLoaded
 from lrp_jupyter.bridges.message import Message, Twist
-from lrp_jupyter.bridges.tasks import TasksMoment
+from lrp_jupyter.bridges.tasks import Task, TasksMoment, TaskState
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.animation import EVERY, animated
+from lrp_jupyter.sim.errands import Speech
 from lrp_jupyter.sim.sensors import Readings, light_directions, ray_directions
+from lrp_jupyter.sim.sim_robot import SimRobot
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, Solid, World, WorldError, can_move
 from lrp_jupyter.sim.world_edits import Become, Draw, Edition, PutSolid, WorldEdit, WorldHistory, is_edit
-from lrp_jupyter.sim.world_inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
+from lrp_jupyter.sim.world_inputs import ByItself, Cancel, Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
 __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
@@ -142,7 +145,8 @@ class SimBridge(Bridge, SimulatedWorld):
         return simulation
 
     def _note(self, what: object) -> None:
-        self.outside(what, True)
+        if not isinstance(what, Cancel):
+            self.outside(what, True)
 
     # -- the robot --------------------------------------------------------------------------------
 
@@ -192,6 +196,9 @@ class SimBridge(Bridge, SimulatedWorld):
         self.add_method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
         doc = "switch the lamp on (True) or off (False)"
         self.add_method(f"{prefix}lamp", lambda on=True: self.simulation.lamp(bool(on), robot=index), doc)
+        limits = {"linear": spec.limits[0], "angular": spec.limits[1]}
+        cancel = partial(self._cancel, index)
+        add_errands(self, self._begin, cancel, limits, index, prefix)
 
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""
@@ -243,6 +250,34 @@ class SimBridge(Bridge, SimulatedWorld):
         self._stop_if_asked()  # before this command, and not after it
         self.simulation.drive(linear.x, angular.z, index)
 
+    def _begin(self, _task: Task, what: ByItself) -> None:
+        self._stop_if_asked()  # before it begins, and not after that
+        self.simulation.apply(what)
+
+    def _cancel(self, robot: int, task: Task) -> None:
+        self.simulation.submit(Cancel(task.number, robot))  # on any thread
+
+    def _report(self) -> None:
+        """Report what has become of the tasks of the robots."""
+        names = ["", *(f"{name}." for name in self.world.robot_names[1:])]
+        for name, asked in self.tasks.moment.requests.items():
+            if asked.state.is_active:
+                prefix, _, task = name.rpartition(".")
+                robot = self.simulation.robots[names.index(f"{prefix}." if prefix else "")]
+                self.tasks.report(name, asked.number, self._state(robot, task, asked.number))
+
+    def _state(self, robot: SimRobot, task: str, number: int) -> TaskState:
+        memory = robot.memory
+        doing = memory.speech if task == "say" else memory.errand
+        if doing is None:
+            return TaskState("aborted", reason="The world has begun again.")
+        if doing.what.number != number:
+            name = ERRANDS[type(doing.what)]
+            return TaskState("aborted", reason=f"The robot was asked for `{name}` meanwhile.")
+        if isinstance(doing, Speech):
+            return TaskState("active" if self.simulation.steps < doing.until else "succeeded")
+        return TaskState(doing.status, doing.left(robot.readings.odom), reason=doing.reason)
+
     def stop_mover(self, mover: str) -> None:
         """Stop one of the robots; `mover` is what its members begin with."""
         names = ["", *(f"{name}." for name in self.world.robot_names[1:])]
@@ -260,6 +295,8 @@ class SimBridge(Bridge, SimulatedWorld):
         """Read all sensors, once for the tick."""
         self._stop_if_asked()
         self.simulation.latch()
+        if self.tasks.moment.requests:
+            self._report()
 
     def _stop_if_asked(self) -> None:
         if self._stopping:

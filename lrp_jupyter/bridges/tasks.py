@@ -195,13 +195,14 @@ class TaskOwner(Protocol):
 class RobotTask(RobotMethod):
     """A member that asks the robot for a task, and shows what has become of it."""
 
-    __slots__ = ("cancel", "moves", "replaces", "start", "tasks")
+    __slots__ = ("cancel", "moves", "replaces", "start", "takes_over", "tasks")
 
     start: Callable[..., object]
     cancel: Callable[[Task], object] | None
     tasks: Tasks
     moves: bool
     replaces: bool
+    takes_over: str | None
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # copy, pickle and notebooks ask for these

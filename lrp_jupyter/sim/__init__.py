@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.world_edits import Draw, PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart, WorldEdit
 from lrp_jupyter.sim.world_inputs import (
+    Cancel,
     Drive,
     DriveBy,
     DriveTo,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BUNDLED",
     "STEP",
+    "Cancel",
     "Draw",
     "Drive",
     "DriveBy",

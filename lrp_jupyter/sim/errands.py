@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.sim.world_inputs import DriveBy, DriveTo, Say, TurnBy
@@ -47,20 +47,18 @@ class Leg(NamedTuple):
 class Errand:
     """A way or turn that a robot was asked for, in the coordinates of its odometer.
 
-    `number`: of the input that asked for it.
     `status`: ``active``, ``succeeded`` or ``aborted``, with the `reason` as a sentence.
     `begun`, `until`: the step in which it began, and that in which it gives up.
     `mark`, `marked`: where it was when it had last got on, and in which step.
     """
 
     what: Errands
-    number: int
     leg: Leg
     begun: int
     until: int
     mark: Pose
     marked: int
-    status: str = "active"
+    status: Literal["active", "succeeded", "aborted"] = "active"
     reason: str = ""
 
     @property
@@ -74,7 +72,7 @@ class Errand:
         is_aiming = self.leg.goal is None and isinstance(self.what, DriveTo)
         return TURNING_SPEED if is_aiming else self.what.speed
 
-    def ended(self, status: str, reason: str = "") -> Errand:
+    def ended(self, status: Literal["succeeded", "aborted"], reason: str = "") -> Errand:
         """Return it when it is over."""
         return replace(self, status=status, reason=reason)
 
@@ -94,12 +92,11 @@ class Errand:
 class Speech(NamedTuple):
     """A text that a robot says until a step."""
 
-    text: str
-    number: int
+    what: Say
     until: int
 
 
-def begun(what: Errands, number: int, pose: Pose, step: int) -> Errand:
+def begun(what: Errands, pose: Pose, step: int) -> Errand:
     """Return an errand that begins where the robot is."""
     x, y, heading = pose
     match what:
@@ -112,13 +109,13 @@ def begun(what: Errands, number: int, pose: Pose, step: int) -> Errand:
             leg = _towards((to_x, to_y), pose)
             seconds = math.dist((x, y), (to_x, to_y)) / speed + abs(leg.heading - heading) / TURNING_SPEED
     until = step + round(STEPS * (_SPARE * seconds + _SLACK))
-    return Errand(what, number, leg, step, until, pose, step)
+    return Errand(what, leg, step, until, pose, step)
 
 
-def spoken(what: Say, number: int, step: int) -> Speech | None:
+def spoken(what: Say, step: int) -> Speech | None:
     """Return what a robot says from a step on; None for no text."""
     until = step + round(STEPS * (_SAYING + _LETTER * len(what.text)))
-    return Speech(what.text, number, until) if what.text.strip() else None
+    return Speech(what, until) if what.text.strip() else None
 
 
 def guided(errand: Errand, pose: Pose, command: Command, step: int) -> tuple[Errand, Command]:

@@ -29,6 +29,7 @@ from lrp_jupyter.sim.world import Point, Pose, Solid, World, middle_of, put_at
 from lrp_jupyter.sim.world_edits import Become, Draw, Edition, WorldEdit, WorldHistory
 from lrp_jupyter.sim.world_inputs import (
     ByProgram,
+    Cancel,
     Drive,
     DriveBy,
     DriveTo,
@@ -283,18 +284,15 @@ class Simulation:
             case Latch():
                 self._latch()
             case Drive(linear, angular, index):
-                robot = self.robots[index]
-                robot.memory.command = (linear, angular)
-                robot.steer()
-                if (errand := robot.memory.errand) is not None and errand.is_active:
-                    robot.memory.errand = errand.ended("aborted", ENDED)
-                    self._guided = self._on_errands()
+                self._drive(self.robots[index], linear, angular)
             case DriveBy() | TurnBy() | DriveTo():
                 robot = self.robots[what.robot]
-                robot.memory.errand = begun(what, self._inputs, robot.reckoned, self.steps)
+                robot.memory.errand = begun(what, robot.reckoned, self.steps)
                 self._guided = self._on_errands()
+            case Cancel():
+                self._cancel(what)
             case Say():
-                self.robots[what.robot].memory.speech = spoken(what, self._inputs, self.steps)
+                self.robots[what.robot].memory.speech = spoken(what, self.steps)
             case Pen():
                 self._lower(what)
             case Lamp(on, index):
@@ -333,6 +331,22 @@ class Simulation:
                 memory.touched, memory.touching = memory.touching, frozenset()
             memory.latched_at = self.steps
 
+    def _drive(self, robot: SimRobot, linear: float = 0.0, angular: float = 0.0) -> None:
+        """Command the speeds of a robot, which ends the errand that it is on."""
+        robot.memory.command = (linear, angular)
+        robot.steer()
+        if (errand := robot.memory.errand) is not None and errand.is_active:
+            robot.memory.errand = errand.ended("aborted", ENDED)
+            self._guided = self._on_errands()
+
+    def _cancel(self, cancel: Cancel) -> None:
+        robot = self.robots[cancel.robot]
+        errand, speech = robot.memory.errand, robot.memory.speech
+        if errand is not None and errand.is_active and errand.what.number == cancel.number:
+            self._drive(robot)
+        if speech is not None and speech.what.number == cancel.number:
+            robot.memory.speech = None
+
     def _lower(self, pen: Pen) -> None:
         robot = self.robots[pen.robot]
         robot.memory.pen = Paint(pen.width / 2, pen.grey, True) if pen.down else None
@@ -359,7 +373,7 @@ class Simulation:
     def said(self, robot: int = 0) -> str:
         """Return what a robot says now; nothing if it is silent."""
         speech = self.robots[robot].memory.speech
-        return speech.text if speech is not None and self.steps < speech.until else ""
+        return speech.what.text if speech is not None and self.steps < speech.until else ""
 
     def zones(self, robot: int = 0) -> frozenset[str]:
         """Return the names of the zones in which the middle of a robot is."""

@@ -44,11 +44,15 @@ class Lamp:
 
 @dataclass(frozen=True, slots=True)
 class DriveBy:
-    """Let a robot drive straight on by itself, backwards if negative; `speed` in m/s."""
+    """Let a robot drive straight on by itself, backwards if negative; `speed` in m/s.
+
+    `number`: identifies it for who asks; so do those of the others.
+    """
 
     metres: float
     speed: float = 0.2
     robot: int = 0
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +62,7 @@ class TurnBy:
     radians: float
     speed: float = 1.0
     robot: int = 0
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +77,7 @@ class DriveTo:
     y: float
     speed: float = 0.2
     robot: int = 0
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +85,15 @@ class Say:
     """Let a robot say a text, for as long as that takes; an empty one ends what it says."""
 
     text: str
+    robot: int = 0
+    number: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Cancel:
+    """End what a robot does by itself, if it still does that of a number; it stands."""
+
+    number: int
     robot: int = 0
 
 
@@ -106,7 +121,7 @@ class ResetWorld:
 ByItself = DriveBy | TurnBy | DriveTo | Say
 """What a robot does for a while, and is asked for once."""
 
-ByProgram = Drive | Pen | Lamp | ByItself
+ByProgram = Drive | Pen | Lamp | ByItself | Cancel
 """What a program does, in the middle of a tick."""
 
 Input = Latch | ByProgram | PlaceRobot | PlaceSolid | WorldEdit | ResetWorld
@@ -130,7 +145,7 @@ def check_input(what: Input, world: World) -> Input:
             _index(robot, world.robots, "robot")
             _finite(grey, width)
             return Pen(down, _clamp(grey, 0.0, 255.0), _clamp(width, 0.001, 0.2), robot)
-        case Lamp(_, robot):
+        case Lamp(_, robot) | Cancel(_, robot):
             _index(robot, world.robots, "robot")
             return what
         case DriveBy() | TurnBy() | DriveTo() | Say():
@@ -161,12 +176,12 @@ def checked(what: ByItself, limits: tuple[float, float]) -> ByItself:
     """
     most, most_turning = limits
     match what:
-        case DriveBy(metres, speed, robot):
-            return DriveBy(_within(metres, "m"), _speed(speed, most), robot)
-        case TurnBy(radians, speed, robot):
-            return TurnBy(_within(radians, "rad"), _speed(speed, most_turning), robot)
-        case DriveTo(x, y, speed, robot):
-            return DriveTo(_within(x, "m"), _within(y, "m"), _speed(speed, most), robot)
+        case DriveBy(metres, speed, robot, number):
+            return DriveBy(_within(metres, "m"), _speed(speed, most), robot, number)
+        case TurnBy(radians, speed, robot, number):
+            return TurnBy(_within(radians, "rad"), _speed(speed, most_turning), robot, number)
+        case DriveTo(x, y, speed, robot, number):
+            return DriveTo(_within(x, "m"), _within(y, "m"), _speed(speed, most), robot, number)
         case Say(text):
             if len(text) > LONGEST_TEXT:
                 raise ValueError(f"A text has at most {LONGEST_TEXT} characters, not {len(text)}.")

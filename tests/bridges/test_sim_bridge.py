@@ -52,6 +52,8 @@ def test_the_robot_of_the_papers_program_is_there(sim: SimBridge) -> None:
     assert dir(sim.robot) == [
         "bumper",
         "distance",
+        "drive_by",
+        "drive_to",
         "front",
         "gyro",
         "lamp",
@@ -59,7 +61,9 @@ def test_the_robot_of_the_papers_program_is_there(sim: SimBridge) -> None:
         "move",
         "odom",
         "pen",
+        "say",
         "stop",
+        "turn_by",
     ]
     assert sim.robot.light.data == 255
     assert sim.robot.bumper.data == 0
@@ -71,7 +75,9 @@ def test_a_robot_without_sensors_offers_none() -> None:
     bare = {"pose": [1, 1, 0], "light": [], "distance": [], "bumper": False}
     sim = SimBridge({"version": 1, "size": [2, 2], "robots": [bare]})
     sim.open()
-    assert dir(sim.robot) == ["gyro", "lamp", "move", "odom", "pen", "stop"]
+    assert dir(sim.robot) == [
+        *("drive_by", "drive_to", "gyro", "lamp", "move", "odom", "pen", "say", "stop", "turn_by")
+    ]
     with pytest.raises(MemberError, match="`robot` has no `light`"):
         sim.robot.light  # noqa: B018
 
@@ -115,7 +121,7 @@ def test_a_direction_that_no_sensor_faces_is_answered_with_what_there_is() -> No
     sim.open()
     with pytest.raises(MemberError) as caught:
         sim.robot.right.distance  # noqa: B018
-    assert str(caught.value).startswith("`robot` has no `right`; it has `bumper`, `distance`, `front`, ")
+    assert str(caught.value).startswith("`robot` has no `right`; it has `bumper`, `distance`, ")
 
 
 @pytest.mark.parametrize(

@@ -23,11 +23,14 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from textwrap import wrap
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
+from lrp_jupyter.bridges.errands import add_errands
 from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor, mode_name, type_name
+from lrp_jupyter.bridges.ev3.driver import Driver
 from lrp_jupyter.bridges.ev3.finding import check_address, connect
 from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState
 from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
@@ -35,7 +38,10 @@ from lrp_jupyter.bridges.ev3.slices import SLICE
 from lrp_jupyter.bridges.ev3.vehicle import PORTS, WHEELS, Vehicle
 from lrp_jupyter.bridges.message import Message, Twist, real_number
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table, number_in
+from lrp_jupyter.bridges.tasks import Task
 from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.sim.errands import Speech, spoken
+from lrp_jupyter.sim.world_inputs import ByItself, Say
 
 
 class EV3Bridge(Bridge):
@@ -94,6 +100,7 @@ class EV3Bridge(Bridge):
         self.serial, self.port = serial, port
         self._beacon_port, self._patience = beacon_port, patience
         self._latched: BrickState | None = None  # the reading of this tick
+        self._speech: tuple[Task, Speech | None] | None = None  # the text on the display, until it is read
         self.motors = tuple(Motor(self, i) for i in range(4))
         self.sensors = tuple(Sensor(self, i) for i in range(4))
         self.link = self._new_link()
@@ -116,6 +123,8 @@ class EV3Bridge(Bridge):
 
         link = BrickLink(find, self._report, lambda *turned: self.vehicle.advanced(*turned), self.clock)
         link.set_usual_modes(self.vehicle.modes)
+        self._driver = Driver(link, lambda: self.vehicle, self.clock)
+        link.noticed = self._go_on
         return link
 
     def _report(self, state: str, sentence: str) -> None:
@@ -186,14 +195,47 @@ class EV3Bridge(Bridge):
             add(f"{sensor.name}.type", sensor.type, "what is plugged in", type=str)
         for name, getter, doc, unit, kind in self._readings():
             add(name, getter, doc, unit, type=kind, stale_after=_STALE_AFTER)
-        self._add_move()
+        self._add_driving()
         add("battery", lambda: self.seen().battery, "what is left in it", "%", type=int)
         add("name", lambda: self.link.name or None, "the brick's name", type=str)
         self.add_method("beep", self.beep)
 
-    def _add_move(self) -> None:
-        doc = "drive: linear in m/s, angular in rad/s; what is not given is 0"
-        self.add_method("move", self._move, doc, message=Twist, limits=self.vehicle.limits)
+    def _add_driving(self) -> None:
+        doc, limits = "drive: linear in m/s, angular in rad/s; what is not given is 0", self.vehicle.limits
+        self.add_method("move", self._move, doc, message=Twist, limits=limits)
+        add_errands(self, self._begin, self._cancel, limits, saying="show a text on the display")
+
+    def _begin(self, task: Task, what: ByItself) -> None:
+        if isinstance(what, Say):
+            self._say(task, what)
+            return
+        self.link.latest()
+        for motor in self.vehicle.motors:
+            self.motors[motor].check_plugged_in()
+        self._driver.begin(what, lambda errand, left: task.update(errand.status, left, reason=errand.reason))
+
+    def _say(self, task: Task, what: Say) -> None:
+        characters, lines = protocol.SCREEN
+        text = wrap(what.text, characters, max_lines=lines, placeholder=" ...")
+        self.link.command(protocol.show(text))
+        self._speech = task, spoken(what, self._driver.now())
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Do what is due after a reading."""
+        self._driver.go_on()
+        if self._speech is not None:
+            task, speech = self._speech
+            if speech is None or self._driver.now() >= speech.until:
+                self._speech = None
+                task.update("succeeded")
+
+    def _cancel(self, task: Task) -> None:
+        self._driver.end(task.number)
+        speech = self._speech
+        if speech is not None and speech[0] is task:
+            self._speech = None
+            self.link.command(protocol.show(()))
 
     def _move(self, message: Message) -> None:
         linear, angular = message.linear, message.angular
@@ -351,7 +393,7 @@ class EV3Bridge(Bridge):
         self.vehicle = vehicle
         self.link.set_usual_modes(vehicle.modes)
         if self.is_open:
-            self._add_move()
+            self._add_driving()
 
     def answer(self, key: str, value: str) -> None:
         """Apply the address of the brick; where the bridge is open, connect in the background.

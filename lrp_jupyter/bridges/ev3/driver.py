@@ -1,8 +1,9 @@
 """Drives the wheels of a brick for a way, a turn or a point that a program asks for, reading by reading.
 
-On the way the motors turn in slices, so that a brick left alone stops them as it does after `move`. The last
-half second is the brick's own: each wheel is turned by the angle that is left, which the brick does exactly, and
-then holds. What is still left when they stand is turned again, slowly. What is left is what the odometer says.
+On the way the motors turn in slices, so that a brick left alone stops them as it does after `move`. The end
+is the brick's own, and no longer than a slice: each wheel is turned by the angle that is left, which the
+brick does exactly, and then holds. What is still left when they stand is turned again, slowly. The odometer
+says what is left.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from lrp_jupyter.bridges.ev3.vehicle import Vehicle
 from lrp_jupyter.sim.errands import ENDED, Errand, Errands, after_leg, begun, judged
 from lrp_jupyter.sim.world import Pose
 
-_LAST = 0.5  # s, at the speed of the errand, that the brick drives alone
+_LAST = 0.3  # s, at the speed of the errand, that the brick drives alone
 _SHARE, _LEAST = 0.5, 8  # of the speed then, and percent at least
 _NEAR, _NEARLY = 2, 8  # degrees of a wheel: near enough, and after two corrections
 _CORRECTIONS = 2
@@ -47,13 +48,13 @@ class Driver:
         self._lock = threading.RLock()
         self._trip: _Trip | None = None
 
-    def begin(self, what: Errands, number: int, told: Callable[[Errand, float], object]) -> None:
+    def begin(self, what: Errands, told: Callable[[Errand, float], object]) -> None:
         """Drive for an errand from now on; that before it is over.
 
         `told`: called with the errand and what is left of it after each reading, until it is over.
         """
         with self._lock:
-            trip = _Trip(begun(what, number, self._link.snapshot.pose, self._now()), told)
+            trip = _Trip(begun(what, self._link.snapshot.pose, self.now()), told)
             self._trip = trip
             self._link.own(trip, sum(1 << motor for motor in self._vehicle().motors))
             self.go_on()
@@ -62,7 +63,7 @@ class Driver:
         """End an errand, and stop the wheels, if they still turn for that one."""
         with self._lock:
             trip = self._trip
-            if trip is not None and trip.errand.number == number:
+            if trip is not None and trip.errand.what.number == number:
                 self._trip = None
                 self._hold(trip)
 
@@ -84,7 +85,7 @@ class Driver:
         told(errand, left)
 
     def _driven(self, trip: _Trip, pose: Pose, reading: BrickReading) -> Errand:
-        errand, vehicle, now = trip.errand, self._vehicle(), self._now()
+        errand, vehicle, now = trip.errand, self._vehicle(), self.now()
         ahead, turn = errand.rest(pose)
         share = turn * vehicle.track / 2000
         rest = vehicle.degrees(ahead - share, ahead + share)
@@ -123,5 +124,6 @@ class Driver:
         wheels = sum(1 << motor for motor in self._vehicle().motors)
         self._link.command(protocol.stop(wheels, brake=True), wheels, owner=trip)
 
-    def _now(self) -> int:
+    def now(self) -> int:
+        """Return the time, in steps of the errands."""
         return round(100 * self._clock())

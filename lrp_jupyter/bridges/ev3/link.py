@@ -79,9 +79,7 @@ class BrickLink(Link):
         self.modes = [SAME_MODE] * 4  # that are wanted of the sensors, from the next reading on
         self._usual: tuple[int, ...] = (SAME_MODE,) * 4
         self.noticed: Callable[[], object] = lambda: None  # called after each reading
-        self.owner: object = (
-            None  # what drives some motors by itself, until another command reaches one of them
-        )
+        self.owner: object = None  # what drives some motors, until another command is for one of them
         self._owned = 0
 
     @property

@@ -70,7 +70,8 @@ RANGES = {
     "layer": range(1), "ports": range(1, 16), "motor": range(4), "flag": range(2),
     "percent": range(-100, 101), "steps": range(2**31), "input": (*range(4), *range(16, 20)),
     "type": range(128), "mode": range(-1, 8), "count": range(1, 9), "length": range(1, 256),
-    "colour": range(2), "column": range(178), "row": range(128), "font": range(4), "volume": range(101), "frequency": range(250, 10001), "hardware": range(1, 4),
+    "colour": range(2), "column": range(178), "row": range(128), "font": range(4),
+    "volume": range(101), "frequency": range(250, 10001), "hardware": range(1, 4),
 }  # fmt: skip
 
 

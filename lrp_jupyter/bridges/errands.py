@@ -1,0 +1,63 @@
+"""The tasks of all robots on two wheels: drive a way, turn, drive to a point, say a text.
+
+One set of names, arguments and limits, so that the same program drives the simulated robot and a brick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from lrp_jupyter.bridges.interface import Interface
+from lrp_jupyter.bridges.tasks import Task
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.sim.world_inputs import FARTHEST, ByItself, DriveBy, DriveTo, Say, TurnBy, checked
+
+ERRANDS: Mapping[type, str] = {DriveBy: "drive_by", TurnBy: "turn_by", DriveTo: "drive_to", Say: "say"}
+"""What a robot can be asked for, with the names of its tasks."""
+
+
+def add_errands(
+    bridge: Interface,
+    begin: Callable[[Task, ByItself], object],
+    cancel: Callable[[Task], object],
+    limits: Mapping[str, float],
+    robot: int = 0,
+    prefix: str = "",
+    saying: str = "say a text",
+) -> None:
+    """Add the tasks of one robot.
+
+    `begin`: starts one, in place of another one that drives.
+    `limits`: its greatest speeds: ``linear`` in m/s, ``angular`` in rad/s.
+    `robot`, `prefix`: its number in its world, and what its members begin with.
+    """
+
+    def start(task: Task, what: ByItself) -> None:
+        try:
+            checked_errand = checked(what, (limits["linear"], limits["angular"]))
+        except ValueError as error:
+            raise BridgeError(f"`robot.{task.name}`: {error}") from None
+        begin(task, checked_errand)
+
+    def drive_by(task: Task, metres: float, speed: float = 0.2) -> None:
+        start(task, DriveBy(metres, speed, robot, task.number))
+
+    def turn_by(task: Task, radians: float, speed: float = 1.0) -> None:
+        start(task, TurnBy(radians, speed, robot, task.number))
+
+    def drive_to(task: Task, x: float, y: float, speed: float = 0.2) -> None:
+        start(task, DriveTo(x, y, speed, robot, task.number))
+
+    def say(task: Task, text: object = "") -> None:
+        start(task, Say(str(text), robot, task.number))
+
+    add = partial(bridge.add_task, cancel=cancel, replaces=True, mover=prefix)
+    way, turning = {"speed": limits["linear"]}, {"speed": limits["angular"]}
+    doc = "drive straight on, in m, backwards if negative; `speed` in m/s"
+    add(f"{prefix}drive_by", drive_by, doc=doc, limits={"metres": FARTHEST, **way})
+    doc = "turn on the spot, in rad, to the right if negative; `speed` in rad/s"
+    add(f"{prefix}turn_by", turn_by, doc=doc, limits={"radians": FARTHEST, **turning})
+    doc = "turn to a point of `odom` and drive there, in m; `speed` in m/s"
+    add(f"{prefix}drive_to", drive_to, doc=doc, limits={"x": FARTHEST, "y": FARTHEST, **way})
+    bridge.add_task(f"{prefix}say", say, cancel, saying, moves=False, replaces=True)
