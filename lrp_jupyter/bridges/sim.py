@@ -261,7 +261,7 @@ class SimBridge(Bridge, SimulatedWorld):
         """Report what has become of the tasks of the robots."""
         names = ["", *(f"{name}." for name in self.world.robot_names[1:])]
         for name, asked in self.tasks.moment.requests.items():
-            if asked.state.is_active:
+            if asked.state.active:
                 prefix, _, task = name.rpartition(".")
                 robot = self.simulation.robots[names.index(f"{prefix}." if prefix else "")]
                 self.tasks.report(name, asked.number, self._state(robot, task, asked.number))
