@@ -20,11 +20,11 @@ from typing import Any, NamedTuple, cast
 
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel, SimulatedWorld
-from lrp_jupyter.bridges.errands import ERRANDS, add_errands
 from lrp_jupyter.bridges.guarding.safety import Motion
 from lrp_jupyter.bridges.interventions import WorldLoaded
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.tasks import Task, TasksMoment, TaskState
+from lrp_jupyter.bridges.wheel_tasks import ERRANDS, add_errands
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.animation import EVERY, animated
 from lrp_jupyter.sim.errands import Speech

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from support.robots import Bare
+from support.robots import Bare, Courier
 
 import lrp_jupyter
 from lrp_jupyter.bridges.sim import SimBridge
@@ -274,3 +274,49 @@ def test_a_member_without_robot_is_recognized() -> None:
 def test_a_module_that_is_not_imported_is_named() -> None:
     (finding,) = check(action("print(random.random())"))
     assert finding.message == "`random` is not imported. Write `import random` before it."
+
+
+@pytest.mark.parametrize(
+    ("action", "condition", "found"),
+    [
+        ("robot.go(1)", "robot.go.succeeded and robot.go.since > 1 or robot.go.status == 'lost'", []),
+        ("robot.go(plac=1)", "True", [("LRP521", "Did you mean `place`?")]),
+        ("robot.go(1)", "robot.go.sttaus == 'lost'", [("LRP520", "Did you mean `status`?")]),
+        ("robot.go(1)", "robot.go(2)", [("LRP505", "Call it in an action, and write a test here.")]),
+        (
+            "robot.go(1)",
+            "robot.go",
+            [("LRP524", "Its outcome is `robot.go.succeeded`")],
+        ),
+        ("robot.go(1)", "robot.go.status == 'failed'", [("LRP526", "`robot.go.status` is never 'failed'.")]),
+        ("robot.go(1)", "robot.go.status", [("LRP508", "but `robot.go.status` is a text.")]),
+        ("robot.go.status = 'lost'", "True", [("LRP523", "is read from the robot and cannot be assigned.")]),
+    ],
+)
+def test_uses_of_a_task_are_checked_also_where_other_members_may_come(action, condition, found) -> None:
+    text = f"(machine m (state a (running [{action}])) (state b) (on [{condition}] a -> b)) (spawn m a)"
+    findings = check(text, bridge=Courier())
+    assert [finding.code for finding in findings] == [code for code, _ in found]
+    assert all(part in finding.message for finding, (_, part) in zip(findings, found, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("form", "is_forgotten"),
+    [
+        ("(on [robot.go.succeeded] b -> c)", True),
+        ("(on done b -> c)", False),  # an event is tested in all states in which it is used
+        ("(on [robot.go.succeeded] {a b} -> c)", False),
+        ("(on [robot.go.succeeded] * -> c)", False),
+        ("(on [robot.go.active] b -> c)", False),
+        ("(ontime 1 a -> b (effect [robot.go(2)])) (on [robot.go.succeeded] b -> c)", False),
+        ("(state b (machine inner (state x (running [robot.go(2)]))) (onentry (spawn inner x)))", False),
+    ],
+)
+def test_an_outcome_is_tested_where_the_task_is_asked_for(form, is_forgotten) -> None:
+    states = "" if "(state b" in form else "(state b)"
+    other = "(on [robot.go.succeeded] b -> c)" if not states else ""
+    text = f"""(event done [robot.go.succeeded])
+    (machine m (state a (running [robot.go(1)])) (state c) {states}
+      (on [robot.go.failed] a -> b) {form} {other})
+    (spawn m a)"""
+    assert ("LRP560" in {finding.code for finding in check(text, bridge=Courier())}) is is_forgotten

@@ -67,7 +67,7 @@ def test_a_command_itself_has_no_fields(far):
 
 def test_a_task_has_fields_that_can_be_read_and_arguments_that_can_be_given(far):
     states = labels(fields_of(far, "robot.go"))
-    assert states == "status active succeeded failed feedback result reason since".split()
+    assert states == ["status", "active", "succeeded", "failed", "feedback", "result", "reason", "since"]
     assert labels(fields_of(far, "robot.go()")) == ["linear", "angular"]
     assert {"linear=", "linear_x="} <= set(labels(arguments_of(far, "robot.go")))
 

@@ -96,7 +96,7 @@ def test_a_card_shows_how_a_function_is_called_and_what_a_robot_has(lab, page):
     cards = [page.ask("hover", chain=chain, scope="")["hover"] for chain in chains]
     titles = [card["title"] for card in cards]
     assert titles == ["refuse(why, *, loudly=False)", "robot", "robot.pen(down=True)", "robot.light"]
-    assert cards[1]["value"].startswith("bumper, distance, front, gyro")
+    assert cards[1]["value"].startswith("bumper, distance, drive_by, drive_to, front, gyro")
     assert cards[3]["value"] == "data"
 
 

@@ -26,19 +26,19 @@ from functools import partial
 from textwrap import wrap
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
-from lrp_jupyter.bridges.errands import add_errands
 from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor, mode_name, type_name
-from lrp_jupyter.bridges.ev3.driver import Driver
 from lrp_jupyter.bridges.ev3.finding import check_address, connect
 from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState
 from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
 from lrp_jupyter.bridges.ev3.slices import SLICE
 from lrp_jupyter.bridges.ev3.vehicle import PORTS, WHEELS, Vehicle
+from lrp_jupyter.bridges.ev3.wheel_driver import WheelDriver
 from lrp_jupyter.bridges.message import Message, Twist, real_number
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table, number_in
 from lrp_jupyter.bridges.tasks import Task
+from lrp_jupyter.bridges.wheel_tasks import add_errands
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.sim.errands import Speech, spoken
 from lrp_jupyter.sim.world_inputs import ByItself, Say
@@ -123,7 +123,7 @@ class EV3Bridge(Bridge):
 
         link = BrickLink(find, self._report, lambda *turned: self.vehicle.advanced(*turned), self.clock)
         link.set_usual_modes(self.vehicle.modes)
-        self._driver = Driver(link, lambda: self.vehicle, self.clock)
+        self._driver = WheelDriver(link, lambda: self.vehicle, self.clock)
         link.noticed = self._go_on
         return link
 

@@ -16,6 +16,7 @@ from lrp_jupyter.language.checks.acting import check_acting
 from lrp_jupyter.language.checks.clocks import check_clocks
 from lrp_jupyter.language.checks.computed_uses import check_computed
 from lrp_jupyter.language.checks.defined_names import check_names
+from lrp_jupyter.language.checks.outcomes import check_tasks
 from lrp_jupyter.language.checks.python_in_blocks import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
 from lrp_jupyter.language.checks.references import check_references
@@ -58,6 +59,7 @@ def check(
     check_waiting(report, resolution)
     check_clocks(report, resolution)
     check_acting(report, resolution)
+    check_tasks(report, resolution, robot)
     check_unseen(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]
     place = attrgetter("line", "column", "end_line", "end_column", "code")

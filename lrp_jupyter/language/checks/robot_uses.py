@@ -97,7 +97,7 @@ def _unknown(use: NameUse, members: RobotMembers, around: str, index: int) -> Re
         start = use.spans[0].start
         fix = Fix(f"Change to `robot.{elsewhere[0]}`", (Edit(start, span.end, elsewhere[0]),))
         return Remedied("LRP520", span, f"`{what}` has no `{name}`. Write `robot.{elsewhere[0]}`.", fix)
-    meant = meant or _by_arguments(use, members, around)
+    meant = _by_arguments(use, members, around) or meant
     if meant is None and len(known) == 1:
         message = f"`{what}` has no `{name}`. Write `{what}.{known[0]}`."
         return Remedied("LRP520", span, message, replace(span, known[0]))

@@ -20,7 +20,7 @@ from lrp_jupyter.live.reason import CommandCode, Reason
 from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.tasks import task_text
+from lrp_jupyter.live.why.task_states import task_text
 from lrp_jupyter.live.why.wording import call_text, given_arguments, listed, restart_text, time_text
 
 

@@ -19,7 +19,7 @@ from lrp_jupyter.live.why.entries import enabled_in, entry_text, how_entered
 from lrp_jupyter.live.why.evaluation import delay_of, evaluate_again, last_true, watched_machine
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.tasks import told_of_tasks
+from lrp_jupyter.live.why.task_states import told_of_tasks
 from lrp_jupyter.live.why.wording import (
     block_text,
     decided_text,

@@ -36,7 +36,7 @@ class _Trip:
     commanded: int = 0  # when the brick was told to drive the rest
 
 
-class Driver:
+class WheelDriver:
     """Drives one vehicle for one errand at a time. Any thread may call any method.
 
     `vehicle`: returns how it is built.
