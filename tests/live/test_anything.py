@@ -354,7 +354,7 @@ class Anything(RuleBasedStateMachine):
         x=st.floats(-1, 2) | st.just(float("nan")),
         y=st.floats(0.3, 1.2),
         angle=st.floats(-3, 3),
-        what=st.sampled_from(["place", "place", "draw", "reset", "move"]),
+        what=st.sampled_from(["place", "place", "draw", "reset", "move", "ask"]),
     )
     def change_the_world(self, x, y, angle, what):
         bridge = self.session.bridge
@@ -365,6 +365,8 @@ class Anything(RuleBasedStateMachine):
                 bridge.draw(((x, y), (1.0, 1.0)))
             elif what == "reset":
                 bridge.reset_world()
+            elif what == "ask":
+                self.session.call(lambda: bridge.robot.drive_to(x, y))
             else:
                 self.session.call(lambda: bridge.robot.move(linear=0.2))
         self.session.call(lambda: None)

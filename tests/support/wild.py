@@ -265,15 +265,17 @@ ROVING = """(var n := [0])
       (ontime 300 left -> right flip)
       (on [own > 3] right -> left)
       (exit [n % 11 == 0] right -> back out)))
-  (state back (running [robot.move(linear=-0.2)]) (onexit [count()]))
+  (state back (running [robot.drive_by(-0.3 * speed)]) (onexit [count()]))
   (on bump *-{back} -> back hit)
-  (on dark drive -> turn dim)
+  (on dark drive -> turn dim (effect [robot.turn_by(speed)]))
+  (on [robot.drive_by.succeeded] back -> drive backed)
+  (on [robot.turn_by.failed and robot.turn_by.since > 0.2] turn -> drive)
   (on beat.high for 200 turn -> drive beaten (effect [n += beat.beats]))
   (ontime 900 turn -> drive again)
   (ontime [400 + n % 3] back -> turn away))
 (machine watch
   (state idle)
-  (state busy (running [n += gain + len(marks)]) (onentry (spawn beat low (var every := [0.1 + speed]))))
+  (state busy (running [n += gain + len(marks)] [robot.say(n // 20)]) (onentry (spawn beat low (var every := [0.1 + speed]))))
   (on [n > 40] idle -> busy) (eps busy -> idle))
 (machine beat
   (var every := [0.4])
@@ -302,6 +304,9 @@ ROVING_EDITS = [
     ("for 200", "for [n]"),
     ("n += beat.beats", "n += 2 * beat.beats"),
     ("(eps busy -> idle)", "(ontime 200 busy -> idle)"),
+    ("-0.3 * speed", "-0.9 * speed"),
+    ("[robot.drive_by(-0.9 * speed)]", "[robot.drive_to(0.2, 0.1)]"),
+    ("(running [robot.drive_by(", "(onentry [robot.drive_by("),
     ("(state back", "(state bac"),
     ("(state bac ", "(state back "),
 ]
