@@ -11,7 +11,8 @@ from __future__ import annotations
 import inspect
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 from weakref import WeakValueDictionary
@@ -19,13 +20,13 @@ from weakref import WeakValueDictionary
 from lrp_jupyter.bridges.guarding.guard import UNGUARDED, Guard, Stopper
 from lrp_jupyter.bridges.guarding.safety import CommandRecord, Origin, Safety
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotCommanded, RobotStopped
-from lrp_jupyter.bridges.latched_values import FedValues
-from lrp_jupyter.bridges.member_tree import Limits, Nodes, RobotMethod, RobotVariable
+from lrp_jupyter.bridges.latched_values import MOST, Backlog, FedValues
+from lrp_jupyter.bridges.member_tree import Limits, Nodes, RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message, stands
 from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.bridges.tasks import RobotTask, Task, Tasks, arguments_of
-from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, sentence_of
 
 _STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
 
@@ -72,6 +73,8 @@ class Interface:
     is_closed = False
     """Whether it was closed, or not opened after all; what arrives then is of a connection that is gone."""
     _is_open = False
+    heard: frozenset[str] = frozenset()
+    """The readings of messages that the program uses, such as ``light.new``."""
     unstopped = False
     """Whether the last `stop_all` has failed: it is tried again until it does not, or a tick comes."""
 
@@ -111,6 +114,10 @@ class Interface:
     ) -> None:
         """Register a reading as ``robot.<name>``; a second one of that name replaces the first.
 
+        Beside ``light.data``, a program also finds ``light.age``, in seconds, and ``light.new``, the values
+        since the last tick: here the one that is read in the tick, and all that arrived where they are fed. A
+        member of such a name that is added is preferred.
+
         Parameters
         ----------
         name : str
@@ -140,7 +147,52 @@ class Interface:
         feed : For values that arrive by themselves.
         """
         text = doc or _doc_of(getter)
-        self.nodes.add(RobotVariable(self, name, getter, text, unit, type, age, stale_after))
+        self._add_reading(RobotVariable(self, name, getter, text, unit, type, age, stale_after))
+
+    def _add_reading(
+        self,
+        reading: RobotVariable,
+        new: Callable[[], tuple[object, ...]] | None = None,
+        own: Collection[str] = (),
+    ) -> None:
+        """Add a reading with its companions: beside it if its name ends in ``.data``, else none or below it.
+
+        `new`: returns its messages since the last tick; by default, it is read.
+        `own`: names of fields of its value, which are preferred to companions below it.
+        """
+        path = reading.path
+        companions = []
+        if path.endswith(".data") or new is not None:
+            kinds: tuple[tuple[str, Callable[[], object], str, str, type], ...] = (
+                ("new", new or partial(_read_now, reading), "", _NEW, tuple),
+                ("age", partial(_age_of, reading), "s", _AGE, float),
+            )
+            companions = [
+                RobotVariable(self, companion_path(path, word), getter, doc, unit, kind, None, None, path)
+                for word, getter, unit, doc, kind in kinds
+                if path.endswith(".data") or word not in own
+            ]
+        self.nodes.add(reading, companions)
+
+    def hear(self, news: Collection[str]) -> None:
+        """Keep every message for these readings, such as ``light.new``, from now on; for no others.
+
+        Called on the interpreter's thread, with what the blocks of the program name.
+        """
+        self.heard = frozenset(news)
+        self.fed.hear([f"{each.removesuffix('.new')}.data" for each in self.heard])
+
+    def _new_messages(self, path: str, backlog: Callable[[str], Backlog | None]) -> tuple[object, ...]:
+        """Return the messages of a reading in this tick; `backlog` returns those that are kept of it."""
+        name, kept = companion_path(path, "new"), backlog(path)
+        if kept is None:  # a function of the notebook asks, and no block of the program
+            self.hear(self.heard | {name})
+            return ()
+        if self.latch and kept.dropped:
+            lost = "1 message was" if kept.dropped == 1 else f"{kept.dropped:,} messages were"
+            text = f"`robot.{name}`: {lost} dropped, since a tick takes at most the last {MOST:,}."
+            self.safety.notice("dropped", text, name, renews=True)
+        return kept.messages()
 
     def feed(
         self,
@@ -201,7 +253,9 @@ class Interface:
         self, name: str, doc: str, unit: str, kind: type | str | None, stale_after: float | None
     ) -> None:
         getter, age = self.fed.getter(name), partial(self.fed.age, name)
-        self.add_variable(name, getter, doc, unit, type=kind, age=age, stale_after=stale_after)
+        reading = RobotVariable(self, name, getter, doc, unit, kind, age, stale_after)
+        new = partial(self._new_messages, name, self.fed.backlog) if name.endswith(".data") else None
+        self._add_reading(reading, new)
 
     def add_method(
         self,
@@ -309,8 +363,11 @@ class Interface:
         self.nodes.remove(name)
 
     def members(self) -> tuple[Member, ...]:
-        """Return every member with its last reading, without reading; on any thread."""
-        return tuple(node.describe() for node in self.nodes.members())
+        """Return every member with its last reading, without reading; on any thread.
+
+        Without what accompanies a reading, ``light.new`` and ``light.age``; `describe` knows these, too.
+        """
+        return tuple(node.describe() for node in self.nodes.members() if not _is_companion(node))
 
     def describe(self, path: str) -> Member:
         """Describe one member, a part (``light``) or a field of a reading (``odom.x``).
@@ -330,7 +387,7 @@ class Interface:
         if self.safety.blind:  # there may be no tick that would find it over
             self.judge_ages()
         for node in self.nodes.members():
-            if isinstance(node, RobotVariable):
+            if isinstance(node, RobotVariable) and not node.of:
                 try:
                     node.read()
                 except (BridgeError, NoDataYet):
@@ -576,6 +633,30 @@ if hasattr(os, "register_at_fork"):
 def _stands(path: str, arguments: dict[str, object]) -> bool:
     """Whether a velocity command lets the robot stand: a ``stop``, or nothing but zeros."""
     return path.rpartition(".")[2] == "stop" or stands(arguments)
+
+
+_NEW = "the values that have arrived since the last tick, oldest first"
+_AGE = "seconds since the last value arrived; inf: none has"
+
+
+def _is_companion(node: RobotVariable | RobotMethod) -> bool:
+    return isinstance(node, RobotVariable) and bool(node.of)
+
+
+def _read_now(reading: RobotVariable) -> tuple[object, ...]:
+    """Return what a reading that is asked for has in this tick."""
+    try:
+        return (reading.read(),)
+    except NoDataYet:
+        return ()
+
+
+def _age_of(reading: RobotVariable) -> float:
+    if not reading.knows_age:  # it is as old as what was read last
+        with suppress(LRPError):
+            reading.read()
+    age = reading.age()
+    return math.inf if age is None else age
 
 
 def _doc_of(function: Callable[..., object]) -> str:

@@ -1,4 +1,4 @@
-"""The values that a bridge was fed, with their ages, latched tick by tick.
+"""The values that a bridge was fed, with their ages, latched tick by tick; and messages until the next tick.
 
 Owner: any thread feeds; the interpreter's thread latches. A value is replaced by one assignment, so no
 reader waits for a writer.
@@ -6,10 +6,56 @@ reader waits for a writer.
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import NamedTuple
+
+MOST = 1000
+"""Messages of a reading that a tick takes; of more, the last ones."""
+
+
+class Backlog:
+    """The messages of one reading since the last tick, oldest first.
+
+    Kept only while the program takes them: nothing is paid for what is not used.
+
+    `dropped`: how many were dropped before the last tick, since there were more than it takes.
+    """
+
+    def __init__(self, first: Iterable[object] = ()) -> None:
+        self.dropped = 0
+        self._lock = threading.Lock()
+        self._waiting = deque(first, MOST)
+        self._overflow = 0
+        self._latched: tuple[object, ...] | None = None  # None between ticks
+
+    def put(self, message: object) -> None:
+        """Add a message; on any thread."""
+        with self._lock:
+            self._overflow += len(self._waiting) == MOST
+            self._waiting.append(message)
+
+    def latch(self) -> None:
+        """Take what has come since the last tick."""
+        empty: deque[object] = deque(maxlen=MOST)
+        with self._lock:
+            waiting, self._waiting = self._waiting, empty
+            self.dropped, self._overflow = self._overflow, 0
+        self._latched = tuple(waiting)
+
+    def release(self) -> None:
+        """Let readers see what waits for the next tick."""
+        self._latched = None
+
+    def messages(self) -> tuple[object, ...]:
+        """Return those of this tick; between ticks, those that wait for the next one."""
+        if self._latched is not None:
+            return self._latched
+        with self._lock:
+            return tuple(self._waiting)
 
 
 class _Fed(NamedTuple):
@@ -30,6 +76,8 @@ class FedValues:
         self.count = 0  # values that have arrived
         self._latest: dict[str, _Fed] = {}
         self._latched: dict[str, _Fed] | None = None  # None between ticks
+        self._last: dict[str, _Fed] = {}  # what the last tick saw
+        self._backlogs: dict[str, Backlog] = {}
         self._getters: dict[str, Callable[[], object]] = {}
 
     def getter(self, path: str) -> Callable[[], object]:
@@ -41,14 +89,33 @@ class FedValues:
         late = 0.0 if stamp is None else max(0.0, self.wall_clock() - stamp)
         self._latest[path] = _Fed(value, self.clock() - late)
         self.count += 1
+        backlog = self._backlogs.get(path)
+        if backlog is not None:
+            backlog.put(value)
+
+    def hear(self, paths: Iterable[str]) -> None:
+        """Keep every message of these variables from now on, and no others."""
+        known, latest = self._backlogs, self._latest
+        fresh = {path: fed.value for path, fed in latest.items() if fed is not self._last.get(path)}
+        self._backlogs = {
+            path: known.get(path) or Backlog([fresh[path]] if path in fresh else []) for path in paths
+        }
+
+    def backlog(self, path: str) -> Backlog | None:
+        """Return the messages of a variable, if they are kept."""
+        return self._backlogs.get(path)
 
     def latch(self) -> None:
         """Hold the present values until `release`: a tick sees one world."""
-        self._latched = self._latest.copy()
+        self._latched = self._last = self._latest.copy()
+        for backlog in self._backlogs.values():
+            backlog.latch()
 
     def release(self) -> None:
         """Let readers see what is newest again."""
         self._latched = None
+        for backlog in self._backlogs.values():
+            backlog.release()
 
     def value(self, path: str) -> object:
         """Return a value; None before the first."""
@@ -62,7 +129,8 @@ class FedValues:
 
     def clear(self) -> None:
         """Forget all values."""
-        self._latest, self._latched = {}, None
+        self._latest, self._latched, self._last = {}, None, {}
+        self._backlogs = {path: Backlog() for path in self._backlogs}
 
     def _seen(self, path: str) -> _Fed | None:
         latched = self._latched

@@ -9,7 +9,8 @@ from __future__ import annotations
 import inspect
 import keyword
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from types import TracebackType
 from typing import NoReturn, Protocol
 
@@ -44,6 +45,7 @@ class RobotVariable:
 
     `stale_after`: the seconds after which a reading is too old to act on; None: never.
     `lateness`: why the robot must not drive on this reading in the present tick; empty if it may.
+    `of`: the path of the reading that it accompanies (``light.new``: ``light.data``); empty if it is one.
     """
 
     def __init__(
@@ -56,12 +58,13 @@ class RobotVariable:
         type_: type | str | None,
         age: Callable[[], float | None] | None,
         stale_after: float | None = None,
+        of: str = "",
     ) -> None:
         if stale_after is not None and age is None:
             raise ValueError(f"`{path}`: `stale_after` needs an `age`; or `feed` the values.")
         if stale_after is not None and not stale_after > 0:
             raise ValueError(f"`{path}`: `stale_after` is a number of seconds above 0, or None: never.")
-        self._bridge, self.path, self.getter, self._age = bridge, path, getter, age
+        self._bridge, self.path, self.getter, self._age, self.of = bridge, path, getter, age, of
         self.stale_after, self.lateness = stale_after, ""
         self._waiting_since: float | None = None
         self.doc, self.unit, self.type = doc, unit, type_
@@ -350,23 +353,31 @@ class Nodes:
         self.table: Mapping[str, object] = {}  # members and parts, by their paths
         self.timed: tuple[RobotVariable, ...] = ()  # the readings that can become stale
 
-    def add(self, node: RobotVariable | RobotMethod) -> None:
-        """Add a member; one of the same name is replaced."""
+    def add(self, node: RobotVariable | RobotMethod, companions: Iterable[RobotVariable] = ()) -> None:
+        """Add a member; one of the same name is replaced. Other members are preferred to its companions."""
         name = node.path
         for word in name.split("."):
             if not word.isidentifier() or keyword.iskeyword(word) or word.startswith("_"):
                 raise ValueError(f"`{name}` is not a valid name for a member of `robot`.")
         with self._changing:
-            table = dict(self.table)
+            table = {path: each for path, each in self.table.items() if _accompanied(each) != name}
             if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
                 raise ValueError(f"`{name}` has members of its own and cannot be a member itself.")
             for part in [name[:i] for i, character in enumerate(name) if character == "."]:
-                if part not in table:
+                if part not in table or _accompanied(table[part]):
                     table[part] = self._make_part(part)
                 elif isinstance(table[part], (RobotVariable, RobotMethod)):
                     raise ValueError(f"`{part}` is already a member and cannot have members of its own.")
             table[name] = node
+            for each in companions:
+                table.setdefault(each.path, each)
             self._replace(table)
+
+    def accompany(self, companion: RobotVariable) -> None:
+        """Add a companion of a reading, which may be below it, in place of one of the same name."""
+        with self._changing:
+            if _accompanied(self.table.get(companion.path, companion)):
+                self._replace({**self.table, companion.path: companion})
 
     def _replace(self, table: Mapping[str, object]) -> None:
         nodes = table.values()
@@ -380,8 +391,12 @@ class Nodes:
         with self._changing:
             if name not in self.table:
                 raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
-            members = [f"{node.path}." for node in self.members()]
-            left = [path for path in members if not path.startswith(f"{name}.")]
+            gone = f"{name}."
+            left = [
+                f"{node.path}."
+                for node in self.members()
+                if not (f"{node.path}.".startswith(gone) or f"{_accompanied(node)}.".startswith(gone))
+            ]
             kept = [path for path in self.table if any(each.startswith(f"{path}.") for each in left)]
             self._replace({path: self.table[path] for path in kept})
 
@@ -398,7 +413,10 @@ class Nodes:
         """Describe a member, a part, or a field of a reading."""
         node = self.table.get(path)
         if isinstance(node, (RobotVariable, RobotMethod)):
-            return node.describe()
+            beside = (each for each in self.members() if _accompanied(each) == path)
+            below = [each.describe() for each in beside if each.path.startswith(f"{path}.")]
+            member = node.describe()
+            return replace(member, fields=(*member.fields, *below)) if below else member
         if node is not None:
             inside = (member for member in self.members() if member.path.startswith(f"{path}."))
             return Member(path, "part", fields=tuple(member.describe() for member in inside))
@@ -410,6 +428,15 @@ class Nodes:
         known = [field.name.rpartition(".")[2] for field in fields] if parent else list(self.table)
         what = f"robot.{parent}".rstrip(".")
         raise MemberError(f"`{what}` has no `{name}`.{did_you_mean(name, known)}")
+
+
+def companion_path(path: str, word: str) -> str:
+    """Return the path of a companion of a reading: ``light.new`` for ``light.data``, else below its own."""
+    return f"{path.removesuffix('.data')}.{word}"
+
+
+def _accompanied(node: object) -> str:
+    return node.of if isinstance(node, RobotVariable) else ""
 
 
 def _range(limit: float | tuple[float, float]) -> tuple[float, float]:

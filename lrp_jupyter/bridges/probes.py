@@ -168,7 +168,7 @@ def read(variable: RobotVariable) -> object:
 
 def variables(bridge: Bridge) -> list[RobotVariable]:
     """Return the variables of a bridge."""
-    return [node for node in bridge.nodes.members() if isinstance(node, RobotVariable)]
+    return [node for node in bridge.nodes.members() if isinstance(node, RobotVariable) and not node.of]
 
 
 def methods(bridge: Bridge) -> list[RobotMethod]:

@@ -38,9 +38,11 @@ class RecordedBridge(Bridge, offered=False):
         """Add the members of the recorded robot."""
         for node in self._recorded:
             if isinstance(node, RobotVariable):
-                self.add_variable(
-                    node.path, partial(self._read, node.path), node.doc, node.unit, type=node.type
+                read = partial(self._read, node.path)
+                reading = RobotVariable(
+                    self, node.path, read, node.doc, node.unit, node.type, None, None, node.of
                 )
+                (self.nodes.accompany if node.of else self._add_reading)(reading)
             elif isinstance(node, RobotTask):
                 self.add_task(
                     node.path,
@@ -93,7 +95,11 @@ def recorded_members(
     source = RecordedBridge(())  # only makes the members
     for each in descriptions:
         if each["kind"] == "variable":
-            source.add_variable(each["name"], lambda: None, each["doc"], each["unit"])
+            of = each.get("of", "")
+            reading = RobotVariable(
+                source, each["name"], lambda: None, each["doc"], each["unit"], None, None, None, of
+            )
+            (source.nodes.accompany if of else source._add_reading)(reading)
         elif each["kind"] == "task":
             source.add_task(
                 each["name"],

@@ -8,6 +8,8 @@ Paper: §3.2 (the pseudo-variable ``robot``), §7.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from operator import attrgetter
 from typing import Any, NoReturn
 
 from lrp_jupyter.bridges.member_tree import MemberOwner, RobotMethod, RobotVariable
@@ -36,6 +38,8 @@ class Robot(NotAValue):
             raise MemberError(f"`robot` has no `{name}`.")
         node = self._bridge.nodes.table.get(self._prefix + name)
         if node is None:
+            if "." in name:  # asked for at once, see `language.blocks.companions`
+                return attrgetter(name)(self)
             raise self._unknown(name)
         return node.read() if type(node) is RobotVariable else node
 
@@ -45,7 +49,7 @@ class Robot(NotAValue):
             raise self._unknown(name)
         path = f"robot.{self._prefix}{name}"
         if isinstance(node, Robot):
-            members = ", ".join(f"`{path}.{member}`" for member in dir(node))
+            members = ", ".join(f"`{path}.{member}`" for member in node._listed())
             raise MemberError(f"`{path}` is a part of the robot and cannot be assigned. It has {members}.")
         if isinstance(node, RobotMethod):
             raise MemberError(f"`{path}` cannot be assigned. Call it as `{path}{node.signature}`.")
@@ -64,7 +68,7 @@ class Robot(NotAValue):
         self._refuse()
 
     def _not_a_value(self) -> str:
-        what, names = self._in_text(), dir(self)
+        what, names = self._in_text(), self._listed()
         table = self._bridge.nodes.table
         readings = [name for name in names if isinstance(table[self._prefix + name], RobotVariable)]
         if "data" in readings or len(readings) == 1:
@@ -74,9 +78,16 @@ class Robot(NotAValue):
         return f"`{what}` is a part of the robot, not a value. It has {listed}."
 
     def __dir__(self) -> list[str]:
+        return self._names(self._bridge.nodes.table)
+
+    def _listed(self) -> list[str]:
+        """Return the names of the members without what accompanies every reading."""
+        table = self._bridge.nodes.table.items()
+        return self._names(path for path, node in table if not (type(node) is RobotVariable and node.of))
+
+    def _names(self, paths: Iterable[str]) -> list[str]:
         prefix = self._prefix
-        inside = [path[len(prefix) :] for path in self._bridge.nodes.table if path.startswith(prefix)]
-        return sorted({path.partition(".")[0] for path in inside})
+        return sorted({path[len(prefix) :].partition(".")[0] for path in paths if path.startswith(prefix)})
 
     def __copy__(self) -> Robot:
         return self
@@ -85,17 +96,17 @@ class Robot(NotAValue):
         return self  # there is one robot, however often a value that holds it is copied
 
     def __repr__(self) -> str:
-        return f"<{self._in_text()}: {', '.join(dir(self)) or 'no members'}>"
+        return f"<{self._in_text()}: {', '.join(self._listed()) or 'no members'}>"
 
     def _in_text(self) -> str:
         return f"robot.{self._prefix}".rstrip(".")
 
     def _unknown(self, name: str) -> MemberError:
-        what, names = self._in_text(), dir(self)
+        what, names = self._in_text(), self._listed()
         sentence = f": the bridge `{self._bridge.name}` offers no members. Open it, or choose another bridge."
         if names:
             listed = ", ".join(f"`{member}`" for member in names)
-            sentence = f"; it has {listed}.{did_you_mean(name, names)}"
+            sentence = f"; it has {listed}.{did_you_mean(name, dir(self))}"
         error = MemberError(f"`{what}` has no `{name}`{sentence}")
         error.missing = self._prefix + name
         return error

@@ -22,6 +22,7 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel, SimulatedWorld
 from lrp_jupyter.bridges.guarding.safety import Motion
 from lrp_jupyter.bridges.interventions import WorldLoaded
+from lrp_jupyter.bridges.member_tree import RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.tasks import Task, TasksMoment, TaskState
 from lrp_jupyter.bridges.wheel_tasks import ERRANDS, add_errands
@@ -170,7 +171,8 @@ class SimBridge(Bridge, SimulatedWorld):
                 doc = f"brightness of the floor at {_place(spec.light[number])}: 0 black ... 255 white"
                 add(f"{side}.light", partial(_nth_light, number), doc, kind=int)
         if spec.bumper:
-            add("bumper.data", lambda seen: bool(seen.bumper), "True pressed, False free", kind=bool)
+            doc = "True pressed, False free"
+            add("bumper.data", lambda seen: bool(seen.bumper), doc, kind=bool, new=lambda seen: seen.bumps)
         if spec.distance:
             doc = f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach"
             add("distance.data", partial(_nth_distance, 0), doc, "m", float)
@@ -220,12 +222,22 @@ class SimBridge(Bridge, SimulatedWorld):
         doc: str,
         unit: str = "",
         kind: type = object,
+        new: Callable[[Readings], tuple[object, ...]] | None = None,
     ) -> None:
-        """Add a reading; a function of what a robot's sensors read gives it, now or for an earlier tick."""
-        self._sensors[prefix + name] = index, read
-        self.add_variable(
-            prefix + name, lambda: read(self.simulation.robots[index].readings), doc, unit, type=kind
-        )
+        """Add a reading; a function of what a robot's sensors read gives it, now or for an earlier tick.
+
+        `new`: returns what came since the last tick, where that is more than the reading.
+        """
+
+        def now(of: Callable[[Readings], Any]) -> Callable[[], Any]:
+            return lambda: of(self.simulation.robots[index].readings)
+
+        path = prefix + name
+        self._sensors[path] = index, read
+        if new is not None:
+            self._sensors[companion_path(path, "new")] = index, new
+        reading = RobotVariable(self, path, now(read), doc, unit, kind, None)
+        self._add_reading(reading, None if new is None else now(new))
 
     def sensed(self) -> object:
         """Return what all sensors of all robots read in this tick; then the states of their tasks, if any."""

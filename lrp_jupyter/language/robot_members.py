@@ -38,6 +38,7 @@ class RobotMember(NamedTuple):
     `parameters`: of a method; None for a reading.
     `acts`: whether it is a method that makes the robot do something, and returns nothing.
     `values`: all texts that a reading can be; empty if they are not known.
+    `accompanies`: whether it is known of another reading, as ``light.new`` is of ``light.data``.
     """
 
     path: str
@@ -45,6 +46,7 @@ class RobotMember(NamedTuple):
     parameters: Parameters | None = None
     acts: bool = False
     values: tuple[str, ...] = ()
+    accompanies: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,9 @@ class RobotMembers:
     @cached_property
     def _inside(self) -> dict[str, dict[str, None]]:
         found: dict[str, dict[str, None]] = {"": {}}
-        for path in self.members:
+        for path, member in self.members.items():
+            if member.accompanies:
+                continue
             parent = ""
             for name in path.split("."):
                 found.setdefault(parent, {})[name] = None
@@ -69,7 +73,10 @@ class RobotMembers:
         return found
 
     def inside(self, path: str) -> tuple[str, ...]:
-        """Return the names directly below a part of the robot; below the robot itself for an empty path."""
+        """Return the names directly below a part of the robot; below the robot itself for an empty path.
+
+        Without those that accompany a reading.
+        """
         return tuple(self._inside.get(path, ()))
 
     @cached_property
@@ -79,7 +86,8 @@ class RobotMembers:
 
     def named(self, name: str) -> Iterator[str]:
         """Yield the paths of the members with a last name."""
-        return (path for path in self.members if path.rpartition(".")[2] == name)
+        known = self.members.items()
+        return (path for path, each in known if path.rpartition(".")[2] == name and not each.accompanies)
 
 
 def parameters_of(text: str, fields: Collection[str] = ()) -> Parameters:

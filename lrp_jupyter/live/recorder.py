@@ -102,8 +102,12 @@ class Recorder(Trace):
         self._keep(self._readings)
 
     def _readings(self) -> Line:
-        record = self._loop.record
-        readings = {name: plain(value) for name, value in record.readings.items()}
+        record, bridge = self._loop.record, self._loop.bridge
+        known = record.readings
+        if bridge.simulated is not None:  # what accompanies the readings follows from the world, too
+            nodes = [node for node in bridge.nodes.members() if isinstance(node, RobotVariable)]
+            known = {node.path: known[node.path] for node in nodes if node.path in known and not node.of}
+        readings = {name: plain(value) for name, value in known.items()}
         return {"tick": self._loop.interpreter.tick, "time": record.moments[-1].time, "readings": readings}
 
     def _keep(self, made: Callable[[], Line]) -> None:
@@ -144,7 +148,8 @@ def start_of(loop: Loop, seed: int | None = None, initials: Mapping[str, str] | 
 
 def _member(node: RobotVariable | RobotMethod) -> Line:
     if isinstance(node, RobotVariable):
-        return {"name": node.path, "kind": "variable", "unit": node.unit, "doc": node.doc}
+        of = {"of": node.of} if node.of else {}
+        return {"name": node.path, "kind": "variable", "unit": node.unit, "doc": node.doc, **of}
     return {
         "name": node.path,
         **(

@@ -23,6 +23,7 @@ class Readings(NamedTuple):
     `distances`: metres from the rim of the robot to the next solid, one per ray; ``inf``: nothing in range.
     `gyro`: radians turned since the start, counter-clockwise, not wrapped.
     `odom`: x and y (metres) and theta (radians) according to the wheels, from where the robot started.
+    `bumps`: what the bumper did since the last tick, oldest first: True pressed, False released.
     """
 
     lights: tuple[int, ...] = ()
@@ -30,6 +31,7 @@ class Readings(NamedTuple):
     distances: tuple[float, ...] = ()
     gyro: float = 0.0
     odom: Pose = (0.0, 0.0, 0.0)
+    bumps: tuple[bool, ...] = ()
 
 
 class Odometer(NamedTuple):

@@ -119,6 +119,8 @@ class Memory:
     readings: Readings = field(default_factory=Readings)
     latched_at: int = -1
     pressed_at: int = -1
+    is_pressed: bool = False  # whether its press was not yet followed by a release …
+    bumps: tuple[bool, ...] = ()  # … among what the bumper did since the last latch
     touching: frozenset[int] = frozenset()  # what was touched since the last latch, as `Body.solid`
     touched: frozenset[int] = frozenset()  # the same, in the tick before the last latch
     pen: Paint | None = None
@@ -127,6 +129,24 @@ class Memory:
     blind: int = 0  # ticks for which the distance sensors still see nothing
     errand: Errand | None = None  # the last way or turn that it was asked for
     speech: Speech | None = None  # the last text that it was asked to say
+
+    def press(self, step: int) -> None:
+        """Note that the bumper is pressed in a step."""
+        if not self.is_pressed:
+            self.bumps += (True,)
+        elif self.pressed_at < step - 1:
+            self.bumps += (False, True)
+        self.is_pressed, self.pressed_at = True, step
+
+    def take_bumps(self, step: int) -> tuple[bool, ...]:
+        """Return what the bumper did since the last latch; another latch in the same step finds it again."""
+        if self.latched_at == step:
+            return self.readings.bumps
+        if self.is_pressed and self.pressed_at < step:
+            self.is_pressed = False
+            self.bumps += (False,)
+        bumps, self.bumps = self.bumps, ()
+        return bumps
 
 
 class SimRobot:
@@ -193,7 +213,9 @@ class SimRobot:
             self.body.target = (linear, angular)
             self.body.wake()
 
-    def sense(self, floor: LiveFloor, space: pymunk.Space, random: Random, bumped: bool) -> None:
+    def sense(
+        self, floor: LiveFloor, space: pymunk.Space, random: Random, bumped: bool, bumps: tuple[bool, ...]
+    ) -> None:
         """Read all sensors, drawing the noise that they have, and advance the odometer."""
         spec, memory, pose = self.spec, self.memory, self.pose
         lights = read_lights(spec, pose, floor, random)
@@ -207,7 +229,8 @@ class SimRobot:
         if spec.noise.gyro:
             gyro += random.gauss(0.0, spec.noise.gyro)
         memory.odometer = memory.odometer.advanced(pose, spec.noise.odom, random)
-        memory.readings = Readings(lights, int(bumped), distances, gyro, memory.odometer.pose)
+        odom = memory.odometer.pose
+        memory.readings = Readings(lights, int(bumped), distances, gyro, odom, bumps)
 
     def embody(self, space: pymunk.Space, motion: Motion) -> None:
         """Create the body in a new space."""
@@ -374,7 +397,7 @@ def _press(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
     robot = first.wheels
     assert robot is not None
     assert isinstance(data, StepCount)
-    robot.memory.pressed_at = data.steps + 1  # the step that is being made
+    robot.memory.press(data.steps + 1)  # the step that is being made
     _note(first, second)
 
 

@@ -326,7 +326,7 @@ class Simulation:
                 memory.slip = (1.0 + self._random.gauss(0.0, motor), 1.0 + self._random.gauss(0.0, motor))
                 robot.steer()
             bumped = memory.pressed_at > memory.latched_at or memory.pressed_at == self.steps
-            robot.sense(self.floor, self._space, self._random, bumped)
+            robot.sense(self.floor, self._space, self._random, bumped, memory.take_bumps(self.steps))
             if memory.latched_at < self.steps:
                 memory.touched, memory.touching = memory.touching, frozenset()
             memory.latched_at = self.steps

@@ -167,7 +167,7 @@ def test_members_know_type_unit_doc_value_and_age(cart: Any) -> None:
 
 
 def test_a_part_is_described_by_its_members(cart: Any) -> None:
-    assert [field.name for field in cart.describe("light").fields] == ["light.data"]
+    assert [field.name for field in cart.describe("light").fields] == ["light.data", "light.new", "light.age"]
 
 
 Point = namedtuple("Point", "x y")

@@ -30,6 +30,7 @@ NoticeKind = Literal[
     "held",
     "stopped",
     "stale",
+    "dropped",
     "guard",
     "fault",
 ]
@@ -181,10 +182,13 @@ class Safety:
         with self._log_lock:
             return self._all()
 
-    def notice(self, kind: NoticeKind, text: str, about: str = "", origin: Origin = BY_HAND) -> Notice:
+    def notice(
+        self, kind: NoticeKind, text: str, about: str = "", origin: Origin = BY_HAND, *, renews: bool = False
+    ) -> Notice:
         """Log a notice; a repeated one increments its count.
 
         `about`: what it is about, if it is logged only once, however often it happens and whatever its text.
+        `renews`: whether it then has the text of the last time.
         """
         with self._log_lock:
             known = range(len(self._notices)) if about else range(len(self._notices))[-1:]
@@ -192,6 +196,8 @@ class Safety:
                 each = self._notices[index]
                 if each.kind == kind and (each.about == about if about else each.text == text):
                     entry = replace(each, now=self.now, count=each.count + 1, last=origin)
+                    if renews:
+                        entry = replace(entry, text=text)
                     self._notices[index] = entry
                     return entry
             entry = Notice(kind, text, self.now, 1, about, origin, origin)

@@ -21,6 +21,7 @@ from types import CellType, CodeType, FunctionType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED
+from lrp_jupyter.language.blocks.companions import COMPANIONS, with_companions
 from lrp_jupyter.language.blocks.computed_names import computed, machine_cell, value_cell
 from lrp_jupyter.language.blocks.names_in_blocks import WORD, Offsets, Uses, normal, uses
 from lrp_jupyter.language.blocks.slips import brief, explain, fault_of
@@ -320,9 +321,12 @@ def _function(
 ) -> CodeType:
     """Compile a block whose first line has so many bytes before it; its lines count from 1."""
     tree, suite = parse_suite(text)  # not the cached one, because it is modified
-    bound = read(text).uses.scope.bound
+    found = read(text).uses
+    bound = found.scope.bound
     assigned = sorted(bound & names)
     body: list[ast.stmt] = [_Plain(names).visit(each) for each in tree.body] if assigned else tree.body
+    if not _words(text).isdisjoint(COMPANIONS) and "robot" not in names and not _binds(found, "robot"):
+        body = with_companions(body)
     if values or machines:
         body = computed(body, values - bound, machines - bound)
         names = names.union(map(value_cell, values), map(machine_cell, machines))
@@ -344,6 +348,11 @@ def _function(
     with no_warnings():
         code = asked_again(compile, module, "<lrp>", "exec", dont_inherit=True)
     return _inner(_inner(code))
+
+
+def _binds(found: Uses, name: str) -> bool:
+    """Return whether a block, or a function in it, gives a name a value of its own."""
+    return any(use.writes and use.name == name for use in found.found)
 
 
 _OUTER = "def outer():\n def block(): pass"

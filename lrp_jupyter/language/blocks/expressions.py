@@ -15,8 +15,10 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
+from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.language.blocks.block import read
 from lrp_jupyter.language.blocks.builtin_names import degrees
+from lrp_jupyter.language.blocks.companions import asked_at_once
 
 Lookup = Callable[[str], Any]
 
@@ -135,6 +137,10 @@ class _Evaluator:
                 return value
             case ast.Name(name):
                 return self._lookup(name)
+            case ast.Attribute() if (path := asked_at_once(node)) and isinstance(
+                robot := self._lookup("robot"), NotAValue
+            ):
+                return getattr(robot, path)
             case ast.Attribute(inner, name):
                 return getattr(self.of(inner), name)
             case ast.BoolOp(connective, operands):

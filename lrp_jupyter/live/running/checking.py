@@ -86,7 +86,7 @@ def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
             fields |= {name, *(f"{name}_{inner.name.rpartition('.')[2]}" for inner in field.fields)}
         yield RobotMember(node.path, parameters=parameters_of(member.signature, fields), acts=node.command)
     else:
-        yield RobotMember(member.name, member.type)
+        yield RobotMember(member.name, member.type, accompanies=bool(node.of))
     if member.kind == "task":
         for field in member.fields:
             yield RobotMember(

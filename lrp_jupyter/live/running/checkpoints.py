@@ -128,6 +128,18 @@ def names_of(plan: Plan) -> frozenset[str]:
     return frozenset().union(*(_globals_of(code) for code in codes if isinstance(code, CodeType)))
 
 
+def messages_heard(plan: Plan) -> frozenset[str]:
+    """Return the readings of messages that the blocks of a program name, such as ``light.new``."""
+    codes = (block.code for block in plan.blocks)
+    return frozenset().union(*(_news_of(code) for code in codes if isinstance(code, CodeType)))
+
+
+@lru_cache(maxsize=20_000)
+def _news_of(code: CodeType) -> frozenset[str]:
+    own = (name for name in code.co_names if name.endswith(".new"))  # see `language.blocks.companions`
+    return frozenset(own).union(*(_news_of(each) for each in code.co_consts if isinstance(each, CodeType)))
+
+
 @lru_cache(maxsize=20_000)
 def _globals_of(code: CodeType) -> frozenset[str]:
     """Return the global names that a code object reads, without attributes."""

@@ -511,7 +511,7 @@ class Loop:
             return None, LRPError(str(error) if issubclass(kind, Interrupted) else sentence_of(error))
         finally:
             if self.interpreter.program is not program:
-                record.names.watch(record.names_used())
+                record.watch()
             if self.interpreter.restarts != restarts:  # no onexit has run, so everything must stop
                 self.bridge.stop_all()
                 self.bridge.tasks.drop()

@@ -26,7 +26,14 @@ from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.interpreter.copies import Packed, pack, unpack
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.linker import link
-from lrp_jupyter.live.running.checkpoints import COPIED, PLAIN, Checkpoints, SessionCheckpoint, names_of
+from lrp_jupyter.live.running.checkpoints import (
+    COPIED,
+    PLAIN,
+    Checkpoints,
+    SessionCheckpoint,
+    messages_heard,
+    names_of,
+)
 from lrp_jupyter.live.running.inbox import Command
 from lrp_jupyter.live.running.inputs import Input, Inputs, Rewound
 from lrp_jupyter.live.running.notebook_names import ChangeNames, WatchedNames, random_module
@@ -93,7 +100,7 @@ class Record:
         """The inputs from outside, except those undone by a rewind."""
         self.checkpoints = Checkpoints()
         self.names = WatchedNames(interpreter.namespace)
-        self.names.watch(self.names_used())
+        self.watch()
         self.pending_at = 0.0
         """The earliest time with something to do before a tick: take a checkpoint, record a stop."""
         self.written: Callable[[Input], object] | None = None
@@ -156,6 +163,11 @@ class Record:
             self._replayed = outer
 
     # -- values ----------------------------------------------------------------------------------
+
+    def watch(self) -> None:
+        """Watch what the program, which may be another one, uses of what is outside."""
+        self.names.watch(self.names_used())
+        self._bridge.hear(messages_heard(link(self._interpreter.program)))
 
     def names_used(self) -> frozenset[str]:
         """Return the global names that the blocks of the program use."""

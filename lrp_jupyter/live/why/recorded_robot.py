@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import Any
 
 from lrp_jupyter.bridges.tasks import RobotTask, TaskState
@@ -37,6 +38,8 @@ class RecordedRobot(NotAValue):
             return _EarlierTask(value) if isinstance(value, TaskState) else value
         if isinstance(self._nodes.get(path), RobotTask):
             return _EarlierTask(TaskState())
+        if "." in name:  # asked for at once, see `language.blocks.companions`
+            return attrgetter(name)(self)
         if any(each.startswith(f"{path}.") for each in self._nodes):
             return RecordedRobot(self._readings, self._nodes, f"{path}.")
         raise UnknownValueError(f"`robot.{path}` was not read in this tick.")
