@@ -23,13 +23,13 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import partial
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.guarding.guard import Stopper
-from lrp_jupyter.bridges.member_tree import Limits, RobotMethod
+from lrp_jupyter.bridges.member_tree import Limits, RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, moves, real_number
 from lrp_jupyter.bridges.panel import Panel, number_in
 from lrp_jupyter.bridges.ros.backends import Choice, check_backend, check_ros2, choose_backend, make_transport
@@ -194,14 +194,19 @@ class RosBridge(Bridge):
         wire = channel.wire
         try:
             if wire.direction == "subscription":
-                self.add_variable(
+                reading = RobotVariable(
+                    self,
                     wire.variable,
                     partial(self._read, channel),
                     f"the last message on {wire.topic}",
-                    type=channel.form.kind if channel.form is not None else channel.type,
-                    age=channel.age,
-                    stale_after=wire.stale_after,
+                    "",
+                    channel.form.kind if channel.form is not None else channel.type,
+                    channel.age,
+                    wire.stale_after,
                 )
+                new = partial(self._new_messages, wire.variable, lambda _: channel.backlog)
+                self._add_reading(reading, new, channel.own)
+                channel.hear(companion_path(wire.variable, "new") in self.heard)
             else:
                 self.add_method(
                     wire.variable,
@@ -289,11 +294,21 @@ class RosBridge(Bridge):
         if link is not None and link.connected:
             link.transport.pace = self._pace.seconds
         for channel in self.wiring.channels:
-            channel.latched = channel.latest
+            channel.latch()
 
     def act(self, now: float) -> None:
         """Mark the end of the tick."""
         self._in_tick = 0
+        for channel in self.wiring.channels:
+            channel.release()
+
+    def hear(self, news: Collection[str]) -> None:
+        """Have the robot send every message on these topics; on others, the last one is enough."""
+        super().hear(news)
+        for channel in self.wiring.channels:
+            channel.hear(companion_path(channel.wire.variable, "new") in self.heard)
+        if (link := self.wiring.link) is not None:
+            link.hurry()
 
     # -- the connection ---------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ import time
 from collections import deque
 from typing import Any, NamedTuple
 
+from lrp_jupyter.bridges.latched_values import Backlog
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
@@ -34,10 +35,13 @@ class Channel:
         self.form: Form | None = None  # decodes messages, for a subscription whose type is known
         self.message: type[RosMessage] | None = None  # for a publisher whose type is known
         self.latest: Arrival | None = None  # None again after the connection was lost
-        self.latched: Arrival | None = None
+        self.latched: Arrival | None = None  # in this tick …
+        self.seen: Arrival | None = None  # … or in the last one; or it is no news for another reason
+        self.backlog: Backlog | None = None  # where the program takes every message
         self.live = False
         self.problem = ""  # why it cannot be connected, or is no longer connected
         self.waiting = "it is being connected"  # what is missing: the topic, its type, or messages
+        self.is_unclear = False  # whether some number was infinite or NaN, and it is not known which
         self.is_asked_for = False  # whether the robot is being asked for what is missing
         self.commanders: tuple[str, ...] = ()  # of a publisher of velocities: who else publishes on its topic
         self.stamps = Stamps(RobotClock())
@@ -45,6 +49,7 @@ class Channel:
         self.has_moved = False  # whether a nonzero velocity was sent: on a loss, a stop may not have arrived
         self.owes_stop = False  # as soon as there is a connection again
         self.answered = threading.Event()
+        self._arriving = threading.Lock()
         self.last_sent: RosMessage | None = None
         self._times: deque[float] = deque(maxlen=20)
 
@@ -59,19 +64,60 @@ class Channel:
         """Whether it is a subscription without a message so far."""
         return self.wire.direction == "subscription" and self.latest is None
 
-    def receive(self, raw: Any) -> None:
-        """Receive a raw message from the network; always on the same thread."""
+    def hear(self, every: bool) -> None:
+        """Keep every message until the next tick from now on, or only the last one."""
+        with self._arriving:  # or the last message might be there twice, or not at all
+            latest = self.latest
+            if not every:
+                self.backlog = None
+            elif self.backlog is None:
+                first = () if latest is None or latest is self.seen else (self._content(latest.value),)
+                self.backlog = Backlog(first)
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """The fields of its messages; none while their type is not known."""
+        return self.form.kind.__slots__ if self.form is not None else ()
+
+    def _content(self, message: ReceivedMessage) -> object:
+        """Return a message, or its only field if that is ``data``."""
+        return message.data if self.own == ("data",) else message
+
+    def latch(self) -> None:
+        """Hold the last message, and those since the last tick, until `release`."""
+        self.latched = self.seen = self.latest
+        if self.backlog is not None:
+            self.backlog.latch()
+
+    def release(self) -> None:
+        """Let readers see what is newest again."""
+        self.latched = None
+        if self.backlog is not None:
+            self.backlog.release()
+
+    def receive(self, raw: Any, at: float | None = None) -> None:
+        """Receive a raw message from the network; always on the same thread.
+
+        `at`: when it arrived, by `time.monotonic`, if that was before there was this channel.
+        """
         form = self.form
         if not self.live or form is None:  # a late message of a connection that is gone
             return
+        unclear = form.unclear.count
         try:
             value = form.decode(raw)
         except (AttributeError, TypeError, ValueError) as error:
             self.problem = f"A message on `{self.wire.topic}` is not a `{self.type}`: {error}"
             return
         self.problem = ""
-        self._times.append(time.monotonic())
-        self.latest = Arrival(value, self.stamps.made_at(raw, self._times[-1]))
+        self.is_unclear = self.is_unclear or form.unclear.count > unclear
+        self._times.append(time.monotonic() if at is None else at)
+        with self._arriving:
+            self.latest = Arrival(value, self.stamps.made_at(raw, self._times[-1]))
+            if at is not None:
+                self.seen = self.latest
+            elif self.backlog is not None:
+                self.backlog.put(self._content(value))
 
     def sent(self, message: RosMessage) -> None:
         """Record a message that was sent, which may be a stop."""
@@ -85,8 +131,11 @@ class Channel:
         self._times.clear()
 
     def age(self) -> float | None:
-        """Return the seconds since the last message was made or sent; None before the first."""
-        latest, times = self.latest, self._times
+        """Return the seconds since the last message was made or sent; None before the first.
+
+        In a tick, it is the message that the tick sees.
+        """
+        latest, times = self.latched or self.latest, self._times
         if latest is not None:
             return time.monotonic() - latest.time
         return time.monotonic() - times[-1] if times else None

@@ -20,14 +20,14 @@ Fast DDS 2.9 and Cyclone DDS 11 were met on the wire, and no robot yet.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from lrp_jupyter.bridges.ros.address import domain_number
 from lrp_jupyter.bridges.ros.dds_node import DdsNode, TopicPublisher, TopicReader
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
 from lrp_jupyter.bridges.ros.definitions import Definition
-from lrp_jupyter.bridges.ros.link import RefusedError, Transport
+from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import VELOCITIES
 from lrp_jupyter.errors import BridgeError
@@ -112,7 +112,9 @@ class DdsTransport(Transport):
         names = {node.name_of(end) for end in node.graph.ends(f"rt{topic}", writes=True)}
         return tuple(sorted(names - {""}))
 
-    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+    def join(
+        self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
+    ) -> object:
         """Create a reader or a writer."""
         node = self._open_node()
         end: TopicReader | TopicPublisher
@@ -120,13 +122,18 @@ class DdsTransport(Transport):
             if direction == "publisher":
                 end = node.advertise(topic, type_, was_heard=(topic, True) in self._met)
             else:
-                end = node.subscribe(topic, type_, receive)
+                end = node.subscribe(topic, type_, receive, every)
             self._met |= {(topic, end.writes)} if end.others() else set()
             return end
         except BridgeError:
             raise
         except Exception as error:  # of cyclonedds, for this topic
             raise RefusedError(f"`{topic}` cannot be connected: {error}.") from error
+
+    def hear(self, handle: object, every: bool) -> None:
+        """Have the reader keep all messages until they are taken, or the last one."""
+        assert isinstance(handle, TopicReader)
+        self._open_node().hear(handle, every)
 
     def leave(self, handle: object) -> None:
         """End a reader or a writer; those of a node that is gone went with it."""

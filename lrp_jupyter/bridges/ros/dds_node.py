@@ -21,11 +21,12 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
+from lrp_jupyter.bridges.latched_values import MOST
 from lrp_jupyter.bridges.ros.dds_domain import DdsDomain
 from lrp_jupyter.bridges.ros.dds_graph import Endpoint, EndpointGraph, NodeDirectory
 from lrp_jupyter.bridges.ros.dds_qos import command_qos, disagreements, node_of, qos_of, reading_qos
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
-from lrp_jupyter.bridges.ros.link import GUARD_NODE
+from lrp_jupyter.bridges.ros.link import GUARD_NODE, Receive
 from lrp_jupyter.errors import BridgeError
 
 _ENCLAVE = Policy.Userdata(b"enclave=/;")
@@ -81,28 +82,43 @@ class _TopicEnd:
 class TopicReader(_TopicEnd):
     """A subscription; its quality of service follows what the publishers of the topic offer."""
 
-    def __init__(self, node: DdsNode, topic: str, type_: str, receive: Callable[[Any], None]) -> None:
+    def __init__(self, node: DdsNode, topic: str, type_: str, receive: Receive, every: bool) -> None:
         super().__init__(node, topic, type_)
-        self._receive = receive
+        self._receive, self.every = receive, every
+        self._last: dict[int, int] = {}  # the time stamp of the last message of each publisher …
+        self._had: dict[int, int] = {}  # … when the present reader replaced another
         self._asked: Qos | None = None
         self.adapt()
 
     def adapt(self) -> None:
         """Subscribe as the publishers offer, and again when they offer something else."""
-        asked = reading_qos([other.qos for other in self.others()], self._hash)
+        most = MOST if self.every else 1
+        asked = reading_qos([other.qos for other in self.others()], self._hash, most)
         if asked != self._asked:
             before = self._entity
             self._asked, self._entity = asked, DataReader(self._node.participant, self._topic, asked)
             self._qos = qos_of(self._entity)
             self._node.listen(self._entity, DDSStatus.DataAvailable)
             if before is not None:
+                self._take(before)
+                self._had = self._last.copy()
                 self._node.end(before)
 
     def serve(self) -> None:
-        """Pass on the newest message."""
-        for sample in self._entity.take(_AT_ONCE):
-            if not isinstance(sample, InvalidSample):
-                self._receive(sample)
+        """Pass on the messages that have come."""
+        self._take(self._entity)
+
+    def _take(self, entity: Any) -> None:
+        """Pass on what a reader has; one that replaces another is given again what the topic keeps."""
+        while samples := entity.take(_AT_ONCE):
+            for sample in samples:
+                if isinstance(sample, InvalidSample):
+                    continue
+                source, stamp = sample.sample_info.publication_handle, sample.sample_info.source_timestamp
+                if stamp > self._had.get(source, 0):
+                    self._had.pop(source, None)  # from now on, its clock may be set back
+                    self._last[source] = stamp
+                    self._receive(sample)
 
 
 class TopicPublisher(_TopicEnd):
@@ -174,6 +190,7 @@ class DdsNode:
         self.directory = NodeDirectory(self.participant, name)
         self.ends: tuple[_TopicEnd, ...] = ()
         self._lock = threading.RLock()  # for the ends
+        self._to_adapt = False  # whether an end wants another quality of service
         self._over = False
         self._happened = threading.Condition()
         self._waiting = WaitSet(self.participant)
@@ -189,12 +206,18 @@ class DdsNode:
         name = self.directory.name_of(end) or node_of(end.qos)
         return name or ("" if self.graph.announces(end) else "a node without a name")
 
-    def subscribe(self, topic: str, type_: str, receive: Callable[[Any], None]) -> TopicReader:
+    def subscribe(self, topic: str, type_: str, receive: Receive, every: bool = False) -> TopicReader:
         """Subscribe; messages arrive on the node's thread."""
         with self._lock:
-            reader = TopicReader(self, topic, type_, receive)
+            reader = TopicReader(self, topic, type_, receive, every)
             self._add(reader)
             return reader
+
+    def hear(self, reader: TopicReader, every: bool) -> None:
+        """Subscribe again, if every message is to be kept now, or no longer."""
+        if reader.every != every:
+            reader.every, self._to_adapt = every, True
+            self._bell.set(True)
 
     def advertise(self, topic: str, type_: str, was_heard: bool = False) -> TopicPublisher:
         """Become a publisher of a topic."""
@@ -265,7 +288,8 @@ class DdsNode:
             if self._over:
                 return
             ends = self.ends
-            if changed:
+            if changed or self._to_adapt:
+                self._to_adapt = False
                 for end in ends:
                     end.adapt()
             sides = ([end.key for end in ends if end.writes == writes] for writes in (False, True))

@@ -33,8 +33,11 @@ def command_qos(type_hash: str, node: str = "") -> Qos:
     )
 
 
-def reading_qos(offers: Sequence[Qos], type_hash: str) -> Qos:
-    """Return what a subscription asks for, given what the publishers offer; without any, the least."""
+def reading_qos(offers: Sequence[Qos], type_hash: str, most: int = 1) -> Qos:
+    """Return what a subscription asks for, given what the publishers offer; without any, the least.
+
+    `most`: how many messages wait until they are taken; the newest are kept.
+    """
     reliable = _all(offers, Policy.Reliability, Policy.Reliability.Reliable)
     kept = _all(offers, Policy.Durability, *_DURABILITY[1:])
     exclusive = _all(offers, Policy.Ownership, Policy.Ownership.Exclusive)
@@ -43,7 +46,7 @@ def reading_qos(offers: Sequence[Qos], type_hash: str) -> Qos:
         Policy.Durability.TransientLocal if kept else Policy.Durability.Volatile,
         Policy.Ownership.Exclusive if exclusive else Policy.Ownership.Shared,
         Policy.LatencyBudget(max((offer[Policy.LatencyBudget].budget for offer in offers), default=0)),
-        Policy.History.KeepLast(1),  # the newest wins
+        Policy.History.KeepLast(most),
         *_common(type_hash),
     )
 

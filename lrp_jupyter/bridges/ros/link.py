@@ -33,6 +33,10 @@ _AGAIN = 0.5  # seconds until a connection that was lost, or a topic that is mis
 _FAST = 0.2  # seconds of a round trip below which a link is no longer slow
 
 
+Receive = Callable[..., None]
+"""Takes a raw message, and when it arrived unless that is now."""
+
+
 class RefusedError(BridgeError):
     """One topic cannot be connected; the others are not affected."""
 
@@ -93,8 +97,15 @@ class Transport(ABC):
         """Return whether another node uses a topic; a type may outlive its topic. None as in `define`."""
 
     @abstractmethod
-    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
-        """Subscribe or advertise; return the handle for `leave` and `send`."""
+    def join(
+        self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
+    ) -> object:
+        """Subscribe or advertise; return the handle for `leave` and `send`.
+
+        `receive`: to be called with each raw message and, if it is an earlier one, when that arrived, in
+            seconds of `time.monotonic`.
+        `every`: whether every message is to be delivered, or only the last ones.
+        """
 
     @abstractmethod
     def leave(self, handle: object) -> None:
@@ -106,6 +117,10 @@ class Transport(ABC):
 
         The time stamp of a header that the program did not set is missing: it becomes the time of sending.
         """
+
+    @abstractmethod
+    def hear(self, handle: object, every: bool) -> None:
+        """Have every message of a subscription delivered from now on, or only the last ones."""
 
     def tend(self, in_need: bool) -> float:
         """Look after what is joined; return the seconds until the next comparison, fewer if `in_need`."""
@@ -153,6 +168,7 @@ class TopicLink(Link):
         self._last_status: tuple[ConnectionState, str] | None = None
         self._channels: tuple[Channel, ...] = ()  # that may be connected
         self._described: set[str] = set()
+        self._unclear: set[Channel] = set()  # about which it was said
 
     @property
     def transport(self) -> Transport:
@@ -224,6 +240,12 @@ class TopicLink(Link):
                             f"`{other}` publishes on `{channel.wire.topic}`, too: the robot obeys whoever was"
                             " last. Let only one of you command it."
                         )
+            if channel.is_unclear and channel not in self._unclear:
+                self._unclear.add(channel)
+                self._warn(
+                    f"A number on `{channel.wire.topic}` is infinite or not a number. rosbridge does not say"
+                    " which, so it is `nan` here: test it with `math.isfinite`."
+                )
         trip = self.transport.round_trip
         if trip is not None and not self._is_slow and trip > SLOW:
             self._is_slow = True
@@ -248,6 +270,8 @@ class TopicLink(Link):
         if channel.handle is not None:
             if channel.type == type_:
                 channel.waiting = self.transport.hint(channel.handle)
+                if wire.direction == "subscription":
+                    self.transport.hear(channel.handle, channel.backlog is not None)
                 return
             self._leave(channel)
         if not type_:
@@ -267,7 +291,8 @@ class TopicLink(Link):
         self._learned(channel)
         channel.stamps = Stamps(self.transport.clock)
         channel.live = True  # before joining: a latched message arrives while we do
-        handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive)
+        every = channel.backlog is not None
+        handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive, every)
         if channel.owes_stop and channel.message is not None:
             channel.owes_stop = channel.has_moved = False
             stop = channel.message()

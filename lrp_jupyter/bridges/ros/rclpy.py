@@ -12,12 +12,14 @@ from __future__ import annotations
 
 import importlib
 import threading
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
+from lrp_jupyter.bridges.latched_values import MOST
 from lrp_jupyter.bridges.ros.definitions import Definition, FieldType, canonical, definitions_of, parse_field
-from lrp_jupyter.bridges.ros.link import RefusedError, Transport
+from lrp_jupyter.bridges.ros.kept import LastMessage
+from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError, sentence_of
 
@@ -113,12 +115,14 @@ class RclpyTransport(Transport):
         infos = getattr(self._node, f"get_{who}_info_by_topic")(topic)
         return [info for info in infos if (info.node_name, info.node_namespace) != own]
 
-    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+    def join(
+        self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
+    ) -> object:
         """Create a subscription that asks for what is offered, or a reliable publisher."""
         qos, kind = _import("rclpy.qos"), _class_of(type_)
         if direction == "publisher":
             return self._node.create_publisher(kind, topic, qos.QoSProfile(depth=_QUEUE))
-        made = _Subscription(topic, kind, receive)
+        made = _Subscription(topic, kind, receive, every)
         self._adapt(made)
         self._subscriptions.append(made)
         return made
@@ -129,21 +133,28 @@ class RclpyTransport(Transport):
             self._adapt(each)
         return super().tend(in_need)
 
+    def hear(self, handle: Any, every: bool) -> None:
+        """Subscribe again with a longer queue, or a shorter one."""
+        handle.every = every
+        self._adapt(handle)
+
     def _adapt(self, one: _Subscription) -> None:
         """Ask for what all publishers offer and, without any, for the least."""
         qos = _import("rclpy.qos")
         offers = [info.qos_profile for info in self._others(one.topic, "publishers")]
         reliable = {offer.reliability for offer in offers} == {qos.ReliabilityPolicy.RELIABLE}
         kept = {offer.durability for offer in offers} == {qos.DurabilityPolicy.TRANSIENT_LOCAL}
-        if one.asked == (reliable, kept):
+        asked = (reliable, kept, one.every)
+        if one.asked == asked:
             return
         profile = qos.QoSProfile(
-            depth=1,
+            depth=MOST if one.every else 1,
             reliability=qos.ReliabilityPolicy.RELIABLE if reliable else qos.ReliabilityPolicy.BEST_EFFORT,
             durability=qos.DurabilityPolicy.TRANSIENT_LOCAL if kept else qos.DurabilityPolicy.VOLATILE,
         )
-        before, one.asked = one.entity, (reliable, kept)
-        one.entity = self._node.create_subscription(one.kind, one.topic, one.receive, profile)
+        before, one.asked = one.entity, asked
+        one.last.renew()
+        one.entity = self._node.create_subscription(one.kind, one.topic, one.take, profile)
         if before is not None:
             self._node.destroy_subscription(before)
 
@@ -172,9 +183,16 @@ class RclpyTransport(Transport):
 class _Subscription:
     topic: str
     kind: Any
-    receive: Callable[[Any], None]
-    asked: tuple[bool, bool] | None = None  # to be reliable, and to be given what came before
+    receive: Receive
+    every: bool  # whether every message counts
+    asked: tuple[bool, bool, bool] | None = None  # reliable, given what came before, and every message
     entity: Any = None
+    last: LastMessage = field(default_factory=LastMessage)
+
+    def take(self, message: Any) -> None:
+        """Pass on a message."""
+        if self.last.is_news(message):
+            self.receive(message)
 
 
 def _import(module: str) -> Any:

@@ -16,9 +16,10 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.message import moves
-from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, PRIMITIVES, STRINGS, Definition
+from lrp_jupyter.bridges.ros.definitions import FLOATS, HEADERS, KNOWN, PRIMITIVES, STRINGS, Definition
 from lrp_jupyter.bridges.ros.frames import knows_cbor
-from lrp_jupyter.bridges.ros.link import Transport
+from lrp_jupyter.bridges.ros.kept import LastMessage
+from lrp_jupyter.bridges.ros.link import Receive, Transport
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
@@ -115,7 +116,9 @@ class RosbridgeTransport(Transport):
         """Return whether a node publishes or subscribes, as rosapi knows; None while it is being asked."""
         return self._rosapi.taken(topic)
 
-    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+    def join(
+        self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
+    ) -> object:
         """Subscribe or advertise. A topic is subscribed to once, however many variables read it."""
         socket, number = self._open_socket(), next(self._ids)
         if direction == "publisher":
@@ -123,13 +126,29 @@ class RosbridgeTransport(Transport):
             socket.put(json.dumps(request))
             self._outputs[topic] = type_
             return _Handle(direction, topic, number, socket)
+        handle = _Handle(direction, topic, number, socket)
         known = self._inputs.get(topic)
-        if known is not None:
-            known.receivers = {**known.receivers, number: receive}
-        else:
+        if known is None:
             self._inputs[topic] = new = _Input(topic, type_, {number: receive})
+            new.heard_by = {number} if every else set()
             self._subscribe(new)
-        return _Handle(direction, topic, number, socket)
+            return handle
+        known.receivers = {**known.receivers, number: receive}
+        if known.heard is not None:  # it may be long until there is another one
+            receive(known.last.raw, known.last.at)
+        self.hear(handle, every)
+        return handle
+
+    def hear(self, handle: object, every: bool) -> None:
+        """Subscribe again, without dropping messages or with it, if that changes for the topic."""
+        assert isinstance(handle, _Handle)
+        one = self._inputs.get(handle.topic)
+        if one is None or handle.socket is not self._socket:
+            return
+        had = bool(one.heard_by)
+        one.heard_by = one.heard_by | {handle.number} if every else one.heard_by - {handle.number}
+        if bool(one.heard_by) != had:
+            self._subscribe(one)
 
     def leave(self, handle: object) -> None:
         """Unsubscribe or unadvertise; nothing to do on a connection that is gone."""
@@ -142,6 +161,7 @@ class RosbridgeTransport(Transport):
             self._echoes.pop(topic, None)
             self._rosapi.ignore(topic)
             return
+        self.hear(handle, False)
         known = self._inputs[topic]
         known.receivers = {key: one for key, one in known.receivers.items() if key != number}
         if not known.receivers:
@@ -167,8 +187,10 @@ class RosbridgeTransport(Transport):
             known = self._inputs.get(str(message.get("topic")))
             if known is not None:
                 known.heard = time.monotonic()
-                for receive in tuple(known.receivers.values()):
-                    receive(message.get("msg"))
+                raw = message.get("msg")
+                if known.last.is_news(raw):
+                    for receive in tuple(known.receivers.values()):
+                        receive(raw)
         elif operation == "status" and message.get("level") in ("error", "warning"):
             self._warn(f"`{self.place}`: {message.get('msg')}")
 
@@ -197,18 +219,18 @@ class RosbridgeTransport(Transport):
         for each in self._inputs.values():
             if each.is_packed and each.heard is not None:
                 self._packs = True
-            if each.throttle != self._throttle:
+            if each.throttle != self._throttle(each):
                 self._subscribe(each)
         return super().tend(in_need)
 
-    @property
-    def _throttle(self) -> int:
-        """Milliseconds between two messages of a topic; the newest is sent."""
-        return int(self.pace * 1000)
+    def _throttle(self, one: _Input) -> int:
+        """Milliseconds between two messages of a topic; the newest is sent, unless every one counts."""
+        return 0 if one.heard_by else int(self.pace * 1000)
 
     def _subscribe(self, one: _Input) -> None:
         """Subscribe; a second time with the same id changes how."""
-        one.throttle = self._throttle
+        one.throttle = self._throttle(one)
+        one.last.renew()
         one.is_packed = (
             one.may_be_packed
             and self._packs is not False
@@ -218,7 +240,8 @@ class RosbridgeTransport(Transport):
         one.since = time.monotonic()
         request = {"op": "subscribe", "id": f"s{one.topic}", "topic": one.topic}
         request |= {"type": self._spelled(one.type), "compression": "cbor" if one.is_packed else "none"}
-        text = json.dumps({**request, "queue_length": 1, "throttle_rate": one.throttle})  # newest wins
+        length = 0 if one.heard_by else 1  # … of the messages that wait: all, or the newest
+        text = json.dumps({**request, "queue_length": length, "throttle_rate": one.throttle})
         self._open_socket().put(text)
 
     def hint(self, handle: object) -> str:
@@ -261,10 +284,12 @@ class _Handle(NamedTuple):
 class _Input:
     """A topic that is subscribed to."""
 
-    def __init__(self, topic: str, type_: str, receivers: dict[int, Callable[[Any], None]]) -> None:
+    def __init__(self, topic: str, type_: str, receivers: dict[int, Receive]) -> None:
         self.topic, self.type, self.receivers = topic, type_, receivers
         self.since = 0.0
         self.heard: float | None = None
+        self.last = LastMessage()
+        self.heard_by: set[int] = set()  # for which receivers every message counts
         self.throttle = 0
         self.may_be_packed = True
         self.is_packed = False
@@ -311,7 +336,9 @@ def _unsubscription(topic: str) -> str:
 
 
 def _is_packed(type_: str, definitions: Mapping[str, Definition]) -> bool:
-    """Whether a message has arrays that are worth packing, and nothing that a server fails to pack.
+    """Whether a message is better packed than written as text, and has nothing that a server fails to pack.
+
+    Arrays take less time, and a number that is infinite or NaN is `null` in a text.
 
     rosbridge raises errors for arrays of a fixed length (all versions of ROS 1, and of ROS 2 until 2026) and
     of strings (ROS 1), and for the octets of ROS 2.
@@ -327,7 +354,7 @@ def _is_packed(type_: str, definitions: Mapping[str, Definition]) -> bool:
             is_text = field.base in STRINGS
             if field.length > 0 or (is_text and field.length == 0) or field.base in ("byte", "wstring"):
                 return False
-            worth |= field.length == 0 and field.base in PRIMITIVES
+            worth |= field.base in FLOATS or (field.length == 0 and field.base in PRIMITIVES)
             if field.base not in PRIMITIVES and field.base not in seen:
                 wanted.append(field.base)
     return worth

@@ -22,7 +22,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from lrp_jupyter.bridges.ros.definitions import Definition, FieldType, canonical, definitions_of, parse_field
-from lrp_jupyter.bridges.ros.link import RefusedError, Transport
+from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
 
@@ -44,6 +44,7 @@ class RospyTransport(Transport):
         self.place = master or os.environ.get("ROS_MASTER_URI", "http://localhost:11311")
         self._master = _Master(self.place)
         self._pid: int | None = None
+        self._every: dict[Any, bool] = {}  # of which subscribers every message counts
 
     def connect(self) -> None:
         """Find the master and, in a process's first connection, create the node."""
@@ -99,7 +100,9 @@ class RospyTransport(Transport):
         """Return the definitions from the classes of the installed packages."""
         return definitions_of(type_, _fields)
 
-    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+    def join(
+        self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
+    ) -> object:
         """Create a subscriber or a publisher."""
         rospy, kind = _rospy(), _class_of(type_)
         try:
@@ -107,9 +110,22 @@ class RospyTransport(Transport):
                 publisher = rospy.Publisher(topic, kind, queue_size=_QUEUE, tcp_nodelay=True)
                 self._wait_for_listeners(publisher, topic)
                 return publisher
-            return rospy.Subscriber(topic, kind, callback=receive, queue_size=1, tcp_nodelay=True)
+            subscriber = rospy.Subscriber(topic, kind, callback=receive, queue_size=1, tcp_nodelay=True)
+            self.hear(subscriber, every)
+            return subscriber
         except (rospy.ROSException, ValueError) as error:
             raise RefusedError(f"`{topic}`: {error}") from error
+
+    def hear(self, handle: object, every: bool) -> None:
+        """Keep all messages that arrive at once, or the last one; rospy decides that for a topic."""
+        topic: Any = handle
+        self._every[topic] = every
+        impl = topic.impl
+        size = None if any(self._every.get(each) for each in self._every if each.impl is impl) else 1
+        if impl is not None and impl.queue_size != size:
+            impl.set_queue_size(size)
+            for connection in list(impl.connections):  # those that are there have their own
+                connection.protocol.queue_size = size
 
     def _wait_for_listeners(self, publisher: Any, topic: str) -> None:
         """Wait a moment for existing subscribers, or they would miss the first message."""
@@ -120,6 +136,7 @@ class RospyTransport(Transport):
 
     def leave(self, handle: object) -> None:
         """Unregister."""
+        self._every.pop(handle, None)
         unregister: Callable[[], None] = handle.unregister  # type: ignore[attr-defined]
         unregister()
 

@@ -48,11 +48,24 @@ class Form:
     `decode`: makes a reading of a dictionary (rosbridge) or of an object with attributes (rospy); raises
         ValueError, TypeError or AttributeError for data that is not a message of the type.
     `zero`: the one in which nothing is set.
+    `unclear`: counts what it could not decode for certain.
     """
 
     kind: type[ReceivedMessage]
     decode: Callable[[Any], ReceivedMessage]
     zero: ReceivedMessage
+    unclear: Unclear
+
+
+class Unclear:
+    """Counts the numbers that were infinite or NaN, where it is not known which: they are taken as NaN."""
+
+    count = 0
+
+    def take(self) -> float:
+        """Return one of them."""
+        self.count += 1
+        return math.nan
 
 
 class RosMessage(Message):
@@ -150,6 +163,7 @@ class Types:
         self._definitions: dict[str, Definition] = dict(KNOWN)
         self._messages: dict[str, type[RosMessage]] = {}
         self._forms: dict[str, Form] = {}
+        self._unclear = Unclear()
 
     def add(self, definitions: Mapping[str, Definition]) -> None:
         """Add definitions; those of the robot replace known ones."""
@@ -206,7 +220,8 @@ class Types:
 
     def _make_form(self, definition: Definition) -> Form:
         fields = definition.fields
-        decoders = {name: self._decoder(field) for name, field in fields.items()}
+        far = _FAR.get(definition.type, ())
+        decoders = {name: self._decoder(field, name in far) for name, field in fields.items()}
         zeros = {name: self._zero(field) for name, field in fields.items()}
         extra = [name for name in _EXTRA.get(definition.type, ()) if name not in fields]
         kind: type[ReceivedMessage] = type(
@@ -230,7 +245,7 @@ class Types:
                 raise ValueError(f"It has {', '.join(map(repr, raw)) or 'no fields'}.")
             return make({name: decoders[name](raw[name]) if name in raw else zeros[name] for name in fields})
 
-        return Form(kind, decode, make(zeros))
+        return Form(kind, decode, make(zeros), self._unclear)
 
     def _zero(self, field: FieldType) -> Any:
         one = _PYTHON[field.base]() if field.base in PRIMITIVES else self.form(field.base).zero
@@ -238,8 +253,12 @@ class Types:
             return one
         return bytes(field.length) if field.base in _BYTES else (one,) * field.length
 
-    def _decoder(self, field: FieldType) -> Decode:
-        one = _DECODERS[field.base] if field.base in PRIMITIVES else self.form(field.base).decode
+    def _decoder(self, field: FieldType, is_far: bool) -> Decode:
+        """Make the decoder of a field; `is_far`: whether a number that is not finite means "out of reach"."""
+        if field.base in FLOATS:
+            one = _float(_infinity if is_far else self._unclear.take)
+        else:
+            one = _DECODERS[field.base] if field.base in PRIMITIVES else self.form(field.base).decode
         if field.length < 0:
             return one
         return _bytes if field.base in _BYTES else _many(one, _PYTHON.get(field.base))
@@ -331,10 +350,25 @@ _PYTHON = {
 }
 
 
-def _float(raw: Any) -> float:
-    if raw is None:  # JSON has no NaN and no infinity: rosbridge writes null
-        return math.nan
-    return float(_number(raw))
+def _float(other: Callable[[], float]) -> Decode:
+    """Make the decoder of a float; `other` returns what null is: JSON has no NaN and no infinity."""
+
+    def decode(raw: Any) -> float:
+        return other() if raw is None else float(_number(raw))
+
+    return decode
+
+
+def _infinity() -> float:
+    return math.inf
+
+
+_FAR = {
+    "sensor_msgs/Range": ("range",),
+    "sensor_msgs/LaserScan": ("ranges",),
+    "sensor_msgs/LaserEcho": ("echoes",),
+}
+"""Fields in which a number that is not finite means, by their definition, that nothing is in reach."""
 
 
 def _bytes(raw: Any) -> bytes:
@@ -371,7 +405,6 @@ def _exactly(kind: type, *also: type) -> Decode:
 _number = _exactly(float, int)
 _DECODERS: Mapping[str, Decode] = {
     **dict.fromkeys(INTEGERS, _exactly(int)),
-    **dict.fromkeys(FLOATS, _float),
     **dict.fromkeys(STRINGS, _exactly(str)),
     "bool": _exactly(bool, int),
 }

@@ -191,7 +191,11 @@ def message_class(name: str) -> Any:
         def types(cls: type) -> dict[str, str]:
             return {each: _spelled(kind) for each, kind in fields.items()}
 
-        body = {"__init__": make, "get_fields_and_field_types": classmethod(types)}
+        def equals(self: Any, other: Any) -> bool:
+            pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+            return all(numpy.array_equal(mine, other) for mine, other in pairs)
+
+        body = {"__init__": make, "__eq__": equals, "get_fields_and_field_types": classmethod(types)}
         _classes[name] = type(name.partition("/")[2], (), body)
     return _classes[name]
 

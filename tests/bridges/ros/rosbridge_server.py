@@ -4,8 +4,9 @@ Neither Debian nor PyPI has one, so this one is our own; it serves either the
 real ROS master with rospy (`python rosbridge_server.py PORT`), or a few topics in memory. Where the real one
 is strict or peculiar, it is, too: the messages of a connection are processed in their order, so that a
 service of ROS 2 that hangs holds up all later ones; an unknown operation leaves an error in the log; the
-newest message waits for `throttle_rate`; a message without a time stamp gets one; arrays of a fixed length
-cannot be packed.
+newest message waits for `throttle_rate`, and without it and a queue, none waits; to each request to
+subscribe, it sends what the topic keeps; a message without a time stamp gets one; arrays of a fixed length
+cannot be packed; numbers that are not finite are null in a text.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ class MemoryGraph:
         self.others: set[str] = set()  # topics to which other nodes subscribe
         self.publishers: dict[str, list[str]] = {"/client_count": ["/rosbridge_websocket"]}
         self.best_effort: set[str] = set()  # topics that are published so
+        self.kept: dict[str, dict[str, Any]] = {}  # the last message of latched topics
         self.master_is_alive = True
         self.is_ros2 = False
         self.distribution = "jazzy"
@@ -92,6 +94,14 @@ class MemoryGraph:
             self.relaxed.append(entry)
         self.listeners.append(entry)
         return entry
+
+    def repeat(self, topic: str, handle: Any, receive: Receive) -> None:
+        if topic in self.kept:
+            receive(self.kept[topic])
+
+    def latch(self, topic: str, **values: Any) -> None:
+        self.kept[topic] = values
+        self.send(topic, **values)
 
     def unsubscribe(self, handle: Any) -> None:
         self.listeners.remove(handle)
@@ -199,9 +209,15 @@ class RospyGraph:
             topic,
             self._class(type_),
             lambda message: receive(as_json(message)),
-            queue_size=1,
             tcp_nodelay=True,
         )
+
+    def repeat(self, topic: str, handle: Any, receive: Receive) -> None:
+        def once(message: Any) -> None:
+            receive(as_json(message))
+
+        handle.impl.add_callback(once, None)  # calls it at once, if the topic is latched
+        handle.impl.remove_callback(once, None)
 
     def unsubscribe(self, handle: Any) -> None:
         handle.unregister()
@@ -261,6 +277,8 @@ def as_cbor(values: Any, type_: str, definitions: dict[str, Any]) -> Any:
 def as_json(value: Any) -> Any:
     if hasattr(value, "__slots__") and not isinstance(value, (str, bytes)):
         return {name: as_json(getattr(value, name)) for name in value.__slots__}
+    if isinstance(value, dict):
+        return {name: as_json(inner) for name, inner in value.items()}
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
     if isinstance(value, float) and not math.isfinite(value):
@@ -269,10 +287,10 @@ def as_json(value: Any) -> Any:
 
 
 class Subscription:
-    """A topic that a client subscribed to: the newest message waits until the client may have it."""
+    """A topic that a client subscribed to: a message waits until the client may have it, if it has to."""
 
-    def __init__(self, send: Callable[[Any], None]) -> None:
-        self.options: dict[str, dict[str, Any]] = {}  # of each id
+    def __init__(self, send: Callable[[Any], None], options: dict[str, dict[str, Any]]) -> None:
+        self.options = options  # of each id
         self.handle: Any = None
         self._send = send
         self._newest: list[Any] = []
@@ -281,7 +299,13 @@ class Subscription:
         self._thread = threading.Thread(target=self._run, name="subscription", daemon=True)
         self._thread.start()
 
+    def _least(self, option: str) -> int:
+        return min((each.get(option, 0) for each in tuple(self.options.values())), default=0)
+
     def receive(self, values: Any) -> None:
+        if not (self._least("throttle_rate") or self._least("queue_length")):
+            self._send(values)
+            return
         with self._changed:
             self._newest = [values]
             self._changed.notify()
@@ -296,8 +320,7 @@ class Subscription:
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._newest or self._is_over)
-                throttle = min((each.get("throttle_rate", 0) for each in self.options.values()), default=0)
-                left = sent + throttle / 1000 - time.monotonic()
+                left = sent + self._least("throttle_rate") / 1000 - time.monotonic()
                 if left > 0:
                     self._changed.wait_for(lambda: self._is_over, left)
                 if self._is_over:
@@ -406,11 +429,12 @@ class RosbridgeServer:
         if operation == "subscribe":
             known = subscriptions.get(topic)
             if known is None:
-                known = Subscription(partial(self._forward, client, topic, request["type"], request))
-                known.options[request["id"]] = request
+                send = partial(self._forward, client, topic, request["type"], request)
+                known = Subscription(send, {request["id"]: request})
                 known.handle = self.graph.subscribe(topic, request["type"], known.receive)
                 subscriptions[topic] = known
             known.options.setdefault(request["id"], request).update(request)
+            self.graph.repeat(topic, known.handle, known.receive)
         elif operation == "unsubscribe":
             known = subscriptions[topic]
             known.options.pop(request["id"])
@@ -445,7 +469,7 @@ class RosbridgeServer:
                 packed = as_cbor(values, type_.replace("/msg/", "/"), definitions)
                 client.send(cbor2.dumps({**message, "msg": packed}))
                 return
-            text = json.dumps(message)
+            text = json.dumps(as_json(message))
             size = self.largest or len(text)
             parts = [text[start : start + size] for start in range(0, len(text), size)]
             for number, part in enumerate(parts):

@@ -80,6 +80,44 @@ def test_a_subscription_that_comes_first_asks_for_the_least_and_then_for_what_is
     assert ros.robot.map.data == "a maze"
 
 
+def test_every_message_counts_if_the_program_takes_them_and_what_a_topic_keeps_counts_once(
+    ros: RosBridge, graph: Any
+) -> None:
+    kept = stand_in.DurabilityPolicy.TRANSIENT_LOCAL
+    graph.other_publishes("/map", "std_msgs/String", durability=kept)
+    ros.subscribe("map", "/map", "std_msgs/String")
+
+    def deliver(*texts: str) -> None:
+        for text in texts:
+            message = stand_in.message_class("std_msgs/String")()
+            message.data = text
+            graph.deliver("/map", message)
+
+    def asked() -> list[int]:
+        return [end.qos_profile.depth for end in graph.subscriptions if end.topic_name == "/map"]
+
+    def tick() -> object:
+        ros.begin_tick(0.0, 0.1)
+        found = getattr(ros.robot, "map.new")
+        ros.end_tick(0.0)
+        return found
+
+    deliver("a maze")
+    until(lambda: ros.describe("map").age is not None)
+    assert asked() == [1]
+    ros.begin_tick(0.0, 0.1)
+    ros.end_tick(0.0)
+    ros.hear(["map.new"])
+    until(lambda: asked() == [1000])
+    deliver("a maze", "b", "c", "c")  # the first one, to the new subscription
+    until(lambda: ros.robot.map.data == "c")
+    until(lambda: len(getattr(ros.robot, "map.new")) == 3)
+    assert tick() == ("b", "c", "c")
+    assert tick() == ()
+    ros.hear([])
+    until(lambda: asked() == [1])
+
+
 def _fail(_message: Any) -> None:
     raise RuntimeError("the middleware is gone")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pytest
@@ -13,7 +13,7 @@ from lrp_jupyter.bridges import link
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.definitions import KNOWN, Definition
-from lrp_jupyter.bridges.ros.link import TopicLink, Transport
+from lrp_jupyter.bridges.ros.link import Receive, TopicLink, Transport
 from lrp_jupyter.bridges.ros.setup import Direction, Wire
 
 
@@ -44,8 +44,13 @@ class Slow(Transport):
     def taken(self, topic: str) -> bool:
         return False
 
-    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+    def join(
+        self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
+    ) -> object:
         return topic
+
+    def hear(self, handle: object, every: bool) -> None:
+        """Nothing comes."""
 
     def leave(self, handle: object) -> None:
         raise RuntimeError("The middleware is gone.")

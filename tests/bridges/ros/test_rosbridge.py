@@ -320,7 +320,8 @@ def test_a_server_that_fails_to_pack_is_asked_for_text(
         ("sensor_msgs/LaserScan", True),
         ("nav_msgs/Odometry", False),  # 36 numbers, which no server packs
         ("sensor_msgs/Imu", False),
-        ("geometry_msgs/Twist", False),
+        ("geometry_msgs/Twist", True),  # in a text, a number that is not finite would be null
+        ("std_msgs/Int32", False),
         ("test/Names", False),
         ("test/Image", True),
         ("test/Octets", False),
@@ -371,17 +372,102 @@ def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(make: Make, serve
     until(is_seen)
 
 
+# -- numbers that are not finite ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("packs", [True, False])
+def test_nothing_in_reach_is_infinite_whether_the_server_packs_or_writes_a_text(
+    make: Make, server: Any, graph: Any, packs: bool
+) -> None:
+    server.packs = packs
+    kinds = {"range": "sensor_msgs/Range", "scan": "sensor_msgs/LaserScan", "far": "std_msgs/Float32"}
+    graph.types |= {f"/{name}": type_ for name, type_ in kinds.items()}
+    ros = opened(make)
+    for name in kinds:
+        ros.subscribe(name, f"/{name}")
+    until(lambda: len(graph.listeners) == len(kinds))
+    graph.send("/range", range=math.inf, max_range=4.0)
+    graph.send("/scan", ranges=[1.5, math.inf])
+    graph.send("/far", data=-math.inf)
+    until(lambda: all(age(ros, name) for name in kinds))
+    assert (ros.robot.range.range, ros.robot.range.max_range) == (math.inf, 4.0)
+    assert ros.robot.scan.ranges == (1.5, math.inf)
+    told = "A number on `/far` is infinite or not a number"
+    if packs:
+        assert ros.robot.far.data == -math.inf
+    else:
+        assert math.isnan(ros.robot.far.data)
+        until(lambda: any(told in text for text in notices(ros)))
+    assert [text for text in notices(ros) if "infinite" in text and not text.startswith(told)] == []
+
+
+# -- every message --------------------------------------------------------------------------------
+
+
+def test_every_message_comes_of_topics_of_which_the_program_takes_them_and_the_newest_of_others(
+    make: Make, server: Any, graph: Any
+) -> None:
+    graph.types |= {"/order": "std_msgs/String", "/map": "std_msgs/String"}
+    graph.latch("/map", data="a maze")
+    ros = opened(make)
+    for name in ("order", "map", "light"):
+        ros.subscribe(name, f"/{name}")
+    until(lambda: len(graph.listeners) == 3 and age(ros, "map"))
+
+    def asked(topic: str) -> tuple[bool, int]:
+        last = server.subscriptions(topic)[-1]
+        return last["throttle_rate"] > 0, last["queue_length"]
+
+    def tick(*paths: str) -> list[object]:
+        ros.begin_tick(0.0, 0.1)
+        found = [getattr(ros.robot, path) for path in paths]
+        ros.end_tick(0.0)
+        return found
+
+    assert asked("/order") == asked("/map") == (True, 1)
+    tick()
+    ros.hear(["order.new", "map.new"])
+    until(lambda: asked("/order") == asked("/map") == (False, 0))
+    assert asked("/light") == (True, 1)
+    for number in range(700):
+        graph.send("/order", data=str(number % 3))
+    graph.send("/map", data="another maze")
+    until(lambda: ros.describe("map").age is not None and ros.robot.map.data == "another maze")
+    until(lambda: len(getattr(ros.robot, "order.new")) == 700)
+    orders, maps = tick("order.new", "map.new")
+    assert orders == tuple(str(number % 3) for number in range(700))
+    assert maps == ("another maze",)  # the one that came again with the other subscription is not new
+    assert tick("order.new", "map.new") == [(), ()]
+    ros.hear([])
+    until(lambda: asked("/order") == (True, 1))
+
+
+def test_every_variable_of_a_latched_topic_has_its_message_and_none_counts_it_twice(
+    make: Make, server: Any, graph: Any
+) -> None:
+    graph.types["/map"] = "std_msgs/String"
+    graph.latch("/map", data="a maze")
+    ros = opened(make)
+    ros.hear(["map.new", "plan.new"])
+    ros.subscribe("map", "/map")
+    until(lambda: age(ros, "map"))
+    ros.subscribe("plan", "/map")
+    until(lambda: age(ros, "plan"))
+    assert ros.robot.plan.data == "a maze"
+    assert ros.robot.plan == ros.robot.map
+    assert (getattr(ros.robot, "map.new"), getattr(ros.robot, "plan.new")) == (("a maze",), ())
+    assert ros.describe("plan.age").name == "plan.age"
+
+
 # -- what the server says -------------------------------------------------------------------------
 
 
 def test_what_is_no_message_is_passed_over_and_one_of_another_type_is_reported(
     make: Make, server: Any, graph: Any
 ) -> None:
-    graph.types["/far"] = "std_msgs/Float32"
     ros = opened(make)
     ros.subscribe("odom", "/odom")
-    ros.subscribe("far", "/far", "std_msgs/Float32")
-    until(lambda: len(graph.listeners) == 2)
+    until(lambda: len(graph.listeners) == 1)
     status = json.dumps({"op": "status", "level": "error", "msg": "out of paper"})
     none = ("{", "[1, 2]", "7", '{"op": "no such"}', '{"op": "publish", "topic": "/else"}', b"\xff")
     for client in tuple(server.clients):
@@ -391,9 +477,6 @@ def test_what_is_no_message_is_passed_over_and_one_of_another_type_is_reported(
     until(lambda: age(ros, "odom"))
     assert ros.robot.odom.x == 1.0
     assert any("out of paper" in text for text in notices(ros))
-    graph.send("/far", data=None)
-    until(lambda: age(ros, "far"))
-    assert math.isnan(ros.robot.far.data), "null is what JSON has for NaN"
     wrong = "A message on `/odom` is not a `nav_msgs/Odometry`"
     for fields in ({"data": "text"}, {"pose": 3}, {"pose": {"pose": {"position": {"x": "1"}}}}):
         graph.send("/odom", **fields)
@@ -401,7 +484,7 @@ def test_what_is_no_message_is_passed_over_and_one_of_another_type_is_reported(
         graph.send("/odom", **ODOM)
         until(lambda: ros.status.state is ConnectionState.CONNECTED)
     ros.subscribe("first", "/first", "nav_msgs/Odometry")
-    until(lambda: len(graph.listeners) == 3)
+    until(lambda: len(graph.listeners) == 2)
     graph.send("/first", data="text")
     until(lambda: "A message on `/first` is not" in ros.status.sentence)
     with pytest.raises(BridgeError, match="A message on `/first` is not a `nav_msgs/Odometry`"):

@@ -113,6 +113,32 @@ def test_both_sides_understand_each_other(peer: Any, connect: Connect) -> None:
     until(lambda: any("`/teleop` publishes on `/echo`, too" in notice.text for notice in ros.safety.notices))
 
 
+def test_every_message_of_a_topic_arrives_once_if_the_program_takes_them(peer: Any, connect: Connect) -> None:
+    robot = peer("writer light reliable transient_local", "light 77")
+    ros = connect()
+    for name in ("light", "glow"):  # what it keeps reaches each of them
+        ros.subscribe(name, "/light")
+        assert until(lambda name=name: reading(ros, name)).data == 77
+
+    def tick() -> Any:
+        ros.begin_tick(0.0, 0.1)
+        found = getattr(ros.robot, "light.new")
+        ros.end_tick(0.0)
+        return found
+
+    def readers() -> int:
+        return len([end for end in robot.said("their_reader") if end["their_reader"] == "rt/light"])
+
+    tick()
+    before = readers()
+    ros.hear(["light.new"])
+    until(lambda: readers() > before)  # it subscribes again, with room for all of them
+    robot.do(*(f"light {number % 7}" for number in range(200)))
+    until(lambda: len(getattr(ros.robot, "light.new")) == 200)
+    assert tick() == tuple(number % 7 for number in range(200))
+    assert (tick(), ros.robot.glow.data) == ((), 199 % 7)
+
+
 def test_a_subscriber_that_asks_for_too_much_is_named_until_it_is_gone(peer: Any, connect: Connect) -> None:
     robot = peer("reader cmd_vel reliable transient_local")
     ros = connect(setup=MOVE)
