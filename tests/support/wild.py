@@ -275,7 +275,9 @@ ROVING = """(var n := [0])
   (ontime [400 + n % 3] back -> turn away))
 (machine watch
   (state idle)
-  (state busy (running [n += gain + len(marks)] [robot.say(n // 20)]) (onentry (spawn beat low (var every := [0.1 + speed]))))
+  (state busy
+    (running [n += gain + len(marks)] [robot.say(n // 20)])
+    (onentry (spawn beat low (var every := [0.1 + speed]))))
   (on [n > 40] idle -> busy) (eps busy -> idle))
 (machine beat
   (var every := [0.4])
