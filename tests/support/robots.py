@@ -6,6 +6,7 @@ They connect nothing, and keep what reaches them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from queue import Queue
 from typing import Any
 
@@ -208,3 +209,63 @@ class Courier(Bridge, offered=False):
     def next(self) -> Task:
         """Return the next task that was begun, when it is."""
         return self.begun.get(timeout=60)
+
+
+class Clockwork(Bridge, offered=False):
+    """A robot whose tasks take some seconds of its own world, and which the test tells the rest.
+
+    Parameters
+    ----------
+    readings : dict of str to object
+        What it reads, by name.
+    **seconds : float
+        Its tasks, and how long each takes. One of the name ``call`` or ``lamp`` cannot be cancelled.
+
+    Attributes
+    ----------
+    plans : dict of tuple to list
+        For a task with arguments, the statuses with which it will end, one after the other; None: never.
+    log : list of tuple
+        What was asked for, with the arguments, and what was cancelled.
+    """
+
+    name = "test-clockwork"
+    hardware = False
+    time_step = 0.05
+
+    def __init__(self, readings: dict[str, object] | None = None, **seconds: float) -> None:
+        self.given = readings or {}
+        self.seconds = seconds
+        self.plans: dict[tuple[object, ...], list[Any]] = {}
+        self.log: list[tuple[object, ...]] = []
+        self.time = 0.0
+        self._due: dict[int, tuple[float, Task, Any]] = {}
+
+    def open_interface(self) -> None:
+        """Add readings and tasks."""
+        for name in self.given:
+            self.add_variable(name, partial(self.given.__getitem__, name))
+        for name in self.seconds:
+            self.add_task(name, self.start, None if name in ("call", "lamp") else self.cancel)
+
+    def start(self, task: Task, *arguments: object) -> None:
+        """Begin a task."""
+        asked = (task.name, *arguments)
+        self.log.append(asked)
+        plans = self.plans.get(asked)
+        outcome = plans.pop(0) if plans else "succeeded"
+        if outcome is not None:
+            self._due[task.number] = self.time + self.seconds[task.name], task, outcome
+
+    def cancel(self, task: Task) -> None:
+        """Go on with it no further."""
+        self._due.pop(task.number, None)
+        self.log.append(("cancel", task.name))
+
+    def advance(self, seconds: float) -> None:
+        """Let what is due end."""
+        self.time += seconds
+        for number, (due, task, outcome) in tuple(self._due.items()):
+            if due <= self.time + 1e-9:
+                del self._due[number]
+                task.update(outcome)

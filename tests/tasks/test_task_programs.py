@@ -5,10 +5,13 @@ Each does what one kind of their programs does: `notebooks/appendix/for-research
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import json
+import re
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from support.robots import Clockwork
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.sim import SimBridge
@@ -18,6 +21,7 @@ from lrp_jupyter.sim.world import BoxSolid, DiscSolid
 from lrp_jupyter.sim.world_edits import PutSolid, RemoveSolid
 
 HERE = Path(__file__).parent
+NOTEBOOKS = HERE.parents[1] / "notebooks"
 BUNDLED = ("courier", "guide")
 OWN = tuple(sorted(path.stem for path in HERE.glob("*.lrp")))
 
@@ -143,3 +147,113 @@ def test_it_searches_until_it_has_found_and_then_no_longer(watched):
     finder.bridge.edit_world(RemoveSolid(0))
     assert finder.run(5) == []
     assert finder.bridge.simulated.pose == pytest.approx(pose, abs=0.001)
+
+
+# -- robots that are told things
+
+
+@pytest.fixture
+def clockwork() -> Iterator[Callable[..., tuple[Session, Clockwork]]]:
+    made = []
+
+    def run_on(name: str, *messages: str, **options: object) -> tuple[Session, Clockwork]:
+        bridge = Clockwork(**options)  # type: ignore[arg-type]
+        made.append(Session(text_of(name), bridge))
+        made[-1].open()
+        for message in messages:
+            bridge.feed(message, type=str, stale_after=None)
+        return made[-1], bridge
+
+    yield run_on
+    for each in made:
+        each.close()
+
+
+def asked(bridge: Clockwork, name: str) -> list[object]:
+    return [each[1] for each in bridge.log if each[0] == name]
+
+
+def test_all_that_is_heard_is_said_once_also_what_is_heard_while_it_talks(clockwork):
+    session, parrot = clockwork("parrot", "heard.data", say=1.0)
+    words = ["hello", "who", "who", "is", "there"]
+    parrot.feed("heard.data", words[0])
+    session.run(0.5)
+    for word in words[1:4]:  # in one tick
+        parrot.feed("heard.data", word)
+    session.run(1.5)
+    parrot.feed("heard.data", words[4])
+    session.run(10)
+    assert session.frame.values["said"] == asked(parrot, "say") == words
+    assert not session.issues
+
+
+def test_an_answer_counts_once_and_what_is_none_is_asked_for_again(clockwork):
+    session, desk = clockwork("question", "answer.data", say=1.0, put=2.0)
+    session.run(2.0)
+    desk.feed("answer.data", "under the table")
+    session.run(2.0)
+    assert session.frame.is_active("listening")
+    desk.feed("answer.data", "left")
+    desk.feed("answer.data", "no, right")
+    session.run(1.0)
+    assert session.frame.is_active("putting")
+    desk.feed("answer.data", "middle")  # too late for this one, and no answer to the next question
+    session.run(until="listening", seconds=10)
+    session.run(9.0)
+    assert session.frame.values["put"] == asked(desk, "put") == ["left", "middle"]
+    assert asked(desk, "say") == ["Which box?", "Pardon?", "Which box?", "Then the middle one.", "Which box?"]
+    assert not session.issues
+
+
+def test_each_touch_counts_once_however_short(watched):
+    rover = watched("touch")
+    log = rover.run(60)
+    assert rover.value("touches") == log.count("backing") >= 5
+    assert "drive_by aborted" not in log
+
+
+ROUNDS = {"drive_to": 0.5, "lamp": 0.1}
+
+
+def test_a_round_copes_with_failures_delays_a_low_battery_and_a_burst_of_orders(clockwork):
+    session, rover = clockwork("rounds", "order.data", readings={"battery.data": 1.0}, **ROUNDS)
+    first, second, third = ((2.0, 0.0), (2.0, 2.0), (0.0, 2.0))
+    rover.plans = {("drive_to", *second): ["aborted"], ("drive_to", *third): [None]}
+    session.run(until="leaving", seconds=10)
+    for number in range(20):  # within a tick
+        rover.feed("order.data", f"order {number}")
+    session.run(until=lambda _: rover.log.count(("drive_to", *first)) == 2, seconds=20)
+    rover.given["battery.data"] = 0.1
+    session.run(0.2)
+    assert rover.log[-2:] == [("cancel", "drive_to"), ("drive_to", 0.0, 0.0)]
+    session.run(until="charging", seconds=10)
+    rover.given["battery.data"] = 1.0
+    session.run(0.2)
+    session.close()
+    drives = [each[1:] if each[0] == "drive_to" else each for each in rover.log if each[0] != "lamp"]
+    late, low = ("cancel", "drive_to"), ("cancel", "drive_to")
+    assert drives == [first, second, second, third, late, third, first, low, (0.0, 0.0), first, low]
+    lamps = [each[1] for each in rover.log if each[0] == "lamp"]
+    assert lamps == [True, False] * 3 + [False]  # the last one at the end of the run
+    said = str(session.output).splitlines()
+    assert [line.partition(" [")[0] for line in said] == ["place 0", "place 1", "place 2"]
+    assert [line.count("order") for line in said] == [0, 20, 0]
+    assert not session.issues
+
+
+# -- where they are shown
+
+
+def prose(notebook: str) -> str:
+    cells = json.loads((NOTEBOOKS / f"{notebook}.ipynb").read_text())["cells"]
+    return "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
+
+
+def test_the_page_for_researchers_lists_them():
+    row = r"^\| [^|]+ \| \d \| `(?:tests/tasks/)?([\w-]+)(?:\.lrp)?` \| \w+ \|$"
+    rows = re.findall(row, prose("appendix/for-researchers"), re.MULTILINE)
+    assert sorted(rows) == sorted({*BUNDLED, *OWN} - {"rounds"})
+
+
+def test_the_page_of_patterns_shows_the_rounds_as_they_are():
+    assert f"```lrp\n{text_of('rounds')}```" in prose("reference/patterns")
