@@ -41,10 +41,10 @@ def add_errands(
         begin(task, checked_errand)
 
     def drive_by(task: Task, metres: float, speed: float = 0.2) -> None:
-        start(task, DriveBy(metres, speed, robot, task.number))
+        start(task, DriveBy(metres, speed, robot, task.number, _corrected(task)))
 
     def turn_by(task: Task, radians: float, speed: float = 1.0) -> None:
-        start(task, TurnBy(radians, speed, robot, task.number))
+        start(task, TurnBy(radians, speed, robot, task.number, _corrected(task)))
 
     def drive_to(task: Task, x: float, y: float, speed: float = 0.2) -> None:
         start(task, DriveTo(x, y, speed, robot, task.number))
@@ -61,3 +61,8 @@ def add_errands(
     doc = "turn to a point of `odom` and drive there, in m; `speed` in m/s"
     add(f"{prefix}drive_to", drive_to, doc=doc, limits={"x": FARTHEST, "y": FARTHEST, **way})
     bridge.add_task(f"{prefix}say", say, cancel, saying, moves=False, replaces=True)
+
+
+def _corrected(task: Task) -> int:
+    """Return the number of the request that a task replaces while it is under way; 0: of none."""
+    return 0 if task.replaced is None else task.replaced.number

@@ -48,11 +48,13 @@ class Errand:
     """A way or turn that a robot was asked for, in the coordinates of its odometer.
 
     `status`: ``active``, ``succeeded`` or ``aborted``, with the `reason` as a sentence.
+    `origin`: where it counts from.
     `begun`, `until`: the step in which it began, and that in which it gives up.
     `mark`, `marked`: where it was when it had last got on, and in which step.
     """
 
     what: Errands
+    origin: Pose
     leg: Leg
     begun: int
     until: int
@@ -96,9 +98,12 @@ class Speech(NamedTuple):
     until: int
 
 
-def begun(what: Errands, pose: Pose, step: int) -> Errand:
-    """Return an errand that begins where the robot is."""
-    x, y, heading = pose
+def begun(what: Errands, pose: Pose, step: int, before: Errand | None = None) -> Errand:
+    """Return an errand that begins where the robot is, or where that one `before` began which it corrects."""
+    origin = pose
+    if before is not None and before.is_active and not isinstance(what, DriveTo) and what.replaces:
+        origin = before.origin if before.what.number == what.replaces else pose
+    x, y, heading = origin
     match what:
         case TurnBy(radians, speed):
             leg, seconds = Leg(heading + radians), abs(radians) / speed
@@ -109,7 +114,7 @@ def begun(what: Errands, pose: Pose, step: int) -> Errand:
             leg = _towards((to_x, to_y), pose)
             seconds = math.dist((x, y), (to_x, to_y)) / speed + abs(leg.heading - heading) / TURNING_SPEED
     until = step + round(STEPS * (_SPARE * seconds + _SLACK))
-    return Errand(what, leg, step, until, pose, step)
+    return Errand(what, origin, leg, step, until, pose, step)
 
 
 def spoken(what: Say, step: int) -> Speech | None:

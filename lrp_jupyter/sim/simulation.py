@@ -287,7 +287,7 @@ class Simulation:
                 self._drive(self.robots[index], linear, angular)
             case DriveBy() | TurnBy() | DriveTo():
                 robot = self.robots[what.robot]
-                robot.memory.errand = begun(what, robot.reckoned, self.steps)
+                robot.memory.errand = begun(what, robot.reckoned, self.steps, robot.memory.errand)
                 self._guided = self._on_errands()
             case Cancel():
                 self._cancel(what)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lrp_jupyter.sim.world import Point, Pose, World
 from lrp_jupyter.sim.world_edits import Draw, WorldEdit
@@ -47,12 +47,15 @@ class DriveBy:
     """Let a robot drive straight on by itself, backwards if negative; `speed` in m/s.
 
     `number`: identifies it for who asks; so do those of the others.
+    `replaces`: the number of one of the same kind that this one corrects: the way counts from where that one
+        began, if the robot is still on it.
     """
 
     metres: float
     speed: float = 0.2
     robot: int = 0
     number: int = 0
+    replaces: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +66,7 @@ class TurnBy:
     speed: float = 1.0
     robot: int = 0
     number: int = 0
+    replaces: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,12 +180,12 @@ def checked(what: ByItself, limits: tuple[float, float]) -> ByItself:
     """
     most, most_turning = limits
     match what:
-        case DriveBy(metres, speed, robot, number):
-            return DriveBy(_within(metres, "m"), _speed(speed, most), robot, number)
-        case TurnBy(radians, speed, robot, number):
-            return TurnBy(_within(radians, "rad"), _speed(speed, most_turning), robot, number)
-        case DriveTo(x, y, speed, robot, number):
-            return DriveTo(_within(x, "m"), _within(y, "m"), _speed(speed, most), robot, number)
+        case DriveBy(metres, speed):
+            return replace(what, metres=_within(metres, "m"), speed=_speed(speed, most))
+        case TurnBy(radians, speed):
+            return replace(what, radians=_within(radians, "rad"), speed=_speed(speed, most_turning))
+        case DriveTo(x, y, speed):
+            return replace(what, x=_within(x, "m"), y=_within(y, "m"), speed=_speed(speed, most))
         case Say(text):
             if len(text) > LONGEST_TEXT:
                 raise ValueError(f"A text has at most {LONGEST_TEXT} characters, not {len(text)}.")

@@ -54,7 +54,8 @@ class WheelDriver:
         `told`: called with the errand and what is left of it after each reading, until it is over.
         """
         with self._lock:
-            trip = _Trip(begun(what, self._link.snapshot.pose, self.now()), told)
+            before = None if self._trip is None else self._trip.errand
+            trip = _Trip(begun(what, self._link.snapshot.pose, self.now(), before), told)
             self._trip = trip
             self._link.own(trip, sum(1 << motor for motor in self._vehicle().motors))
             self.go_on()
