@@ -368,6 +368,27 @@ def test_the_eyes_become_shy_of_the_wall_and_lose_their_shyness():
     assert eyes.places(0.6, 0.5).comes_to("driving", 1)
 
 
+def test_the_asker_drives_on_to_a_longer_side_without_a_stop():
+    asker = Typist(EYES, "asker", seconds=1)
+    speed = asker.session.bridge.simulation.robot.command[0]
+    asker.types("0.8", instead_of="0.4").runs(0.2)
+    assert asker.session.bridge.simulation.robot.command[0] == speed == 0.2
+    assert asker.comes_to("corner", 5)
+    assert abs(asker.session.bridge.robot.odom.x - 0.8) < 0.01
+
+
+def test_the_asker_gives_up_at_an_edge_and_says_so():
+    asker = Typist(EYES, "asker", seconds=1)
+    asker.types('(state stuck (onentry [robot.say("Help!")]))', before="(on [robot.drive_by")
+    asker.types("(on [robot.drive_by.failed] side -> stuck)", before="(on [robot.drive_by").runs(0.2)
+    assert asker.is_active("side")
+    assert asker.restarts == 0
+    asker.places(2.8, 1)
+    assert asker.comes_to("stuck", 3)
+    asker.runs(0.2)
+    assert asker.session.frame.robot.robots[0].says == "Help!"
+
+
 # -- 05: inside ----------------------------------------------------------------------------------------
 
 SENTRY = "05-machines-inside-states"

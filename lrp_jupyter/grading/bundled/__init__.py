@@ -1,5 +1,6 @@
 """The bundled challenges, from easy to hard: each has one idea more than those before it."""
 
+from lrp_jupyter.grading.bundled.asking import EXACT_SQUARE, THREE_TABLES
 from lrp_jupyter.grading.bundled.beginning import FIRST_MOVE, HALF_THE_SPEED
 from lrp_jupyter.grading.bundled.boxes import PUSH_THE_BOX
 from lrp_jupyter.grading.bundled.bumping import BUMP_AND_STAY, BUMP_AND_TURN, BUMP_OUT, LAMP
@@ -31,6 +32,8 @@ BUNDLED = (
     SQUARE,
     STOP_AT_THE_WIDE_LINE,
     STOP_AT_THE_LINE,
+    EXACT_SQUARE,
+    THREE_TABLES,
     FIND_THE_LINE,
     LOOK_BOTH_WAYS,
     BUMP_OUT,

@@ -1,0 +1,107 @@
+"""Challenges about asking the robot for something, and waiting for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import ends_in, ends_still, visits
+from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.sim.world import CircleZone, DiscSolid, RobotSpec, World
+
+_START = (0.5, 1.0)
+_TABLES = ((0.9, 0.6), (1.5, 0.0), (0.9, -0.6))  # m, from where the robot starts
+
+
+def _square() -> World:
+    """Return a world with small zones at the corners of a square to the left of the robot."""
+    corners = {
+        "home": (1.0, 0.6),
+        "first corner": (1.6, 0.6),
+        "second corner": (1.6, 1.2),
+        "third corner": (1.0, 1.2),
+    }
+    zones = {name: CircleZone((x, y, 0.06)) for name, (x, y) in corners.items()}
+    return World(name="exact square", size=(2.6, 1.8), robots=(RobotSpec((1.0, 0.6, 0)),), zones=zones)
+
+
+def _tables(blocked: int) -> World:
+    """Return a world with three tables, one of which has something on its place that does not move."""
+    places = [(_START[0] + x, _START[1] + y) for x, y in _TABLES]
+    barrel = DiscSolid((*places.pop(blocked), 0.15), name="barrel")
+    zones = {"home": CircleZone((*_START, 0.1))}
+    zones |= {
+        name: CircleZone((*place, 0.1)) for name, place in zip(("first", "second"), places, strict=True)
+    }
+    name = f"three tables, number {blocked + 1} blocked"
+    return World(name=name, size=(2.6, 2.0), robots=(RobotSpec((*_START, 0)),), solids=(barrel,), zones=zones)
+
+
+_CORNERS = visits("first corner", "second corner", "third corner", "home")
+_ROUND = visits("first", "second", "home")
+
+
+def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
+    reason, (left, right) = _CORNERS.missing(run), run.turned
+    if right > 45 and right > 2 * left:
+        yield f"The robot turned {right:.0f}° to the right. To the left, the angle of `turn_by` is positive."
+    if left > 1500:
+        yield f"The robot turned {left:.0f}°. `turn_by` takes radians: `robot.turn_by(degrees(90))`."
+    if run.driven > 2.7 or left > 405:
+        yield (
+            f"The robot drove {run.driven:.2f} m and turned {left:.0f}°: more than four sides and corners."
+            " Is each corner counted once, on leaving it?"
+        )
+    if run.stood > 5 and run.driven < 2.2:
+        yield (
+            f"The robot stood from {run.still_since:.1f} s on, after {run.driven:.2f} m and {left:.0f}°: what"
+            " it was asked for is done. Let a transition wait for that, as in"
+            " `(on [robot.drive_by.succeeded] side -> corner)`."
+        )
+    if reason:
+        yield (
+            f"The robot missed a corner: {reason}. Its motors are uneven, so that a speed and a time are not"
+            " a way. Ask for the way: `robot.drive_by(0.6)`, and `robot.turn_by(degrees(90))`."
+        )
+
+
+def _served_no_tables(run: RunRecord) -> Iterator[str]:
+    reason, met = _ROUND.missing(run), run.touch("barrel")
+    if met is not None and run.stood > 5 and run.still_since - met.time < 4:
+        yield (
+            f"The robot met the barrel after {met.time:.1f} s, gave up, and stood there. In `driving`,"
+            " `robot.drive_to.failed` is true then: let a transition lead out."
+        )
+    if met is not None and len({round(sample.time / 3) for sample in run.touches("barrel")}) > 2:
+        yield (
+            "The robot met the barrel again and again. It still touches it when it has given up: back off"
+            " first, with `robot.drive_by(-0.2)`."
+        )
+    if reason:
+        yield f"The robot drove {run.driven:.2f} m, and has not been everywhere: {reason}."
+
+
+EXACT_SQUARE = Challenge(
+    "exact square",
+    "Drive a square with sides of 60 cm, to the left, and stop where it began: each corner to 6 cm, although"
+    " the motors are uneven.",
+    (_square(),),
+    (_CORNERS, ends_in("home"), ends_still(1)),
+    60,
+    (_drove_no_exact_square,),
+    noise={"motor": 0.15},
+    seeds=3,
+    starter=starter("exact square"),
+)
+
+THREE_TABLES = Challenge(
+    "three tables",
+    "Drive to the three tables, one after the other, and home. A barrel stands where one of them was, in each"
+    " world another one: the robot gives up there, backs off, and goes on.",
+    tuple(_tables(blocked) for blocked in range(3)),
+    (_ROUND, ends_in("home"), ends_still(1)),
+    90,
+    (_served_no_tables,),
+    starter=starter("three tables"),
+)
