@@ -243,6 +243,18 @@ DEVIATIONS = (
         "The paper does not say what is read then; a made-up value would not be safe.",
     ),
     Deviation(
+        "§7.1",
+        "A robot is also asked for tasks: goals of actions, services, a turn. A request belongs to the visit "
+        "of the state whose action makes it, and ends, with its outcome, when that state is left.",
+        "The authors' own programs empty a variable and wait until it is set; then an old result can be "
+        "taken for a new one, and a goal goes on when nothing waits for it any more.",
+    ),
+    Deviation(
+        "§7.1",
+        "`robot.order.new` has every message since the last tick, once.",
+        "A topic's last message alone hides those before it, and cannot tell a repeated one from an old one.",
+    ),
+    Deviation(
         "§7.2",
         "A brick is found by the beacon that it sends, or its address is asked for once and saved, instead "
         "of at every start.",
