@@ -325,9 +325,9 @@ class Interface:
             own, on the interpreter's thread. The task is active until `Task.update` says otherwise. What it
             raises aborts the task.
         cancel : callable, optional
-            Called with the `Task` when it is not wanted any more, on any thread, maybe before `start` has
-            returned: it ends it on the robot's side and does not wait. None: it cannot be cancelled, and ends
-            soon, as a service does.
+            Called with the `Task` when it is not wanted any more, on any thread: it ends it on the robot's
+            side and does not wait. If `start` has not returned then, it is called again when that has. None:
+            it cannot be cancelled, and ends soon, as a service does.
         doc : str
         message, limits
             As for `add_method`.

@@ -149,6 +149,7 @@ class Task:
     def __init__(self, tasks: Tasks, name: str, number: int, replaced: Task | None) -> None:
         self._tasks, self.name, self.number, self.replaced = tasks, name, number, replaced
         self.has_begun = False  # whether the robot may know of it
+        self.is_over = False  # as its bridge has told
         self.thread: threading.Thread | None = None  # that begins it, where `start` may wait
 
     @property
@@ -371,6 +372,8 @@ class Tasks:
                 member.begin(task, command)
         except BaseException as error:  # of a library
             task.update("aborted", reason=ended(sentence_of(error)))
+        if not (task.is_wanted or task.is_over):  # the robot may have heard the end before the beginning
+            self._end_or_say(member, task)
 
     def _put(self, name: str, asked: Asked, count: int | None = None) -> None:
         with self._changing:
@@ -391,6 +394,7 @@ class Tasks:
         with self._changing:
             if self.is_wanted(task):
                 if status != "active":
+                    task.is_over = True
                     self._forget(task.name)
                 self._tell(_Told(task.name, task.number, status, feedback, result, reason))
 
@@ -523,10 +527,13 @@ class Tasks:
         if under_way is None:
             return
         self._forget(name)
+        self._end_or_say(*under_way)
+
+    def _end_or_say(self, member: RobotTask, task: Task) -> None:
         try:
-            self._end(*under_way)
+            self._end(member, task)
         except Exception as error:
-            self._owner.safety.notice("fault", f"`robot.{name}` may go on: {sentence_of(error)}")
+            self._owner.safety.notice("fault", f"`robot.{task.name}` may go on: {sentence_of(error)}")
 
     def _end(self, member: RobotTask, task: Task) -> None:
         if member.cancel is not None and (task.has_begun or self._owner.has_world):

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from threading import Event
+
 import pytest
 from support.robots import Courier
 
+from lrp_jupyter.bridges.bridge import Task
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
@@ -182,6 +185,28 @@ def test_every_stop_cancels_it_at_once_and_what_runs_on_asks_again(how):
             session.resume()
         if how in ("pause", "stop_robot", "reset"):
             assert bot.next() is not first
+
+
+def test_what_a_stop_ends_before_the_robot_has_heard_of_it_is_ended_again_when_it_has():
+    class Slow(Courier, offered=False):
+        heard, asked = Event(), Event()
+
+        def go(self, task: Task, place: object = 0) -> None:
+            self.asked.set()
+            assert self.heard.wait(60)
+            super().go(task, place)
+
+    bot = Slow()
+    session = session_of("(machine m (state s (onentry [robot.go(1)]))) (spawn m s)", bot)
+    session.run(0.1)
+    assert bot.asked.wait(60)
+    session.stop_robot()
+    assert bot.log == ["stop"]
+    bot.heard.set()
+    thread = bot.next().thread
+    assert thread is not None
+    thread.join()
+    assert bot.log == ["stop", "go 1", "cancel go 1"]
 
 
 def test_a_task_of_an_entry_that_a_stop_has_ended_is_not_begun_again_and_that_is_said():

@@ -199,8 +199,10 @@ class Courier(Bridge, offered=False):
         self.begun.put(task)
 
     def cancel(self, task: Task) -> None:
-        """Go no further."""
-        self.log.append(f"cancel {task.name} {self._places[task.number]}")
+        """Go no further, if it goes there."""
+        place = self._places.pop(task.number, None)
+        if place is not None:
+            self.log.append(f"cancel {task.name} {place}")
 
     def stop(self) -> None:
         """Stand still."""
