@@ -282,6 +282,7 @@ class Tasks:
         self._changing = threading.RLock()
         self._moment = TasksMoment()
         self._under_way: dict[str, tuple[RobotTask, Task]] = {}
+        self._threads: dict[str, threading.Thread] = {}  # that began the last task of each member
         self.asker: Callable[[], Asker] = Asker
         self.changed: Callable[[str, TaskState], object] = lambda name, state: None
         self.recorded: Callable[[str], TaskState | None] | None = None
@@ -360,11 +361,17 @@ class Tasks:
         self._put(name, asked, asked.number)
         self._under_way = {**self._under_way, name: (member, task)}
         if not self._owner.has_world:
-            begin = partial(self._begin, member, task, command)
-            task.thread = threading.Thread(target=begin, name=f"task {name}", daemon=True)
+            begin = partial(self._begin, member, task, command, self._threads.get(name))
+            self._threads[name] = task.thread = threading.Thread(
+                target=begin, name=f"task {name}", daemon=True
+            )
             task.thread.start()
 
-    def _begin(self, member: RobotTask, task: Task, command: Command) -> None:
+    def _begin(
+        self, member: RobotTask, task: Task, command: Command, earlier: threading.Thread | None
+    ) -> None:
+        if earlier is not None:  # of this member: what it begins, or its second end, comes before this
+            earlier.join()
         with self._changing:
             task.has_begun = task.is_wanted or member.cancel is None  # a call is made, whoever waits for it
         try:
