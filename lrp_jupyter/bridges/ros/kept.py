@@ -18,15 +18,17 @@ class LastMessage:
     def __init__(self) -> None:
         self.raw: Any = None
         self.at = 0.0  # when it arrived, by `time.monotonic`
-        self._had: Any = None
-        self._until = 0.0
+        self._copies, self._until = 0, 0.0  # how many may still come, and until when
 
     def renew(self) -> None:
         """Note that the subscription is being replaced."""
-        self._had, self._until = self.raw, time.monotonic() + _COMES_AGAIN
+        now = time.monotonic()
+        self._copies = (self._copies if now < self._until else 0) + (self.raw is not None)
+        self._until = now + _COMES_AGAIN
 
     def is_news(self, raw: Any) -> bool:
         """Take a message that arrives; return whether it has not been had before."""
-        had, self._had = self._had, None
-        self.raw, self.at = raw, time.monotonic()
-        return had is None or self.at > self._until or raw != had
+        last, self.raw, self.at = self.raw, raw, time.monotonic()
+        is_copy = self._copies > 0 and self.at < self._until and raw == last
+        self._copies = self._copies - 1 if is_copy else 0
+        return not is_copy

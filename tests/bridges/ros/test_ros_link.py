@@ -13,6 +13,7 @@ from lrp_jupyter.bridges import link
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.definitions import KNOWN, Definition
+from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, TopicLink, Transport
 from lrp_jupyter.bridges.ros.setup import Direction, Wire
 
@@ -105,3 +106,22 @@ def test_what_cannot_be_left_keeps_no_connection_open(
     searching.close()
     assert searching.has_ended(within=60)
     assert slow.disconnected
+
+
+def test_what_a_topic_keeps_is_no_news_when_it_comes_again_and_other_messages_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.kept.time.monotonic", lambda: now[0])
+    last = LastMessage()
+    last.renew()
+    assert last.is_news("press")  # nothing had come
+    assert last.is_news("press")
+    last.renew()
+    last.renew()  # before the first copy is there
+    assert [last.is_news("press") for _ in range(4)] == [False, False, True, True]
+    last.renew()
+    assert [last.is_news(text) for text in ("go", "go", "press")] == [True, True, True]
+    last.renew()
+    now[0] += 1  # it keeps nothing
+    assert last.is_news("press")
