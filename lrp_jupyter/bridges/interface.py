@@ -209,9 +209,10 @@ class Interface:
 
         The first call adds the variable; without a value it only declares it, in `add_members` or
         `open_interface`, so that it is known before anything arrives. A tick sees what had arrived when it
-        began. When no new value comes for `stale_after` seconds, reading it raises
-        :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and no velocity is sent until a new one
-        arrives (see `add_method`). After `close` the call does nothing.
+        began: the last value and, in ``robot.light.new``, all since the last tick. When no new value comes
+        for `stale_after` seconds, reading it raises :class:`~lrp_jupyter.errors.StaleData`, the robot is
+        stopped, and no velocity is sent until a new one arrives (see `add_method`). After `close` the call
+        does nothing.
 
         Parameters
         ----------

@@ -112,6 +112,11 @@ class ReceivedMessage:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # copy, pickle and notebooks ask for these
             raise MemberError(f"`{type(self).__name__}` has no `{name}`.")
+        if name in ("new", "age"):
+            raise MemberError(
+                f"A `{self._type}` has no `{name}`: that is asked of the robot, in a block, with the name of"
+                f" the reading, as in `robot.order.{name}`."
+            )
         names = ", ".join(f"`{field}`" for field in self.__slots__)
         hint = did_you_mean(name, self.__slots__)
         raise MemberError(f"`{self._type}` has no `{name}`; it has {names}.{hint}")

@@ -22,6 +22,7 @@ from lrp_jupyter.bridges.ros.definitions import HEADERS, KNOWN, Definition, Fiel
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.cli.guard_command import RosSide
 from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 
 Make = Callable[..., RosBridge]
@@ -457,6 +458,44 @@ def test_every_variable_of_a_latched_topic_has_its_message_and_none_counts_it_tw
     assert ros.robot.plan == ros.robot.map
     assert (getattr(ros.robot, "map.new"), getattr(ros.robot, "plan.new")) == (("a maze",), ())
     assert ros.describe("plan.age").name == "plan.age"
+
+
+PEOPLE = """(var seen := [[]]) (var kept := [None])
+(machine m (state s (running
+  [seen.append((robot.person.new, robot.person.age, robot.guest.new, robot.guest.age))]
+  [kept = robot.guest.data.age])))
+(spawn m s)"""
+
+
+def test_a_field_of_the_message_is_preferred_and_the_rest_is_beside_a_reading_called_data(
+    make: Make, server: Any, graph: Any
+) -> None:
+    person = Definition("test/Person", {"name": FieldType("string"), "age": FieldType("uint8")})
+    graph.definitions[person.type] = person
+    graph.types |= {"/person": person.type}
+    ros = opened(make)
+    ros.subscribe("person", "/person")
+    ros.subscribe("guest.data", "/person")
+    until(lambda: ros.describe("person").type == "Person")
+    with Session(PEOPLE, bridge=ros, clock=VirtualClock()) as session:
+        session.run(0.1)
+        assert session.variables["seen"] == []  # the age of a person who has not come is not known
+        until(lambda: server.subscriptions("/person")[-1]["throttle_rate"] == 0)
+        graph.send("/person", name="Ada", age=36)
+        until(lambda: age(ros, "person") and age(ros, "guest.data"))
+        session.run(0.1)
+        ((new, years, guests, seconds),) = session.variables["seen"]
+        assert [(each.name, each.age) for each in new] == [("Ada", 36)]
+        assert (guests, years, session.variables["kept"]) == (new, 36, 36)
+        assert 0 <= seconds < 1000
+        waiting = [issue.message for issue in session.issues]
+        assert waiting == ["`robot.person` has no data yet.", "`robot.guest.data` has no data yet."]
+        fields = [field.name for field in ros.describe("person").fields]
+        assert fields == ["person.name", "person.age", "person.new"]
+        with pytest.raises(
+            AttributeError, match=r"asked of the robot, in a block, .* as in `robot\.order\.new`\.$"
+        ):
+            _ = ros.robot.guest.data.new
 
 
 # -- what the server says -------------------------------------------------------------------------
