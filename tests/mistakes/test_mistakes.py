@@ -32,7 +32,7 @@ def test_the_programs_have_every_form_of_the_language():
 @pytest.mark.parametrize(
     ("count", "seed", "least"),
     [
-        (FEWER, 0, (99.5, 99, 99.2, 92)),
+        (FEWER, 0, (99.5, 99, 99, 91.5)),
         pytest.param(PER_KIND, 0, (99.5, 99, 99, 91.5), marks=pytest.mark.slow),
         pytest.param(PER_KIND, 1, (99.5, 99, 99, 91.5), marks=pytest.mark.slow),
     ],
