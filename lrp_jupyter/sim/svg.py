@@ -58,12 +58,12 @@ def svg(
         *(_placed(shapes.solid(thing.spec), thing.pose) for thing in simulation.solids),
         *(_placed(_robot(robot), robot.pose) for robot in simulation.robots),
         *_names(simulation),
-        *_speeches(simulation),
     ]
     over = [
         *(zone_name(name, zone, tall, scale) for name, zone in simulation.world.zones.items()),
         *(_value(robot, tall, scale) for robot in simulation.robots),
         *(_way_name(name, way[-1], number, tall, scale) for number, (name, way) in enumerate(ways.items())),
+        *(_in_metres(drawn, tall, scale) for drawn in _speeches(simulation)),
     ]
     below = _caption(simulation, tall) if caption else ""
     return framed(simulation.world, width, _sentence(simulation), inside, over, below)
@@ -84,6 +84,7 @@ def framed(
     `inside` is on the floor, in metres with y up; `over` are texts above it, and `below` the caption, in px.
     """
     (length, depth), (tall, scale) = world.size, scaled(world, width)
+    floor = f'<rect width="{num(length)}" height="{num(depth)}" fill="{shapes.grey(world.floor.grey)}"/>'
     frame = f'x="1" y="1" width="{width - 2}" height="{num(tall - 2)}" rx="4"'
     clip = f"lrp-world-clip-{width}-{round(tall)}"  # pictures of one page share their ids
     full = num(tall + (_CAPTION if below else 0))
@@ -93,10 +94,7 @@ def framed(
         f"<style>{_STYLE}</style>",
         f'<clipPath id="{clip}"><rect {frame}/></clipPath>',
         f'<g clip-path="url(#{clip})">',
-        f'<g transform="translate(1 {num(tall - 1)}) scale({num(scale)} {num(-scale)})">',
-        f'<rect width="{num(length)}" height="{num(depth)}" fill="{shapes.grey(world.floor.grey)}"/>',
-        *inside,
-        "</g>",
+        _in_metres("\n".join((floor, *inside)), tall, scale),
         *over,
         "</g>",
         f'<rect class="lrp-world-edge" {frame}/>',
@@ -107,11 +105,17 @@ def framed(
     return "\n".join(part for part in parts if part)
 
 
+def _in_metres(drawn: str, tall: float, scale: float) -> str:
+    """Draw something in metres, with y up, into a picture of this height and scale."""
+    return f'<g transform="translate(1 {num(tall - 1)}) scale({num(scale)} {num(-scale)})">\n{drawn}\n</g>'
+
+
 def _sentence(simulation: Simulation) -> str:
     x, y, heading = simulation.robot.pose
+    says = f" · says “{said}”" if (said := simulation.said()) else ""
     return (
         f"World {simulation.world.name or 'without a name'} at {simulation.time:.1f} s: robot at "
-        f"{x:.2f}, {y:.2f} m, heading {math.degrees(heading) % 360:.0f}°; {_readings(simulation)}"
+        f"{x:.2f}, {y:.2f} m, heading {math.degrees(heading) % 360:.0f}°; {_readings(simulation)}{says}"
     )
 
 
@@ -125,8 +129,6 @@ def _readings(simulation: Simulation) -> str:
         words.append(f"distance {' '.join(ways)} m")
     if simulation.robot.memory.lamp:
         words.append("lamp lit")
-    if said := simulation.said():
-        words.append(f"says “{said}”")
     return " · ".join(words)
 
 
