@@ -73,7 +73,7 @@ class Interface:
     is_closed = False
     """Whether it was closed, or not opened after all; what arrives then is of a connection that is gone."""
     _is_open = False
-    heard: frozenset[str] = frozenset()
+    messages_taken: frozenset[str] = frozenset()
     """The readings of messages that the program uses, such as ``light.new``."""
     unstopped = False
     """Whether the last `stop_all` has failed: it is tried again until it does not, or a tick comes."""
@@ -174,19 +174,19 @@ class Interface:
             ]
         self.nodes.add(reading, companions)
 
-    def hear(self, news: Collection[str]) -> None:
+    def take_messages(self, readings: Collection[str]) -> None:
         """Keep every message for these readings, such as ``light.new``, from now on; for no others.
 
         Called on the interpreter's thread, with what the blocks of the program name.
         """
-        self.heard = frozenset(news)
-        self.fed.hear([f"{each.removesuffix('.new')}.data" for each in self.heard])
+        self.messages_taken = frozenset(readings)
+        self.fed.hear([f"{each.removesuffix('.new')}.data" for each in self.messages_taken])
 
     def _new_messages(self, path: str, backlog: Callable[[str], Backlog | None]) -> tuple[object, ...]:
         """Return the messages of a reading in this tick; `backlog` returns those that are kept of it."""
         name, kept = companion_path(path, "new"), backlog(path)
         if kept is None:  # a function of the notebook asks, and no block of the program
-            self.hear(self.heard | {name})
+            self.take_messages(self.messages_taken | {name})
             return ()
         if self.latch and kept.dropped:
             lost = "1 message was" if kept.dropped == 1 else f"{kept.dropped:,} messages were"

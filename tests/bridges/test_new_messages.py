@@ -183,6 +183,18 @@ def test_a_run_with_messages_is_repeated_from_its_file_and_in_forks(session: Ses
     assert session.why_not("pressed", at=5).facts["values"] == {"robot.light.new": "(9, 9)"}
 
 
+def test_a_bridge_may_have_words_of_its_own_for_hearing(session: Session) -> None:
+    class Ear(Buggy, offered=False):
+        heard, hear, taken = None, None, None
+
+    ear = Ear()
+    with Session(QUEUE, ear, clock=VirtualClock()) as listening:
+        listening.bridge.open()
+        listening.bridge.feed("light.data", 4)
+        listening.run(0.1)
+        assert (queue_of(listening), ear.heard, ear.hear, ear.taken) == ((4,), None, None, None)
+
+
 # -- the simulated robot --------------------------------------------------------------------------
 
 TAPPING = """(var seen := [()])

@@ -206,7 +206,7 @@ class RosBridge(Bridge):
                 )
                 new = partial(self._new_messages, wire.variable, lambda _: channel.backlog)
                 self._add_reading(reading, new, channel.own)
-                channel.hear(companion_path(wire.variable, "new") in self.heard)
+                channel.hear(companion_path(wire.variable, "new") in self.messages_taken)
             else:
                 self.add_method(
                     wire.variable,
@@ -302,11 +302,11 @@ class RosBridge(Bridge):
         for channel in self.wiring.channels:
             channel.release()
 
-    def hear(self, news: Collection[str]) -> None:
+    def take_messages(self, readings: Collection[str]) -> None:
         """Have the robot send every message on these topics; on others, the last one is enough."""
-        super().hear(news)
+        super().take_messages(readings)
         for channel in self.wiring.channels:
-            channel.hear(companion_path(channel.wire.variable, "new") in self.heard)
+            channel.hear(companion_path(channel.wire.variable, "new") in self.messages_taken)
         if (link := self.wiring.link) is not None:
             link.hurry()
 

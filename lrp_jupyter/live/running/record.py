@@ -167,7 +167,7 @@ class Record:
     def watch(self) -> None:
         """Watch what the program, which may be another one, uses of what is outside."""
         self.names.watch(self.names_used())
-        self._bridge.hear(messages_heard(link(self._interpreter.program)))
+        self._bridge.take_messages(messages_heard(link(self._interpreter.program)))
 
     def names_used(self) -> frozenset[str]:
         """Return the global names that the blocks of the program use."""

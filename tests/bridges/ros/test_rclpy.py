@@ -107,14 +107,14 @@ def test_every_message_counts_if_the_program_takes_them_and_what_a_topic_keeps_c
     assert asked() == [1]
     ros.begin_tick(0.0, 0.1)
     ros.end_tick(0.0)
-    ros.hear(["map.new"])
+    ros.take_messages(["map.new"])
     until(lambda: asked() == [1000])
     deliver("a maze", "b", "c", "c")  # the first one, to the new subscription
     until(lambda: ros.robot.map.data == "c")
     until(lambda: len(getattr(ros.robot, "map.new")) == 3)
     assert tick() == ("b", "c", "c")
     assert tick() == ()
-    ros.hear([])
+    ros.take_messages([])
     until(lambda: asked() == [1])
 
 

@@ -427,7 +427,7 @@ def test_every_message_comes_of_topics_of_which_the_program_takes_them_and_the_n
 
     assert asked("/order") == asked("/map") == (True, 1)
     tick()
-    ros.hear(["order.new", "map.new"])
+    ros.take_messages(["order.new", "map.new"])
     until(lambda: asked("/order") == asked("/map") == (False, 0))
     assert asked("/light") == (True, 1)
     for number in range(700):
@@ -439,7 +439,7 @@ def test_every_message_comes_of_topics_of_which_the_program_takes_them_and_the_n
     assert orders == tuple(str(number % 3) for number in range(700))
     assert maps == ("another maze",)  # the one that came again with the other subscription is not new
     assert tick("order.new", "map.new") == [(), ()]
-    ros.hear([])
+    ros.take_messages([])
     until(lambda: asked("/order") == (True, 1))
 
 
@@ -449,7 +449,7 @@ def test_every_variable_of_a_latched_topic_has_its_message_and_none_counts_it_tw
     graph.types["/map"] = "std_msgs/String"
     graph.latch("/map", data="a maze")
     ros = opened(make)
-    ros.hear(["map.new", "plan.new"])
+    ros.take_messages(["map.new", "plan.new"])
     ros.subscribe("map", "/map")
     until(lambda: age(ros, "map"))
     ros.subscribe("plan", "/map")
