@@ -543,8 +543,13 @@ class Interface:
             raise BridgeError(self.safety.notices[-1].text)
 
     def stop_mover(self, mover: str) -> None:
-        """Stop one of several robots, for which the program gives no more commands. Default: stop all."""
-        self._stop_now()
+        """Stop one of several robots, for which the program gives no more velocities. Default: stop all.
+
+        Tasks are no velocities, and go on.
+        """
+        self.safety.run_stop(self.stop, self.stop_timeout, self._guard.stop)
+        for name in self.tasks.moving():
+            self.safety.drive(name, True)
 
     def _stop_now(self) -> bool:
         return self.safety.run_stop(self._stop_everything, self.stop_timeout, self._guard.stop)

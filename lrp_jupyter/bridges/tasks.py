@@ -523,6 +523,10 @@ class Tasks:
             if asked.state.active and asked.asker.action not in ("running", "")
         }
 
+    def moving(self) -> tuple[str, ...]:
+        """Return the tasks under way by which something moves."""
+        return tuple(name for name, (member, _) in self._under_way.items() if member.moves)
+
     def _drop(self, name: str) -> None:
         self._cancel(name)
         with self._changing:

@@ -224,6 +224,32 @@ def test_a_task_of_an_entry_that_a_stop_has_ended_is_not_begun_again_and_that_is
     assert notice.text.startswith("`go` ended when the robot was stopped")
 
 
+class Walker(Courier, offered=False):
+    """A courier that also takes velocities."""
+
+    def open_interface(self) -> None:
+        super().open_interface()
+        self.add_method("move", lambda linear=0.0: self.log.append(f"move {linear}"), "m/s")
+
+
+def test_a_velocity_that_is_not_commanded_any_more_is_stopped_and_the_task_after_it_goes_on():
+    bot = Walker(hardware=True)
+    text = """
+    (machine m (state a (running [robot.move(0.2)])) (state b (onentry [robot.go(1)])) (ontime 100 a -> b))
+    (spawn m a)
+    """
+    session = session_of(text, bot)
+    session.open()
+    bot.arm()
+    session.run(0.2)
+    task = bot.next()
+    session.run(1.5)
+    assert bot.log == ["move 0.2", "go 1", "stop"]
+    assert (bot.robot.go.status, task.is_wanted) == ("active", True)
+    assert bot.in_motion, "the guard still stops it if this program dies"
+    assert [notice.kind for notice in bot.safety.notices if notice.kind == "command watchdog"]
+
+
 def test_disarmed_it_is_recorded_and_not_begun_and_disarming_cancels_it():
     bot = Courier(hardware=True)
     session = session_of(GOING, bot)
