@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from types import NoneType
@@ -267,21 +268,20 @@ class SimBridge(Bridge, SimulatedWorld):
         self.simulation.apply(what)
 
     def _cancel(self, robot: int, task: Task) -> None:
-        self.simulation.submit(Cancel(task.number, robot))  # on any thread
+        with suppress(ValueError):  # another world has fewer robots
+            self.simulation.submit(Cancel(task.number, robot))  # on any thread
 
     def _report(self) -> None:
         """Report what has become of the tasks of the robots."""
-        names = ["", *(f"{name}." for name in self.world.robot_names[1:])]
+        robots = dict(zip(["", *self.world.robot_names[1:]], self.simulation.robots, strict=True))
         for name, asked in self.tasks.moment.requests.items():
             if asked.state.active:
-                prefix, _, task = name.rpartition(".")
-                robot = self.simulation.robots[names.index(f"{prefix}." if prefix else "")]
-                self.tasks.report(name, asked.number, self._state(robot, task, asked.number))
+                owner, _, task = name.rpartition(".")
+                self.tasks.report(name, asked.number, self._state(robots.get(owner), task, asked.number))
 
-    def _state(self, robot: SimRobot, task: str, number: int) -> TaskState:
-        memory = robot.memory
-        doing = memory.speech if task == "say" else memory.errand
-        if doing is None:
+    def _state(self, robot: SimRobot | None, task: str, number: int) -> TaskState:
+        doing = None if robot is None else robot.memory.speech if task == "say" else robot.memory.errand
+        if robot is None or doing is None:
             return TaskState("aborted", reason="The world has begun again.")
         if doing.what.number != number:
             name = ERRANDS[type(doing.what)]

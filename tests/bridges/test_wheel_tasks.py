@@ -221,6 +221,23 @@ def test_a_reset_of_the_world_ends_it():
     assert active(session) == "blocked"
 
 
+@pytest.mark.parametrize("is_stopped", [False, True])
+def test_another_world_ends_what_the_robots_of_the_one_before_were_asked_for(is_stopped):
+    text = "(machine m (state s (onentry [robot.other.drive_by(2)] [robot.drive_by(2)]))) (spawn m s)"
+    session = session_of(text, room(robots=2))
+    session.run(0.5)
+    session.call(lambda: session.bridge.load_world(room()))
+    assert not is_stopped or session.bridge.stop_all()
+    session.run(0.3)
+    stopped = ("cancelled", "The robot was stopped.")
+    begun_again = ("aborted", "The world has begun again.")
+    assert session.bridge.status.state == "connected"
+    for name in ("drive_by", "other.drive_by"):
+        state = session.bridge.tasks.state(name)
+        assert (state.status, state.reason) == (stopped if is_stopped else begun_again)
+    assert session.bridge.picture.robots[0].command == (0, 0)
+
+
 NOISY = Noise(motor=0.1, light=5, gyro=0.02, odom=0.05, distance=0.01)
 
 
