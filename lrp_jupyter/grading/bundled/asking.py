@@ -55,8 +55,8 @@ def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
         )
     if run.stood > 5 and run.driven < 2.2:
         yield (
-            f"The robot stood from {run.still_since:.1f} s on, after {run.driven:.2f} m and {left:.0f}°: what"
-            " it was asked for is done. Let a transition wait for that, as in"
+            f"The robot stood from {run.still_since:.1f} s on, after {run.driven:.2f} m: what it was"
+            " asked for is done. Let a transition wait for that, as in"
             " `(on [robot.drive_by.succeeded] side -> corner)`."
         )
     if reason:
