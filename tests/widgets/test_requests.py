@@ -61,7 +61,7 @@ def test_members_complete_by_the_living_value(page):
     assert options(page, "table.ke").keys() == {"keys"}
     assert options(page, "speed.is_", scope="m").keys() == {"is_integer"}
     assert options(page, "speed.is_") == {}  # not in scope at the top level
-    assert options(page, "robot.light.").keys() == {"data"}
+    assert options(page, "robot.light.").keys() == {"data", "new", "age"}
     assert options(page, "nothing.at.all") == {}
 
 
@@ -97,7 +97,7 @@ def test_a_card_shows_how_a_function_is_called_and_what_a_robot_has(lab, page):
     titles = [card["title"] for card in cards]
     assert titles == ["refuse(why, *, loudly=False)", "robot", "robot.pen(down=True)", "robot.light"]
     assert cards[1]["value"].startswith("bumper, distance, drive_by, drive_to, front, gyro")
-    assert cards[3]["value"] == "data"
+    assert cards[3]["value"] == "data, new, age"
 
 
 BEHAVIOUR = """\
