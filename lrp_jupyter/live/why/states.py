@@ -13,6 +13,7 @@ from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state
 from lrp_jupyter.live.why.entries import entered_otherwise, say_whether_it_acted
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.task_states import tell_of_tasks
 from lrp_jupyter.live.why.transitions import because, transition_reason
 from lrp_jupyter.live.why.wording import time_text
 
@@ -46,6 +47,7 @@ def _entered_by(run: RecordedRun, fired: Fired, called: str, tick: int) -> Reaso
     draft.say(
         f"{called} was entered at {time_text(case.time)} by {by}.", line, line_of(before.program, block)
     )
+    tell_of_tasks(draft, case)
     say_whether_it_acted(draft, run, fired, tick)
     return draft.reason("fired", tick, case.time)
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from lrp_jupyter.bridges.tasks import RobotTask, TaskState
 from lrp_jupyter.errors import ended
+from lrp_jupyter.live.why.answer_draft import AnswerDraft
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import time_text
@@ -13,12 +12,12 @@ from lrp_jupyter.live.why.wording import time_text
 _BACK = 1000  # ticks
 
 
-def told_of_tasks(case: Case) -> Iterator[str]:
-    """Yield a sentence about each task of the robot that the condition of a transition mentions."""
+def tell_of_tasks(draft: AnswerDraft, case: Case) -> None:
+    """Say something about each task of the robot that the condition of a transition mentions."""
     text = "" if case.tested is None else case.tested[0].text
     for name, node in case.run.loop.bridge.nodes.table.items():
         if isinstance(node, RobotTask) and f"robot.{name}." in text:
-            yield task_text(case.run, name, case.tick)
+            draft.say(task_text(case.run, name, case.tick))
 
 
 def task_text(run: RecordedRun, name: str, tick: int) -> str:

@@ -19,7 +19,7 @@ from lrp_jupyter.live.why.entries import enabled_in, entry_text, how_entered
 from lrp_jupyter.live.why.evaluation import delay_of, evaluate_again, last_true, watched_machine
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.task_states import told_of_tasks
+from lrp_jupyter.live.why.task_states import tell_of_tasks
 from lrp_jupyter.live.why.wording import (
     block_text,
     decided_text,
@@ -110,12 +110,7 @@ def _fired(draft: AnswerDraft, case: Case) -> None:
     assert isinstance(fired, Fired)
     way = f"from `{fired.source}` to `{fired.destination}`"
     draft.say(f"{case.did_fire}, {way}{because(draft, case)}.")
-    _tell_of_tasks(draft, case)
-
-
-def _tell_of_tasks(draft: AnswerDraft, case: Case) -> None:
-    for sentence in told_of_tasks(case):
-        draft.say(sentence)
+    tell_of_tasks(draft, case)
 
 
 def _condition_false(draft: AnswerDraft, case: Case) -> None:
@@ -129,7 +124,7 @@ def _condition_false(draft: AnswerDraft, case: Case) -> None:
         _keep(draft, evaluation)
         was = f"was {decided_text(evaluation)}{values_text(evaluation)}"
         draft.say(f"{case.did_not_fire}: `{evaluation.decides}`{where} {was}.", line)
-        _tell_of_tasks(draft, case)
+        tell_of_tasks(draft, case)
         _last_true(draft, case, "It" if evaluation.is_whole else "The whole condition")
     else:
         unknown = draft.facts["unknown"] = unknown_text(evaluation)

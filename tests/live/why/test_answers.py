@@ -864,6 +864,7 @@ def test_what_became_of_a_task_is_said_and_that_its_outcome_ends_with_the_state(
         live.run(0.5)
         fired = "because `robot.go.failed` was True. `robot.go` was aborted at 0.5 s: no path."
         assert str(live.why_not("bad", at=6)).endswith(fired)
+        assert str(live.why("there")).endswith(fired)
         for answer in (live.why_not("again"), live.why("robot.go")):
             assert "`robot.go` was not asked for; until 0.5 s its outcome was `aborted`, which ended" in str(
                 answer
