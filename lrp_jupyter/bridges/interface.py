@@ -611,7 +611,7 @@ class Interface:
             result = method.perform(command)
             # what did not return was no command: nothing is known of the robot that was not known before
             if guard.is_on:
-                safety.drive(method.path, drives)
+                safety.drive(method.path, drives and (task is None or task.active))
             if task is not None and task.takes_over is not None:
                 safety.moving(method.path, False, task.takes_over)
             if method.sets_in_motion:

@@ -265,6 +265,21 @@ def test_disarmed_it_is_recorded_and_not_begun_and_disarming_cancels_it():
     assert bot.log == ["go 1", "cancel go 1", "stop"]
 
 
+def test_the_robot_may_move_while_a_task_that_moves_it_goes_on_and_no_longer():
+    bot = Courier(hardware=True)
+    text = '(machine m (state s (running [robot.call("lamp")] [robot.go(1)]))) (spawn m s)'
+    with session_of(text, bot) as session:
+        session.open()
+        bot.arm()
+        session.run(0.1)
+        tasks = {task.name: task for task in (bot.next(), bot.next())}
+        assert bot.in_motion
+        tasks["go"].update("succeeded")
+        session.run(0.3)
+        assert not bot.in_motion
+        assert bot.robot.call.active
+
+
 def test_of_a_lost_robot_it_is_lost_and_not_an_issue():
     bot = Courier()
     session = session_of(GOING.replace("(on [robot.go.failed] going -> lost)", ""), bot)
