@@ -50,8 +50,8 @@ def test_a_reading_that_has_not_arrived_has_the_fields_of_its_type(far):
 def test_a_part_of_the_robot_has_its_members_with_their_values(far):
     far.refresh()
     data, new, age = fields_of(far, "robot.light")
-    assert (new["label"], age["label"]) == ("new", "age")
     assert (data["label"], data["detail"], data["info"]) == ("data", "7", "0 dark")
+    assert (new["label"], new["detail"], age["label"], age["detail"]) == ("new", "tuple", "age", "float")
 
 
 def test_the_message_of_a_command_has_the_fields_of_its_type(far):
