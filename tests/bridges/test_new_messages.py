@@ -183,6 +183,17 @@ def test_a_run_with_messages_is_repeated_from_its_file_and_in_forks(session: Ses
     assert session.why_not("pressed", at=5).facts["values"] == {"robot.light.new": "(9, 9)"}
 
 
+def test_a_function_of_the_notebook_has_them_from_its_second_call_on() -> None:
+    program = "(var all := [()]) (machine m (state s (running [all = all + take(robot)])))(spawn m s)"
+    names = {"take": lambda robot: robot.light.new}
+    with Session(program, Buggy(), clock=VirtualClock(), namespace=names) as session:
+        for value in range(4):
+            session.bridge.open()
+            session.bridge.feed("light.data", value)
+            session.run(0.1)
+        assert session.variables["all"] == (1, 2, 3)
+
+
 def test_a_bridge_may_have_words_of_its_own_for_hearing(session: Session) -> None:
     class Ear(Buggy, offered=False):
         heard, hear, taken = None, None, None

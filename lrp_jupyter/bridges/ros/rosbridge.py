@@ -12,11 +12,19 @@ import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.message import moves
-from lrp_jupyter.bridges.ros.definitions import FLOATS, HEADERS, KNOWN, PRIMITIVES, STRINGS, Definition
+from lrp_jupyter.bridges.ros.definitions import (
+    FLOATS,
+    HEADERS,
+    KNOWN,
+    PRIMITIVES,
+    STRINGS,
+    Definition,
+    FieldType,
+)
 from lrp_jupyter.bridges.ros.frames import knows_cbor
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, Transport
@@ -208,7 +216,8 @@ class RosbridgeTransport(Transport):
         for each in quiet:
             publishers = frozenset(rosapi.publishers.get(each.topic, ()))
             if each.is_packed and each.heard is None and publishers and now - each.since > _UNPACKED:
-                self._packs = self._packs or False
+                if _has_arrays(_fields_in(each.type, self._definitions)):  # else it may just be quiet
+                    self._packs = self._packs or False
                 each.may_be_packed = False
                 self._subscribe(each)
             elif rosapi.is_ros2 and publishers - each.publishers:
@@ -338,23 +347,34 @@ def _unsubscription(topic: str) -> str:
 def _is_packed(type_: str, definitions: Mapping[str, Definition]) -> bool:
     """Whether a message is better packed than written as text, and has nothing that a server fails to pack.
 
-    Arrays take less time, and a number that is infinite or NaN is `null` in a text.
-
-    rosbridge raises errors for arrays of a fixed length (all versions of ROS 1, and of ROS 2 until 2026) and
-    of strings (ROS 1), and for the octets of ROS 2.
+    Arrays take less time, and a number that is infinite or NaN is `null` in a text. rosbridge raises errors
+    for arrays of a fixed length (all versions of ROS 1, and of ROS 2 until 2026) and of strings (ROS 1), and
+    for the octets of ROS 2.
     """
-    worth = False
+    fields = _fields_in(type_, definitions)
+    if any(each.length > 0 or each.base in ("byte", "wstring") or _is_texts(each) for each in fields):
+        return False
+    return _has_arrays(fields) or any(each.base in FLOATS for each in fields)
+
+
+def _is_texts(field: FieldType) -> bool:
+    return field.base in STRINGS and field.length == 0
+
+
+def _has_arrays(fields: Iterable[FieldType]) -> bool:
+    return any(each.base in PRIMITIVES and each.length == 0 for each in fields)
+
+
+def _fields_in(type_: str, definitions: Mapping[str, Definition]) -> list[FieldType]:
+    """Return the fields of a type and of those in it; none if one of them is not known."""
+    found: list[FieldType] = []
     wanted, seen = [type_], set[str]()
     while wanted:
         definition = definitions.get(wanted.pop())
         if definition is None:
-            return False
+            return []
         seen.add(definition.type)
-        for field in definition.fields.values():
-            is_text = field.base in STRINGS
-            if field.length > 0 or (is_text and field.length == 0) or field.base in ("byte", "wstring"):
-                return False
-            worth |= field.base in FLOATS or (field.length == 0 and field.base in PRIMITIVES)
-            if field.base not in PRIMITIVES and field.base not in seen:
-                wanted.append(field.base)
-    return worth
+        fields = definition.fields.values()
+        found += fields
+        wanted += [each.base for each in fields if each.base not in PRIMITIVES and each.base not in seen]
+    return found

@@ -373,6 +373,21 @@ def test_a_scan_that_was_long_under_way_is_too_old_to_drive_by(make: Make, serve
     until(is_seen)
 
 
+def test_a_number_that_is_rarely_sent_does_not_keep_arrays_from_being_packed(
+    make: Make, server: Any, graph: Any, clock: Any
+) -> None:
+    graph.types |= {"/battery": "std_msgs/Float32", "/scan": "sensor_msgs/LaserScan"}
+    graph.publishers["/battery"] = ["/base"]
+    ros = opened(make)
+    ros.subscribe("battery", "/battery")
+    until(lambda: server.subscriptions("/battery"))
+    clock.now += 3.1
+    until(lambda: server.subscriptions("/battery")[-1]["compression"] == "none")
+    ros.subscribe("scan", "/scan")
+    until(lambda: graph.send("/scan", **SCAN) or age(ros, "scan"))
+    assert server.subscriptions("/scan")[0]["compression"] == "cbor"
+
+
 # -- numbers that are not finite ------------------------------------------------------------------
 
 
