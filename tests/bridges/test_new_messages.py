@@ -212,7 +212,7 @@ TAPPING = """(var seen := [()])
 (machine m
   (state to (running [robot.move(linear=0.3)]))
   (state back (running [robot.move(linear=-0.3)]))
-  (on [True in robot.bumper.new] to -> back)
+  (on [True in robot.bumper.new] to -> back bumped)
   (ontime 400 back -> to))
 (machine keeper (state k (running [seen = seen + robot.bumper.new])))
 (spawn m to)
@@ -220,14 +220,12 @@ TAPPING = """(var seen := [()])
 
 
 def tapping() -> Session:
-    session = Session(TAPPING, "sim", world="walls", clock=VirtualClock())
-    session.bridge.open()
-    session.bridge.simulation.place((0.3, 0.3, math.pi))
-    return session
+    return Session(TAPPING, "sim", world="walls", clock=VirtualClock())
 
 
 def test_the_bumper_tells_each_press_and_release_once_also_after_a_rewind_and_in_a_fork() -> None:
     with tapping() as session:
+        session.bridge.place_robot((0.3, 0.3, math.pi))
         session.run(8)
         seen = session.variables["seen"]
         assert len(seen) > 4
@@ -239,6 +237,22 @@ def test_the_bumper_tells_each_press_and_release_once_also_after_a_rewind_and_in
         session.rewind(session.frame.tick - middle)
         session.run(8 - middle / 10)
         assert session.variables["seen"] == seen
+
+
+def test_a_run_with_presses_is_repeated_from_its_file_which_has_only_the_readings(tmp_path: Path) -> None:
+    path = tmp_path / "run.lrplog"
+    with tapping() as session, session.record(path):
+        session.bridge.place_robot((0.3, 0.3, math.pi))
+        session.run(4)
+        seen = session.variables["seen"]
+        reasons = [session.why_not("bumped", at=tick) for tick in range(1, session.frame.tick + 1)]
+    recorded = [json.loads(line).get("readings", {}) for line in path.read_text().splitlines()]
+    assert not [name for each in recorded for name in each if name.endswith((".new", ".age"))]
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert again.session.variables["seen"] == seen
+    told = [reason.facts.get("values") for reason in reasons if reason.code == "fired"]
+    assert told == [{"robot.bumper.new": "(True,)"}] * seen.count(True)
 
 
 def test_a_press_that_is_shorter_than_a_tick_is_seen() -> None:
