@@ -547,8 +547,13 @@ class Tasks:
             self._owner.safety.notice("fault", f"`robot.{task.name}` may go on: {sentence_of(error)}")
 
     def _end(self, member: RobotTask, task: Task) -> None:
-        if member.cancel is not None and (task.has_begun or self._owner.has_world):
+        if member.cancel is None:
+            return
+        if task.has_begun or self._owner.has_world:
             member.cancel(task)
+        elif task.replaced is not None:  # it goes on: what would have ended it will not begin
+            replaced, task.replaced = task.replaced, None
+            self._end(member, replaced)
 
 
 def arguments_of(command: Command) -> dict[str, Any]:

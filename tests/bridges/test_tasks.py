@@ -88,6 +88,17 @@ def test_a_bridge_may_replace_a_goal_itself_so_that_the_robot_goes_on():
     assert bot.log == ["lap 1", "lap 2", "cancel lap 1"]
 
 
+def test_what_a_goal_would_have_replaced_ends_with_it_if_it_is_cancelled_before_it_began():
+    bot = Courier()
+    bot.open()
+    bot.robot.lap(1)
+    bot.next()
+    with bot.tasks._changing:  # its thread does not begin it
+        bot.robot.lap(2)
+        bot.tasks.drop()
+    assert bot.log == ["lap 1", "cancel lap 1"]
+
+
 def test_it_ends_when_running_no_longer_asks_for_it():
     bot = Courier()
     session = session_of(
