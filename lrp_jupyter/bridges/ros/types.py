@@ -13,7 +13,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from lrp_jupyter.bridges.members import MemberError
@@ -198,6 +198,8 @@ class Types:
         name = canonical(type_)
         if name not in self._messages:
             fields = {field: self._kind(kind) for field, kind in self._definition(name).fields.items()}
+            if name == "geometry_msgs/Quaternion" and isinstance(w := fields.get("w"), Plain):
+                fields["w"] = replace(w, default=1.0)  # four zeros are no orientation
             self._messages[name] = type(
                 name.rpartition("/")[2],
                 (RosMessage,),

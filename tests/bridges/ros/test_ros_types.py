@@ -275,3 +275,8 @@ def test_a_message_to_send_is_summarised_by_its_set_fields() -> None:
     twist = Types().message("geometry_msgs/Twist")
     assert gist(twist(linear=0.2)) == "linear.x=0.2"
     assert gist(twist()).startswith("linear.x=0, linear.y=0")
+
+
+def test_an_orientation_that_is_not_set_is_no_rotation(types: Types) -> None:
+    pose = types.message("geometry_msgs/PoseStamped")(pose_position_x=2.0)
+    assert pose.as_dict()["pose"]["orientation"] == {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
