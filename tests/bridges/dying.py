@@ -51,6 +51,8 @@ class Robot:
         Code that makes `bridge` in a notebook.
     imports : str
         What ``lrp`` imports before.
+    program : str
+        What it runs.
     """
 
     speeds: Callable[[], list[tuple[float, float]]]
@@ -58,6 +60,7 @@ class Robot:
     cell: str = ""
     imports: str = ""
     environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
+    program: str = PROGRAM
 
     @property
     def told(self) -> list[float]:
@@ -90,13 +93,13 @@ class CommandLine:
         self,
         robot: Robot,
         folder: Path,
-        text: str = PROGRAM,
+        text: str = "",
         before: str = "",
         options: Sequence[str] = (),
         stdout: int | None = None,
     ) -> None:
         program = folder / "drive.lrp"
-        program.write_text(text, encoding="utf-8")
+        program.write_text(text or robot.program, encoding="utf-8")
         code = _LRP.format(imports=robot.imports, before=before)
         self._log = folder / "log"
         with self._log.open("w") as log:

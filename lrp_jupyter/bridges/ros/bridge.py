@@ -1,4 +1,4 @@
-"""The bridge to ROS: topics become variables and methods of `robot`.
+"""The bridge to ROS: topics become variables and methods of `robot`, actions and services tasks.
 
 A person connects them once, in the panel, from Python or in a set-up file; a program uses them
 without knowing of topics::
@@ -6,9 +6,12 @@ without knowing of topics::
     ros = RosBridge(host="turtle.local")
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    ros.action("drive_to", "/move_base")
 
     (running [robot.move(linear_x=0.2)])
     (event there [robot.odom.x > 1])
+    (running [robot.drive_to(target_pose_pose_position_x=2.0)])
+    (on [robot.drive_to.succeeded] going -> there)
 
 Back ends communicate with ROS: rosbridge (ROS 1 and 2) and dds (ROS 2), which need no ROS installation here,
 and rospy (ROS 1) and rclpy (ROS 2), where Python can import them. `lrp_jupyter.bridges.ros.backends` chooses
@@ -24,10 +27,11 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, Task
 from lrp_jupyter.bridges.guarding.guard import Stopper
 from lrp_jupyter.bridges.member_tree import Limits, RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, moves, real_number
@@ -37,14 +41,22 @@ from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel
-from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type
+from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.setup import TASKS, Direction, Wire, check_type, setup_as_dict
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
+from lrp_jupyter.bridges.tasks import RobotTask, TaskStatus
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 _HERE = "lrp_jupyter.bridges.ros.bridge:RosBridge"
 _ANSWER = 1.0  # seconds that a person waits for a new connection to be made
 _ANSWER_ALL = 2.0  # … and that opening waits for those of the set-up
+_BUTTONS: Mapping[str, Direction] = {
+    "subscribe": "subscription",
+    "publish": "publisher",
+    "action": "action",
+    "service": "service",
+}
 
 
 class RosBridge(Bridge):
@@ -136,7 +148,14 @@ class RosBridge(Bridge):
         """
         self.connect(Wire(variable, "subscription", topic, type, stale_after=stale_after))
 
-    def publish(self, variable: str, topic: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
+    def publish(
+        self,
+        variable: str,
+        topic: str,
+        type: str = "",  # noqa: A002
+        limits: Limits | None = None,
+        at_stop: Mapping[str, object] | None = None,
+    ) -> None:
         """Register ``robot.<variable>(…)`` as the publisher of a topic.
 
         Parameters
@@ -146,13 +165,50 @@ class RosBridge(Bridge):
             Default: that of the live topic.
         limits : mapping of str to float or (float, float), optional
             ``{"linear": 0.5}``: larger numbers are clamped to -0.5 ... 0.5, and that is shown.
+        at_stop : mapping of str to object, optional
+            The fields of a message that is published whenever the robot is stopped; ``{}`` is one in which
+            nothing is set. Default: of velocities, a zero; of other types, nothing is published.
 
         Raises
         ------
         BridgeError
             As for `subscribe`.
         """
-        self.connect(Wire(variable, "publisher", topic, type, dict(limits or {})))
+        self.connect(Wire(variable, "publisher", topic, type, dict(limits or {}), at_stop=at_stop))
+
+    def action(self, variable: str, action: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
+        """Register ``robot.<variable>(…)`` as a task: a goal of an action, which a stop cancels.
+
+        Parameters
+        ----------
+        variable, action : str
+        type : str, optional
+            ``package/Type``. Default: that of the live action.
+        limits : mapping of str to float or (float, float), optional
+            As for `publish`, of the fields of a goal.
+
+        Raises
+        ------
+        BridgeError
+            As for `subscribe`; or the back end has no actions (`dds`).
+        """
+        self.connect(Wire(variable, "action", action, type, dict(limits or {})))
+
+    def service(self, variable: str, service: str, type: str = "") -> None:  # noqa: A002
+        """Register ``robot.<variable>(…)`` as a task: a call of a service, which cannot be cancelled.
+
+        Parameters
+        ----------
+        variable, service : str
+        type : str, optional
+            ``package/Type``. Default: that of the live service.
+
+        Raises
+        ------
+        BridgeError
+            As for `action`.
+        """
+        self.connect(Wire(variable, "service", service, type))
 
     def remove(self, variable: str) -> None:
         """Remove a variable and its subscription or publisher.
@@ -207,6 +263,18 @@ class RosBridge(Bridge):
                 new = partial(self._new_messages, wire.variable, lambda _: channel.backlog)
                 self._add_reading(reading, new, channel.own)
                 channel.hear(companion_path(wire.variable, "new") in self.messages_taken)
+            elif wire.direction in TASKS:
+                is_action = wire.direction == "action"
+                self.add_task(
+                    wire.variable,
+                    partial(self._begin, channel) if channel.message else partial(_refuse, channel),
+                    partial(self._cancel, channel) if is_action else None,
+                    f"{'a goal of' if is_action else 'a call of'} {wire.topic}, {channel.type}".rstrip(", "),
+                    message=channel.message,
+                    limits=wire.limits if channel.message else None,
+                    moves=is_action,
+                    replaces=is_action,
+                )
             else:
                 self.add_method(
                     wire.variable,
@@ -240,14 +308,66 @@ class RosBridge(Bridge):
             channel.has_moved = moves(message.as_dict())
         link.send(channel, message)
 
+    def _begin(self, channel: Channel, task: Task, message: Message) -> None:
+        """Ask for a goal, then cancel the one that it replaces: the robot does not stop between them."""
+        link = self.wiring.link
+        if link is None:
+            raise BridgeError("The bridge `ros` is closed.")
+        assert isinstance(message, RosMessage)
+        is_call = channel.wire.direction == "service"  # it is made, whoever waits for it
+        request = Request(partial(self._hear, channel, task), lambda: is_call or task.is_wanted)
+        channel.requests[task] = request
+        try:
+            link.ask(channel, message, request)
+        finally:
+            if task.replaced is not None:
+                self._cancel(channel, task.replaced)
+
+    def _cancel(self, channel: Channel, task: Task) -> None:
+        request, link = channel.requests.get(task), self.wiring.link
+        if request is not None and link is not None and not request.is_over:
+            link.cancel(channel, request)
+
+    def _hear(
+        self,
+        channel: Channel,
+        task: Task,
+        status: TaskStatus,
+        feedback: Any = None,
+        result: Any = None,
+        reason: str = "",
+    ) -> None:
+        """Pass on what the robot says of a goal or a call; on any thread."""
+        request = channel.requests.get(task)
+        if request is not None and request.is_over:
+            channel.requests.pop(task, None)
+        try:
+            if feedback is not None and channel.feedback_form is not None:
+                feedback = channel.feedback_form.decode(feedback)
+            if result is not None and channel.form is not None:
+                result = channel.form.decode(result)
+        except (AttributeError, TypeError, ValueError) as error:
+            feedback = result = None
+            reason = (
+                f"The answer of `{channel.wire.topic}` is not one of `{channel.type}`: {ended(str(error))}"
+            )
+        task.update(status, feedback=feedback, result=result, reason=reason)
+
     def stop(self) -> None:
-        """Publish a velocity of zero on every velocity topic."""
-        failures = []
+        """Publish a velocity of zero on every velocity topic, and what the set-up names; cancel goals.
+
+        Of our own, those that are not wanted any more: where all is stopped, none is; and where only a velocity
+        is overdue, the tasks go on. A guard cancels the goals of every client.
+        """
+        failures, is_guard = [], self._node == GUARD_NODE
         for channel in self.wiring.channels:
+            goals = [request for request in channel.unfinished if not request.is_wanted()]
+            is_everyone = is_guard and channel.wire.direction == "action"
             try:
                 self.wiring.stand_still(channel)
+                self.wiring.cancel(channel, (None,) if is_everyone else goals)
             except BridgeError as error:
-                if channel.has_moved or self._node == GUARD_NODE:  # a guard stops what others have moved
+                if channel.may_move or is_guard:  # a guard stops what others have moved
                     failures.append(str(error))
         if failures:
             raise BridgeError(f"{failures[0]} It is stopped as soon as it is found.")
@@ -260,31 +380,36 @@ class RosBridge(Bridge):
     @property
     def failsafe(self) -> str:
         """Who stops the robot when this program or this computer dies, and what no stop reaches."""
-        sent = [channel for channel in self.wiring.channels if channel.wire.direction == "publisher"]
-        reached = [f"`{channel.wire.topic}`" for channel in sent if channel.is_velocity]
-        others = [f"`{channel.wire.topic}`" for channel in sent if not channel.is_velocity]
-        if not others:
+        sent = [channel for channel in self.wiring.channels if channel.wire.direction != "subscription"]
+        zeros = _names(channel for channel in sent if channel.is_velocity)
+        named = _names(channel for channel in sent if channel.wire.at_stop is not None)
+        goals = _names(channel for channel in sent if channel.wire.direction == "action")
+        others = _names((channel for channel in sent if not _is_stopped(channel)), " or ")
+        if not (others or named or goals):
             return super().failsafe
-        how = f"Every stop is a velocity of zero on {' and '.join(reached)}" if reached else "No stop is sent"
-        return f"{super().failsafe} {how}: what a message on {' or '.join(others)} has begun goes on."
+        does = (
+            zeros and f"is a velocity of zero on {zeros}",
+            goals and f"cancels the goals of {goals}",
+            named and f"sends what the set-up says on {named}",
+        )
+        how = f"Every stop {' and '.join(filter(None, does))}" if any(does) else "No stop is sent"
+        rest = f": what was sent to {others} and has begun goes on" if others else ""
+        return f"{super().failsafe} {how}{rest}."
 
     def stopper(self) -> Stopper | None:
-        """Return a bridge with the same velocity topics and a connection of its own."""
-        topics = {
-            channel.wire.variable: {"topic": channel.wire.topic, "type": channel.type}
-            for channel in self.wiring.channels
-            if channel.is_velocity and channel.type
-        }
-        if self._chosen is None or not topics:
+        """Return a bridge that can stop the same things, with a connection of its own."""
+        stopped = [channel for channel in self.wiring.channels if channel.type and _is_stopped(channel)]
+        if self._chosen is None or not stopped:
             return None
+        setup = setup_as_dict(replace(each.wire, type=each.type, limits={}) for each in stopped)
         where: dict[str, Any] = {"backend": self._chosen.backend, "host": self._host, "port": self._port}
         if self._domain is not None or self._messages:
             where |= {"domain": self._domain, "messages": self._messages}
-        return Stopper(_HERE, {**where, "node": GUARD_NODE, "setup": {"publishers": topics}})
+        return Stopper(_HERE, {**where, "node": GUARD_NODE, "setup": setup})
 
     def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
-        """Return whether a command is a velocity that is not zero: other topics may carry anything."""
-        return method.velocity and super().drives(method, arguments)
+        """Return whether a command is a velocity that is not zero, or a goal: other topics carry anything."""
+        return (method.velocity or isinstance(method, RobotTask)) and super().drives(method, arguments)
 
     def sense(self, now: float) -> None:
         """Latch the last messages: a tick sees one world."""
@@ -372,6 +497,15 @@ class RosBridge(Bridge):
         return link.topics if link is not None else {}
 
     @property
+    def offers(self) -> Mapping[Direction, Mapping[str, str]]:
+        """The live actions and services, with their types as far as they are known."""
+        link = self.wiring.link
+        return link.offers if link is not None else {}
+
+    def _live(self, direction: Direction) -> Mapping[str, str]:
+        return self.offers.get(direction, {}) if direction in TASKS else self.topics
+
+    @property
     def round_trip(self) -> float | None:
         """Recent median of the seconds until the robot answers; None where it is not measured."""
         link = self.wiring.link
@@ -389,7 +523,7 @@ class RosBridge(Bridge):
         return self.backend if chosen is None else str(chosen)
 
     def panel(self) -> Panel:
-        """Return the table of connections, the fields for a new one, and the live topics."""
+        """Return the table of connections, the fields for a new one, and what is live."""
         return draw_panel(
             status=self.status.sentence,
             backend=self.connected_by,
@@ -399,27 +533,31 @@ class RosBridge(Bridge):
             draft=self._draft,
             channels=self.wiring.channels,
             topics=self.topics,
+            offers=self.offers,
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Press a button: ``subscribe`` and ``publish`` use the values of the fields, without waiting.
+        """Press a button; those for a new connection use the values of the fields, without waiting.
 
         Raises BridgeError: a name is illegal, or there is no such button or row.
         """
         fields = values or {}
         variable = fields.get("variable", "").strip()
-        if key in ("subscribe", "publish"):
-            type_ = check_type(fields.get("type", ""), self.topics.values())
-            direction: Direction = "subscription" if key == "subscribe" else "publisher"
+        if key in _BUTTONS:
+            direction = _BUTTONS[key]
+            type_ = check_type(fields.get("type", ""), self._live(direction).values())
             late = fields.get("stale_after", "").strip()
-            if late and direction == "publisher":
-                raise BridgeError(f"`{STALE_AFTER}` is for subscriptions. Leave it empty for a publisher.")
+            if late and direction != "subscription":
+                raise BridgeError(
+                    f"`{STALE_AFTER}` is for subscriptions. Leave it empty for other connections."
+                )
             stale_after = number_in(late, STALE_AFTER) if late else None
             wire = Wire(variable, direction, fields.get("topic", ""), type_, stale_after=stale_after)
             self.connect(wire, wait=False)
             self._draft = Draft()
         elif key == "pick":
-            self._draft = Draft(variable or row.rpartition("/")[2], row, self.topics.get(row, ""))
+            types = [self._live(direction).get(row, "") for direction in _BUTTONS.values()]
+            self._draft = Draft(variable or row.rpartition("/")[2], row, next(filter(None, types), ""))
         elif key == "remove":
             self.remove(row)
         elif key == "save":
@@ -450,6 +588,15 @@ class RosBridge(Bridge):
                 self._start(searching=True)
         else:
             super().answer(key, value)
+
+
+def _is_stopped(channel: Channel) -> bool:
+    """Return whether a stop reaches what goes over a channel."""
+    return channel.is_velocity or channel.wire.direction == "action" or channel.wire.at_stop is not None
+
+
+def _names(channels: Iterable[Channel], conjunction: str = " and ") -> str:
+    return conjunction.join(f"`{channel.wire.topic}`" for channel in channels)
 
 
 def _refuse(channel: Channel, *_arguments: object, **_fields: object) -> None:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.latched_values import Backlog
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
+from lrp_jupyter.bridges.ros.requests import Request
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
@@ -32,8 +33,10 @@ class Channel:
     def __init__(self, wire: Wire) -> None:
         self.wire = wire
         self.type = wire.type  # or, if it has none, that of the live topic; empty while unknown
-        self.form: Form | None = None  # decodes messages, for a subscription whose type is known
-        self.message: type[RosMessage] | None = None  # for a publisher whose type is known
+        self.form: Form | None = None  # decodes messages or results, if the type is known
+        self.feedback_form: Form | None = None  # … and those in between, of an action
+        self.message: type[RosMessage] | None = None  # that is sent, if the type is known
+        self.requests: dict[object, Request] = {}  # by their tasks, until the robot has ended them
         self.latest: Arrival | None = None  # None again after the connection was lost
         self.latched: Arrival | None = None  # in this tick …
         self.seen: Arrival | None = None  # … or in the last one; or it is no news for another reason
@@ -58,6 +61,25 @@ class Channel:
         """Whether a message of zeros stops the robot."""
         is_move = self.wire.variable.rpartition(".")[2] == "move"
         return self.wire.direction == "publisher" and (self.type in VELOCITIES or is_move)
+
+    @property
+    def unfinished(self) -> tuple[Request, ...]:
+        """The goals of an action that the robot may be busy with."""
+        if self.wire.direction != "action":
+            return ()
+        return tuple(request for request in tuple(self.requests.values()) if not request.is_over)
+
+    @property
+    def may_move(self) -> bool:
+        """Whether it has set something in motion that a stop would end."""
+        ends = self.wire.at_stop is not None and self.last_sent is not None
+        return self.has_moved or ends or bool(self.unfinished)
+
+    def stop_message(self) -> RosMessage | None:
+        """Return what is published at a stop, if anything is; raises what is wrong with its fields."""
+        if self.message is None or not (self.is_velocity or self.wire.at_stop is not None):
+            return None
+        return self.message(**(self.wire.at_stop or {}))
 
     @property
     def expects(self) -> bool:

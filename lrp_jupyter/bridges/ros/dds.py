@@ -40,6 +40,7 @@ class DdsTransport(Transport):
     """A node of ROS 2 in a DDS domain, where robots are found by multicast; one at a `host` is asked, too."""
 
     period = 0.5
+    has_tasks = False  # who sent a request is written outside of it, by each middleware in its own way
 
     def __init__(self, domain: int | None = None, host: str = "", folders: Iterable[str] = ()) -> None:
         super().__init__()

@@ -34,6 +34,24 @@ _TIMES = {"time", "duration"}  # of ROS 1: neither primitive nor in a package
 _SHAPE = re.compile(r"(?:sequence<)?\s*([\w/]+)\s*(?:<=?\d+>?)?(?:,[^>]*>|>)?\s*(\[[^\]]*\])?$")
 
 
+_PARTS = {"action": ("Goal", "Feedback", "Result"), "service": ("Request", "Response")}
+_PART = re.compile(rf"(.+)_({'|'.join(part for parts in _PARTS.values() for part in parts)})$")
+
+
+def messages_of(direction: str, type_: str) -> tuple[str, ...]:
+    """Return the message types that go over a topic, an action or a service: first what is sent there.
+
+    Those of an action and a service are called as in ROS 2, ``nav2_msgs/NavigateToPose_Goal``, also in ROS 1.
+    """
+    return tuple(f"{type_}_{part}" for part in _PARTS[direction]) if direction in _PARTS else (type_,)
+
+
+def part_of(type_: str) -> tuple[str, str]:
+    """Return the type of the action or service that a message type is part of, and which part it is."""
+    found = _PART.match(type_)
+    return (found[1], found[2]) if found else (type_, "")
+
+
 @dataclass(frozen=True, slots=True)
 class FieldType:
     """The type of a field: a primitive or a message, one (`length` -1), any number (0), or that many."""
@@ -56,7 +74,7 @@ class Definition:
 def canonical(type_: str) -> str:
     """Return the short form of the name of a type: ``pkg/msg/Type`` is ``pkg/Type``."""
     parts = type_.strip().split("/")
-    if len(parts) == 3 and parts[1] == "msg":
+    if len(parts) == 3 and parts[1] in ("msg", "srv", "action"):
         parts = [parts[0], parts[2]]
     name = "/".join(parts)
     return _OTHER_NAMES.get(name, name)

@@ -18,10 +18,11 @@ from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.link import Link
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
-from lrp_jupyter.bridges.ros.definitions import Definition, canonical
-from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.bridges.ros.definitions import Definition, canonical, messages_of
+from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.bridges.ros.types import RosMessage, Types
-from lrp_jupyter.errors import BridgeError, did_you_mean, ended
+from lrp_jupyter.errors import BridgeError, LRPError, did_you_mean, ended
 
 GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
@@ -44,13 +45,15 @@ class RefusedError(BridgeError):
 class Transport(ABC):
     """A way to communicate with ROS: one connection at a time.
 
-    All methods are called on the link's thread and may block, for a bounded time; `send` is called
-    on any thread and must not block. A failure raises `BridgeError`, and `RefusedError` where only one
-    topic is affected. What a back end cannot know (who else commands, the round trip, a hint) has a default.
+    All methods are called on the link's thread and may block, for a bounded time; `send` and `cancel` are
+    called on any thread and must not block, `ask` on a thread of its own. A failure raises `BridgeError`, and
+    `RefusedError` where only one topic is affected. What a back end cannot know (who else commands, the round
+    trip, a hint) or do (actions and services) has a default.
     """
 
     place: str = ""  # address of the robot, for messages
     node: str = "lrp"  # name of the node on this side, where there is one
+    has_tasks: bool = True  # whether it can reach actions and services
     period: float = 2.0  # seconds between two comparisons with the robot
     pace: float = 0.02  # seconds between two readings that the program can use; more of them may be dropped
     round_trip: float | None = None  # recent median of the seconds until a pong; None: it is not measured
@@ -96,11 +99,19 @@ class Transport(ABC):
     def taken(self, topic: str) -> bool | None:
         """Return whether another node uses a topic; a type may outlive its topic. None as in `define`."""
 
+    def offers(self, direction: Direction) -> Mapping[str, str]:
+        """Return the live actions, or services, with their types as far as they are known. Default: none."""
+        return {}
+
+    def type_of(self, direction: Direction, name: str) -> str | None:
+        """Return the type of a live action or service; empty: it cannot be known; None as in `define`."""
+        return self.offers(direction).get(name, "")
+
     @abstractmethod
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Subscribe or advertise; return the handle for `leave` and `send`.
+        """Subscribe or advertise, or find an action or service; return the handle for the others.
 
         `receive`: to be called with each raw message and, if it is an earlier one, when that arrived, in
             seconds of `time.monotonic`.
@@ -121,6 +132,14 @@ class Transport(ABC):
     @abstractmethod
     def hear(self, handle: object, every: bool) -> None:
         """Have every message of a subscription delivered from now on, or only the last ones."""
+
+    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+        """Send a goal or a call, and have the request told how it goes."""
+        raise NotImplementedError  # where `has_tasks` is False
+
+    def cancel(self, handle: object, request: Request | None) -> None:
+        """Cancel what an action was asked for; None: all its goals, of whatever client; urgent as a stop."""
+        raise NotImplementedError
 
     def tend(self, in_need: bool) -> float:
         """Look after what is joined; return the seconds until the next comparison, fewer if `in_need`."""
@@ -162,6 +181,7 @@ class TopicLink(Link):
         self._transport: Transport | None = None
         self.types = Types()
         self.topics: Mapping[str, str] = {}
+        self.offers: Mapping[Direction, Mapping[str, str]] = {}  # the live actions and services
         self.connected = False
         self._wanted, self._report, self._learned, self._warn = channels, report, learned, warn
         self._is_slow = False
@@ -180,13 +200,33 @@ class TopicLink(Link):
 
     def send(self, channel: Channel, message: RosMessage | None, urgent: bool = False) -> None:
         """Publish at once, or raise a BridgeError and keep nothing; a stop (`urgent`) is always tried."""
-        handle, why = channel.handle, channel.problem or channel.waiting
-        if not self.connected:
-            why = self._failure or f"{self.place} is not connected yet"
-        if handle is None or message is None or not (urgent or (self.connected and not channel.problem)):
-            raise BridgeError(f"`robot.{channel.wire.variable}` was not sent: {ended(why)}")
+        handle = self._handle(channel, urgent)
+        if message is None:
+            raise self._not_sent(channel)
         self.transport.send(handle, message.as_dict(), urgent)
         channel.sent(message)
+
+    def ask(self, channel: Channel, message: RosMessage, request: Request) -> None:
+        """Ask for a goal or a call; it may take a moment. BridgeError: it was not sent."""
+        handle = self._handle(channel, urgent=False)
+        channel.sent(message)
+        self.transport.ask(handle, message.as_dict(), request)
+
+    def cancel(self, channel: Channel, request: Request | None) -> None:
+        """Cancel a goal at once, or (None) all goals; BridgeError: that was not sent."""
+        self.transport.cancel(self._handle(channel, urgent=True), request)
+
+    def _handle(self, channel: Channel, urgent: bool) -> object:
+        handle = channel.handle
+        if handle is None or not (urgent or (self.connected and not channel.problem)):
+            raise self._not_sent(channel)
+        return handle
+
+    def _not_sent(self, channel: Channel) -> BridgeError:
+        why = channel.problem or channel.waiting
+        if not self.connected:
+            why = self._failure or f"{self.place} is not connected yet"
+        return BridgeError(f"`robot.{channel.wire.variable}` was not sent: {ended(why)}")
 
     # -- on its own thread ------------------------------------------------------------------------
 
@@ -209,6 +249,7 @@ class TopicLink(Link):
             self._report_change(ConnectionState.STALE, trouble)
             return self.transport.period
         self.topics = self.transport.topics()
+        self.offers = {direction: self.transport.offers(direction) for direction in TASKS}
         before, self._channels = self._channels, self._wanted()
         for channel in before:
             if channel not in self._channels:
@@ -258,15 +299,12 @@ class TopicLink(Link):
 
     def _connect_channel(self, channel: Channel) -> None:
         wire = channel.wire
-        live = canonical(self.topics.get(wire.topic, ""))
-        type_ = wire.type or live or channel.type
-        is_taken = self.transport.taken(wire.topic) if live and live != type_ else False
-        channel.is_asked_for = is_taken is None
-        if is_taken is None:
-            channel.waiting = f"`{self.transport.place}` is asked who uses `{wire.topic}`"
+        live = self._live_type(channel)
+        if live is None:
             return
-        if is_taken:
-            raise RefusedError(f"`{wire.topic}` carries `{live}`, not `{type_}`.")
+        type_ = wire.type or live or channel.type
+        if live and live != type_ and self._is_taken(channel, live, type_):
+            return
         if channel.handle is not None:
             if channel.type == type_:
                 channel.waiting = self.transport.hint(channel.handle)
@@ -275,34 +313,85 @@ class TopicLink(Link):
                 return
             self._leave(channel)
         if not type_:
-            near = did_you_mean(wire.topic, self.topics)
-            channel.waiting = f"`{wire.topic}` does not exist yet, and its type is not known.{near}"
+            channel.waiting = self._missing(channel)
             return
         channel.type = type_
-        channel.is_asked_for = not self._describe(type_)
+        messages = messages_of(wire.direction, type_)
+        known = [self._describe(channel, message) for message in messages]  # all are asked for at once
+        channel.is_asked_for = not all(known)
         if channel.is_asked_for:
             channel.waiting = f"`{self.transport.place}` is asked for the type `{type_}`"
             return
-        if wire.direction == "subscription":
-            channel.form = self.types.form(type_)
-        else:
-            channel.message = self.types.message(type_)
-            _check_limits(channel)
+        if wire.direction != "subscription":
+            channel.message = self.types.message(messages[0])
+            _check_sent(channel)
+        if wire.direction != "publisher":
+            *others, last = (self.types.form(message) for message in messages)
+            channel.form, channel.feedback_form = last, others[-1] if others else None
         self._learned(channel)
         channel.stamps = Stamps(self.transport.clock)
         channel.live = True  # before joining: a latched message arrives while we do
         every = channel.backlog is not None
         handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive, every)
-        if channel.owes_stop and channel.message is not None:
-            channel.owes_stop = channel.has_moved = False
-            stop = channel.message()
-            self.transport.send(handle, stop.as_dict(), True)
-            channel.sent(stop)
+        if channel.owes_stop:
+            self._pay_stop(channel, handle)
         channel.problem, channel.waiting = "", self.transport.hint(handle)
         channel.handle = handle
 
-    def _describe(self, type_: str) -> bool:
-        """Make a type known; return whether it is, and not only asked for."""
+    def _live_type(self, channel: Channel) -> str | None:
+        """Return the type of what is live there; empty: there is nothing; None while it is asked for."""
+        wire, offered = channel.wire, self.offers.get(channel.wire.direction, self.topics)
+        live: str | None = offered.get(wire.topic, "")
+        if wire.direction in TASKS:
+            if not self.transport.has_tasks:
+                raise RefusedError(
+                    f"`{wire.topic}` cannot be connected: this back end has topics only. Use `rosbridge` for"
+                    f" an action or a service, with rosbridge_server on the robot."
+                )
+            if not (live or wire.type) and wire.topic in offered:
+                live = self.transport.type_of(wire.direction, wire.topic)
+        channel.is_asked_for = live is None
+        if live is None:
+            channel.waiting = f"`{self.transport.place}` is asked for the type of `{wire.topic}`"
+            return None
+        return canonical(live)
+
+    def _is_taken(self, channel: Channel, live: str, type_: str) -> bool:
+        """Return whether it is being asked who uses a name; RefusedError: it is used with another type."""
+        name, is_topic = channel.wire.topic, channel.wire.direction not in self.offers
+        taken = self.transport.taken(name) if is_topic else True
+        channel.is_asked_for = taken is None
+        if taken is None:
+            channel.waiting = f"`{self.transport.place}` is asked who uses `{name}`"
+        if taken:
+            raise RefusedError(
+                f"`{name}` {'carries' if is_topic else 'has the type'} `{live}`, not `{type_}`."
+            )
+        return taken is None
+
+    def _missing(self, channel: Channel) -> str:
+        """Return why the type of what a channel is wired to cannot be found."""
+        name, direction = channel.wire.topic, channel.wire.direction
+        offered = self.offers.get(direction, self.topics)
+        if name in offered:
+            return f"the robot does not tell the type of the {direction} `{name}`. Name it"
+        for kind, names in (("topic", self.topics), *self.offers.items()):
+            if name in names and names is not offered:
+                return f"`{name}` is {'an' if kind == 'action' else 'a'} {kind}. Connect it as one"
+        return f"`{name}` does not exist yet, and its type is not known.{did_you_mean(name, offered)}"
+
+    def _pay_stop(self, channel: Channel, handle: object) -> None:
+        """Stop at last what may have gone on while the robot was lost."""
+        channel.owes_stop = channel.has_moved = False
+        for request in channel.unfinished:
+            self.transport.cancel(handle, request)
+        stop = channel.stop_message()
+        if stop is not None:
+            self.transport.send(handle, stop.as_dict(), True)
+            channel.sent(stop)
+
+    def _describe(self, channel: Channel, type_: str) -> bool:
+        """Make a type of messages known; return whether it is, and not only asked for."""
         if type_ not in self._described:
             definitions = self.transport.define(type_)
             if definitions is None:
@@ -311,10 +400,13 @@ class TopicLink(Link):
             self._described.add(type_)
         if not self.types.knows(type_):
             self._described.discard(type_)
-            known = {*self.types.names(), *map(canonical, self.topics.values())}
-            raise RefusedError(
-                f"`{self.transport.place}` knows no message type `{type_}`.{did_you_mean(type_, known)}"
-            )
+            direction = channel.wire.direction
+            is_task = direction in TASKS
+            known = set() if is_task else set(self.types.names())
+            known |= set(map(canonical, (self.offers[direction] if is_task else self.topics).values()))
+            kind = direction if is_task else "message"
+            hint = did_you_mean(channel.type, known - {channel.type, ""})
+            raise RefusedError(f"`{self.transport.place}` knows no {kind} type `{channel.type}`.{hint}")
         return True
 
     def _leave(self, channel: Channel) -> None:
@@ -330,6 +422,9 @@ class TopicLink(Link):
             channel.forget()
             channel.problem, channel.commanders = sentence, ()
             channel.owes_stop |= channel.has_moved
+            for request in channel.unfinished:
+                channel.owes_stop = True
+                request.tell("lost", reason=sentence)
         self._report_change(ConnectionState.LOST, sentence)  # the transport may still send a stop
         return _AGAIN
 
@@ -364,8 +459,8 @@ class TopicLink(Link):
             self._report(state, sentence)
 
 
-def _check_limits(channel: Channel) -> None:
-    """Raise RefusedError for limits of fields that do not exist or are not numbers."""
+def _check_sent(channel: Channel) -> None:
+    """Raise RefusedError for limits of fields that do not exist or are not numbers, and for a wrong stop."""
     assert channel.message is not None
     for name in channel.wire.limits:
         try:
@@ -376,3 +471,7 @@ def _check_limits(channel: Channel) -> None:
             paths = [*channel.message.WORDS, *channel.message.paths()]
             hint = did_you_mean(name, paths)
             raise RefusedError(f"`{channel.type}` has no number `{name}` that could have a limit.{hint}")
+    try:
+        channel.stop_message()
+    except LRPError as error:
+        raise RefusedError(f"What is to be sent at a stop: {error}") from None

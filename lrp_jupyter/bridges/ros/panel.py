@@ -1,4 +1,4 @@
-"""The panel of the ROS bridge: the connections, and the live topics.
+"""The panel of the ROS bridge: the connections, and what is live.
 
 Paper: §7.1, figure 4 (the publishers and subscriptions, and the buttons to create them) and figure 5
 (variable, topic and type of a new one; picking a topic fills in its type).
@@ -13,11 +13,20 @@ from itertools import islice
 
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
 from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.goal_topics import topics_of
 from lrp_jupyter.bridges.ros.link import SLOW
+from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 
 STALE_AFTER = "Too old after"
 """The label of the field for `stale_after` of a subscription."""
+
+_OF_EVERY_NODE = (
+    *("/get_loggers", "/set_logger_level"),  # of ROS 1
+    *("/describe_parameters", "/get_parameters", "/get_parameter_types", "/list_parameters"),
+    *("/set_parameters", "/set_parameters_atomically", "/get_type_description"),
+)
+"""The ends of the names of services that are not shown, as those of rosapi and hidden ones are not."""
 
 _MOST = 6  # fields of a message that are shown
 _short = reprlib.Repr()
@@ -45,10 +54,20 @@ def draw_panel(
     draft: Draft,
     channels: Iterable[Channel],
     topics: Mapping[str, str],
+    offers: Mapping[Direction, Mapping[str, str]],
 ) -> Panel:
-    """Return the panel: the channels, the fields for a new one, and the live topics with their types."""
+    """Return the panel: the channels, the fields for a new one, and what is live with its type."""
     rows = {channel.wire.variable: _row(channel) for channel in channels}
-    names = tuple(sorted(topics))
+    inner = {topic for action in offers.get("action", {}) for topic in topics_of(action)}
+    names = tuple(name for name in sorted(topics) if name not in inner)
+    tasks = tuple(
+        (name, kind, type_)
+        for kind in TASKS
+        for name, type_ in sorted(offers.get(kind, {}).items())
+        if not (name.endswith(_OF_EVERY_NODE) or name.startswith("/rosapi/") or "/_" in name)
+    )
+    every = (*names, *(name for name, _, _ in tasks))
+    types = {*topics.values(), *(type_ for _, _, type_ in tasks if type_)}
     return Panel(
         "ROS",
         fields=(
@@ -57,15 +76,15 @@ def draw_panel(
             Field("address", "Address", value=address),
             *(() if round_trip is None else (_trip(round_trip),)),
             Field("variable", "Variable", "text", draft.variable),
-            Field("topic", "Topic", "text", draft.topic, names, press="pick"),
-            Field("type", "Type", "text", draft.type, tuple(sorted(set(topics.values())))),
+            Field("topic", "Topic, action or service", "text", draft.topic, every, press="pick"),
+            Field("type", "Type", "text", draft.type, tuple(sorted(types))),
             Field("stale_after", STALE_AFTER, "number", draft.stale_after, unit="s"),
             Field("setup", "Set-up file", "text", setup),
         ),
         tables=(
             Table(
                 "connections",
-                "Publishers and subscriptions",
+                "Connections",
                 _COLUMNS,
                 tuple(rows),
                 tuple(rows.values()),
@@ -79,17 +98,28 @@ def draw_panel(
                 tuple((name, topics[name]) for name in names),
                 (Button("pick", "Pick"),),
             ),
+            *([_tasks(tasks)] if tasks else []),
         ),
         buttons=(
             STOP,
             Button("subscribe", "New subscription"),
             Button("publish", "New publisher"),
+            Button("action", "New action"),
+            Button("service", "New service"),
             Button("save", "Save set-up"),
         ),
         questions=(
             Question("host", "Address of the robot (`host` or `host:port`)", address),
             Question("setup", "File with a set-up", setup, "Load"),
         ),
+    )
+
+
+def _tasks(live: tuple[tuple[str, str, str], ...]) -> Table:
+    """Return the table of the live actions and services."""
+    columns, names = ("name", "kind", "type"), tuple(name for name, _, _ in live)
+    return Table(
+        "tasks", "Actions and services of the robot", columns, names, live, (Button("pick", "Pick"),)
     )
 
 

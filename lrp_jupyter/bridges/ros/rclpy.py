@@ -17,10 +17,19 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lrp_jupyter.bridges.latched_values import MOST
-from lrp_jupyter.bridges.ros.definitions import Definition, FieldType, canonical, definitions_of, parse_field
+from lrp_jupyter.bridges.ros.definitions import (
+    Definition,
+    FieldType,
+    canonical,
+    definitions_of,
+    parse_field,
+    part_of,
+)
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
-from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.bridges.ros.rclpy_tasks import RclpyAction, RclpyService
+from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.errors import BridgeError, sentence_of
 
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
@@ -42,6 +51,7 @@ class RclpyTransport(Transport):
         self._thread: threading.Thread | None = None
         self._failure = ""  # why no more messages are delivered
         self._subscriptions: list[_Subscription] = []
+        self._clients: list[RclpyAction | RclpyService] = []
 
     def connect(self) -> None:
         """Create the node; other nodes are found while it exists."""
@@ -79,7 +89,9 @@ class RclpyTransport(Transport):
         thread, self._thread = self._thread, None
         if thread is not None and thread is not threading.current_thread():
             thread.join(_JOIN)
-        node, self._node, self._subscriptions = self._node, None, []
+        for client in self._clients:
+            self._leave_client(client)
+        node, self._node, self._subscriptions, self._clients = self._node, None, [], []
         if node is not None:
             node.destroy_node()
         context, self._context = self._context, None
@@ -115,10 +127,21 @@ class RclpyTransport(Transport):
         infos = getattr(self._node, f"get_{who}_info_by_topic")(topic)
         return [info for info in infos if (info.node_name, info.node_namespace) != own]
 
+    def offers(self, direction: Direction) -> Mapping[str, str]:
+        """Return the actions and services that were discovered so far."""
+        if direction == "action":
+            found = _import("rclpy.action").get_action_names_and_types(self._node)
+        else:
+            found = self._node.get_service_names_and_types()
+        return {name: canonical(types[0]) for name, types in found if types}
+
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Create a subscription that asks for what is offered, or a reliable publisher."""
+        """Create a subscription that asks for what is offered, a reliable publisher, or a client."""
+        if direction in TASKS:
+            self._clients.append(self._client(topic, type_, direction))
+            return self._clients[-1]
         qos, kind = _import("rclpy.qos"), _class_of(type_)
         if direction == "publisher":
             return self._node.create_publisher(kind, topic, qos.QoSProfile(depth=_QUEUE))
@@ -127,8 +150,34 @@ class RclpyTransport(Transport):
         self._subscriptions.append(made)
         return made
 
+    def _client(self, name: str, type_: str, direction: Direction) -> RclpyAction | RclpyService:
+        kind = _whole_class(type_, direction)
+        if direction == "service":
+            return RclpyService(name, kind, self._node.create_client(kind, name), _fill)
+        client = _import("rclpy.action").ActionClient(self._node, kind, name)
+        canceller = self._node.create_client(
+            _whole_class("action_msgs/CancelGoal", "service"), f"{name}/_action/cancel_goal"
+        )
+        return RclpyAction(name, kind, client, canceller, _fill)
+
+    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+        """Send a goal, or call a service."""
+        assert isinstance(handle, (RclpyAction, RclpyService))
+        handle.ask(values, request)
+
+    def cancel(self, handle: object, request: Request | None) -> None:
+        """Cancel a goal, or all of an action."""
+        assert isinstance(handle, RclpyAction)
+        handle.cancel(request)
+
+    def hint(self, handle: object) -> str:
+        """Return that nobody serves an action or a service."""
+        return handle.hint() if isinstance(handle, (RclpyAction, RclpyService)) else ""
+
     def tend(self, in_need: bool) -> float:
-        """Subscribe again where the publishers of a topic now offer something else."""
+        """Subscribe again where the publishers of a topic now offer something else; find what was lost."""
+        for client in self._clients:
+            client.look()
         for each in self._subscriptions:
             self._adapt(each)
         return super().tend(in_need)
@@ -160,17 +209,29 @@ class RclpyTransport(Transport):
 
     def leave(self, handle: Any) -> None:
         """End a subscription or a publisher; on a node that is gone it went with it."""
-        if handle in self._subscriptions:
+        if isinstance(handle, (RclpyAction, RclpyService)):
+            self._clients = [each for each in self._clients if each is not handle]
+            self._leave_client(handle)
+        elif handle in self._subscriptions:
             self._subscriptions.remove(handle)
             self._node.destroy_subscription(handle.entity)
         elif self._node is not None and not isinstance(handle, _Subscription):
             self._node.destroy_publisher(handle)
 
+    def _leave_client(self, handle: RclpyAction | RclpyService) -> None:
+        if self._node is None:
+            return
+        if isinstance(handle, RclpyAction):
+            handle.client.destroy()
+            self._node.destroy_client(handle.canceller)
+        else:
+            self._node.destroy_client(handle.client)
+
     def send(self, handle: Any, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish. A header without a stamp gets the time of this node."""
         message = handle.msg_type()
         try:
-            _import("rosidl_runtime_py.set_message").set_message_fields(message, dict(values))
+            _fill(message, values)
             header = getattr(message, "header", None)
             if header is not None and not (header.stamp.sec or header.stamp.nanosec):
                 header.stamp = self._node.get_clock().now().to_msg()
@@ -205,10 +266,23 @@ def _import(module: str) -> Any:
         ) from error
 
 
+def _fill(message: Any, values: Mapping[str, Any]) -> None:
+    _import("rosidl_runtime_py.set_message").set_message_fields(message, dict(values))
+
+
 def _class_of(type_: str) -> Any:
+    """Return the class of a type of messages, also of those of an action or service."""
+    of, part = part_of(type_)
+    if not part:
+        return _whole_class(type_, "")
+    return getattr(_whole_class(of, "service" if part in ("Request", "Response") else "action"), part)
+
+
+def _whole_class(type_: str, direction: str) -> Any:
     package, name = canonical(type_).split("/")
+    module = {"action": "action", "service": "srv"}.get(direction, "msg")
     try:
-        return getattr(importlib.import_module(f"{package}.msg"), name)
+        return getattr(importlib.import_module(f"{package}.{module}"), name)
     except (ImportError, AttributeError):
         raise RefusedError(
             f"`{type_}` is not installed here. Install its package, or set up the workspace that has it."

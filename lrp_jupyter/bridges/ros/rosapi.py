@@ -29,6 +29,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     canonical,
     definitions_from_text,
     from_rosapi,
+    part_of,
 )
 from lrp_jupyter.bridges.ros.link import RefusedError
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
@@ -44,6 +45,7 @@ _PROMPT = 0.5  # … which may take that long
 _VALID = 2.0  # seconds for which the users of a topic are known
 _LONGEST = 30.0  # … and at most, while there is no rosapi: each question leaves an error in the robot's log
 _SURE = ("foxy", "galactic", "humble", "iron")  # releases of ROS 2 whose rosapi describes any type
+_OF_ACTIONS = ("Goal", "Feedback", "Result")
 _OWN = "/client_count"  # rosbridge itself publishes it
 _RAW_TYPES = "/rosapi/topics_and_raw_types"
 
@@ -66,6 +68,10 @@ class Rosapi:
         self._in_need = False
         self._url, self._clock, self._warn, self._changed = url, clock, warn, changed
         self._topics: Mapping[str, str] = {}
+        self._offers: Mapping[str, tuple[str, ...]] = {}  # the live actions (of ROS 2) and services
+        self._describes_actions = False
+        self._kinds: dict[tuple[str, str], str] = {}  # their types, as far as they were asked for
+        self._unknown: frozenset[tuple[str, str]] = frozenset()
         self._answered = threading.Event()
         self._exists: bool | None = None  # not known yet
         self._failures = 0
@@ -91,7 +97,7 @@ class Rosapi:
     def reset(self) -> None:
         """Forget what may be another robot's."""
         self._wake, self._failures, self._own = Bell(), 0, ()
-        self._types = {}
+        self._types, self._kinds, self._offers = {}, {}, {}
         if self.trouble:
             self._answered.clear()
         self.trouble = ""
@@ -101,6 +107,22 @@ class Rosapi:
         self._answered.wait(_FIRST)
         self._answered.set()
         return self._topics
+
+    def has_listed(self, direction: str) -> bool:
+        """Whether the live actions (of ROS 2) or services are known."""
+        return direction in self._offers
+
+    def offers(self, direction: str) -> Mapping[str, str]:
+        """Return the live actions (of ROS 2) or services, with their types as far as they are known."""
+        return {name: self._kinds.get((direction, name), "") for name in self._offers.get(direction, ())}
+
+    def type_of(self, direction: str, name: str) -> str | None:
+        """Return the type of an action or a service; None while it is asked for."""
+        found = self._kinds.get((direction, name))
+        if found is None and (direction, name) not in self._unknown:
+            self._unknown |= {(direction, name)}
+            self._wake.ring()
+        return found
 
     def define(self, type_: str) -> Mapping[str, Definition] | None:
         """Return the known definitions of a type and of those in it; None while they are asked for."""
@@ -150,14 +172,14 @@ class Rosapi:
         """Ask until it is cancelled."""
         try:
             while True:
-                before = (self._topics, self.publishers, self.trouble, self._exists)
+                before = self._news()
                 try:
                     news = await self._ask_all()
                 except Exception as error:  # an answer of another form: go on without it
                     self._miss(f"has a rosapi whose answer cannot be understood: {error!r}.")
                     news = False
                 self._answered.set()
-                if news or before != (self._topics, self.publishers, self.trouble, self._exists):
+                if news or before != self._news():
                     self._changed()
                 pause = _SOON if self._in_need or self.trouble else _RARELY
                 await self._wake.wait(min(pause * 2**self._failures, _LONGEST))
@@ -165,13 +187,21 @@ class Rosapi:
             self._answered.set()  # whoever connects waits for the first list no longer
             await self._hang_up()
 
+    def _news(self) -> tuple[object, ...]:
+        return self._topics, self.publishers, self.trouble, self._exists, self._offers
+
     async def _ask_all(self) -> bool:
         """Ask what there is to ask; return whether one of the answers is awaited."""
         appeared = await self._list_topics()
         self._tell_listeners()
         if not self._exists or self.trouble:
             return False
-        wanted, doubted = self._wanted, self._doubted
+        await self._list_offers()
+        unknown, wanted, doubted = self._unknown, self._wanted, self._doubted
+        for direction, name in unknown:
+            answer = await self._try(f"/rosapi/{direction}_type", **{direction: name})
+            self._kinds[direction, name] = canonical(str(answer.get("type", "")))
+        self._unknown -= unknown
         for type_ in wanted:
             self._types[type_] = await self._describe(type_)
         for topic in doubted:
@@ -180,7 +210,17 @@ class Rosapi:
         self._wanted -= wanted
         self._doubted -= doubted
         self.publishers = {topic: await self._others(topic) for topic in self._watched}
-        return appeared or bool(wanted or doubted)
+        return appeared or bool(wanted or doubted or unknown)
+
+    async def _list_offers(self) -> None:
+        """Ask for the services and, where they are more than topics, for the actions."""
+        services = (await self._try("/rosapi/services")).get("services", ())
+        actions = (await self._try("/rosapi/action_servers")) if self.is_ros2 else {}
+        self._describes_actions = "/rosapi/action_goal_details" in services
+        offers = {"service": services, "action": actions.get("action_servers")}
+        self._offers = {
+            kind: tuple(sorted(map(str, names))) for kind, names in offers.items() if names is not None
+        }
 
     async def _list_topics(self) -> bool:
         """Ask for the topics; return whether rosapi has just appeared."""
@@ -269,25 +309,54 @@ class Rosapi:
         return tuple(map(str, answer.get(who, [])))
 
     async def _describe(self, type_: str) -> Mapping[str, Definition] | BridgeError:
+        of, part = part_of(type_)
         try:
             if not self.is_ros2:
-                return await self._details(type_)
+                return await (self._part_details(type_, of, part) if part else self._details(type_))
+            if part and (await self._may_ask() if part not in _OF_ACTIONS else self._describes_actions):
+                return await self._part_details(type_, of, part)
+            if part in _OF_ACTIONS:
+                return BridgeError(
+                    f"`{self._url}` does not describe actions. Update rosbridge: 2.3.0 does it or, on Humble,"
+                    " 2.0.2."
+                )
             found = await self._from_raw_types(type_)
             if found:
                 return found
-            if self._distribution is None:
-                version = await self._try("/rosapi/get_ros_version")
-                self._distribution = str(version.get("distro", ""))
-            if self._distribution in _SURE:
+            if await self._may_ask():
                 return await self._details(type_.replace("/", "/msg/", 1))
         except BridgeError as error:
             return error
+        kind = "service type" if part else "message type"
         return BridgeError(
-            f"`{self._url}` knows no message type `{type_}` of a topic that exists."
-            f"{did_you_mean(type_, {*KNOWN, *self._topics.values()})} If its name is right, start the node"
+            f"`{self._url}` knows no {kind} `{of}` of a topic that exists."
+            f"{did_you_mean(of, {*KNOWN, *self._topics.values()})} If its name is right, start the node"
             " that uses it first. rosapi is asked for no other types, because before rosbridge 2.3.0 that can"
             " end it on ROS 2 Jazzy and later."
         )
+
+    async def _may_ask(self) -> bool:
+        """Whether rosapi survives a question for any type, on ROS 2."""
+        if self._describes_actions:
+            return True  # rosbridge 2.3.0 or later
+        if self._distribution is None:
+            version = await self._try("/rosapi/get_ros_version")
+            self._distribution = str(version.get("distro", ""))
+        return self._distribution in _SURE
+
+    async def _part_details(self, type_: str, of: str, part: str) -> Mapping[str, Definition]:
+        """Return the definitions of what is sent to an action or a service, or comes from it."""
+        if part in _OF_ACTIONS and not self.is_ros2:
+            found = await self._details(of + part)
+        else:
+            kind = "action" if part in _OF_ACTIONS else "service"
+            spelled = of.replace("/", "/action/" if kind == "action" else "/srv/", 1) if self.is_ros2 else of
+            answer = await self._try(f"/rosapi/{kind}_{part.lower()}_details", type=spelled)
+            found = from_rosapi(answer.get("typedefs", []))
+        if not found:
+            return {}
+        first = next(iter(found.values()))  # the part itself, whatever it is called there
+        return {**found, type_: Definition(type_, first.fields)}
 
     async def _details(self, type_: str) -> Mapping[str, Definition]:
         answer = await self._try("/rosapi/message_details", type=type_)
@@ -301,7 +370,7 @@ class Rosapi:
                 return {**HEADERS[2], **definitions_from_text(type_, str(text))}
         return {}
 
-    async def _try(self, service: str, **arguments: object) -> Mapping[str, Any]:
+    async def _try(self, service: str, /, **arguments: object) -> Mapping[str, Any]:
         """Return the values of an answer; nothing if there is none."""
         try:
             return await self._ask(service, **arguments)
@@ -311,7 +380,7 @@ class Rosapi:
             await self._give_up()
             return {}
 
-    async def _ask(self, service: str, **arguments: object) -> Mapping[str, Any]:
+    async def _ask(self, service: str, /, **arguments: object) -> Mapping[str, Any]:
         """Call a service; RefusedError: it has failed or does not exist; BridgeError: nothing came back."""
         socket, serving = self._socket, self._serving
         if socket is None or serving is None or serving.done():

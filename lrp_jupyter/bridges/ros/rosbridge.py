@@ -25,18 +25,22 @@ from lrp_jupyter.bridges.ros.definitions import (
     Definition,
     FieldType,
 )
+from lrp_jupyter.bridges.ros.errands import Errand
 from lrp_jupyter.bridges.ros.frames import knows_cbor
+from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, Transport
+from lrp_jupyter.bridges.ros.requests import Request
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
-from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.bridges.ros.websocket import Socket, require_websockets
-from lrp_jupyter.errors import BridgeError, ended
+from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
 _QUIET = 1.0  # seconds without a message after which a new publisher is worth another subscription …
 _UNPACKED = 3.0  # … and after which arrays are asked for as text
 _ECHO = 10.0  # seconds after which an own command no longer comes back
+_END = 0.5  # seconds that ending what is under way on another connection may take
 _FIGHT = 5.0  # seconds for which another client counts as one that commands
 
 
@@ -51,6 +55,8 @@ class RosbridgeTransport(Transport):
         self._rosapi = Rosapi(url, self.clock, warn, lambda: self.changed())
         self._inputs: dict[str, _Input] = {}
         self._outputs: dict[str, str] = {}  # the types of what was advertised
+        self._actions: list[GoalTopics] = []
+        self._errands: list[Errand] = []
         self._echoes: dict[str, _Echo] = {}
         self._definitions: dict[str, Definition] = dict(KNOWN)
         self._packs: bool | None = None  # whether the server packs arrays; None: not seen yet
@@ -73,6 +79,11 @@ class RosbridgeTransport(Transport):
         socket, self._socket = self._socket, None
         if socket is not None:
             socket.close()
+        errands, self._errands, self._actions = self._errands, [], []
+        for errand in errands:
+            errand.end()
+        for errand in errands:
+            errand.has_ended(within=_END)
 
     def trouble(self) -> str:
         """Return a sentence if the server hangs."""
@@ -127,14 +138,22 @@ class RosbridgeTransport(Transport):
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Subscribe or advertise. A topic is subscribed to once, however many variables read it."""
+        """Subscribe or advertise, or find an action or a service.
+
+        A topic is subscribed to once, however many variables read it.
+        """
         socket, number = self._open_socket(), next(self._ids)
+        if direction in TASKS:
+            if direction == "action" and not self._rosapi.is_ros2:
+                self._actions.append(GoalTopics(self, topic, type_))
+                return self._actions[-1]
+            return _Asked(direction, topic, type_)
         if direction == "publisher":
             request = {"op": "advertise", "id": f"p{number}", "topic": topic, "type": self._spelled(type_)}
             socket.put(json.dumps(request))
             self._outputs[topic] = type_
-            return _Handle(direction, topic, number, socket)
-        handle = _Handle(direction, topic, number, socket)
+            return _Handle(direction, topic, number, socket, every)
+        handle = _Handle(direction, topic, number, socket, every)
         known = self._inputs.get(topic)
         if known is None:
             self._inputs[topic] = new = _Input(topic, type_, {number: receive})
@@ -160,7 +179,11 @@ class RosbridgeTransport(Transport):
 
     def leave(self, handle: object) -> None:
         """Unsubscribe or unadvertise; nothing to do on a connection that is gone."""
-        assert isinstance(handle, _Handle)
+        if isinstance(handle, GoalTopics):
+            self._actions = [each for each in self._actions if each is not handle]
+            handle.leave()
+        if not isinstance(handle, _Handle):
+            return
         socket, topic, number = handle.socket, handle.topic, handle.number
         if socket is not self._socket:
             return
@@ -186,7 +209,75 @@ class RosbridgeTransport(Transport):
         echo = self._echoes.get(topic)
         if echo is not None:
             echo.sent(values)
-        socket.put(text, topic=topic, urgent=urgent)
+        if urgent and handle.every:
+            socket.put(text)  # it replaces nothing, and never expires either
+        else:
+            socket.put(text, topic=topic, urgent=urgent)
+
+    # -- actions and services ---------------------------------------------------------------------
+
+    def offers(self, direction: Direction) -> Mapping[str, str]:
+        """Return the actions and services that rosapi knew a moment ago."""
+        if direction == "action" and not self._rosapi.is_ros2:
+            return actions_in(self._rosapi.topics())
+        return self._rosapi.offers(direction)
+
+    def type_of(self, direction: Direction, name: str) -> str | None:
+        """Return what rosapi says of the type of an action or service; None while it is being asked."""
+        return self.offers(direction).get(name, "") or self._rosapi.type_of(direction, name)
+
+    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+        """Send a goal, or call a service; to a server that hangs, neither."""
+        if self._open_socket().is_stale:
+            raise BridgeError(self.trouble())
+        if isinstance(handle, GoalTopics):
+            handle.ask(values, request)
+            return
+        assert isinstance(handle, _Asked)
+        if missing := self._missing(handle):
+            request.tell("lost", reason=missing)
+            return
+        question: dict[str, Any] = {"op": "call_service", "id": request.id, "service": handle.name}
+        if handle.direction == "action":
+            spelled = handle.type.replace("/", "/action/", 1)
+            question = {"op": "send_action_goal", "id": request.id, "action": handle.name}
+            question |= {"action_type": spelled, "feedback": True}
+        self._errands.append(Errand(self.place, {**question, "args": values}, request))
+
+    def cancel(self, handle: object, request: Request | None) -> None:
+        """Cancel a goal, or all of an action."""
+        if isinstance(handle, GoalTopics):
+            handle.cancel(request)
+            return
+        assert isinstance(handle, _Asked)
+        if request is not None:
+            self._open_socket().put(_cancel(handle.name, request))
+            return
+        self._open_socket()
+        number = f"c{next(self._ids)}"
+        nothing: dict[str, Any] = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
+        question = {"op": "call_service", "id": number, "service": f"{handle.name}/_action/cancel_goal"}
+        self._errands.append(Errand(self.place, {**question, "args": {"goal_info": nothing}}))
+
+    def _missing(self, handle: _Asked) -> str:
+        """Return that nobody serves an action or a service, as far as that is known, in a sentence."""
+        live = self.offers(handle.direction)
+        if handle.name in live or not self._rosapi.has_listed(handle.direction):
+            return ""
+        return f"No node offers the {handle.direction} `{handle.name}`.{did_you_mean(handle.name, live)}"
+
+    def _tend_errands(self) -> None:
+        """Forget those that are over; repeat a cancel; find goals whose server is gone."""
+        for errand in tuple(self._errands):  # other threads add to them
+            if errand.is_over:
+                self._errands.remove(errand)
+            request, action = errand.request, errand.question.get("action")
+            if errand.is_over or request is None or action is None:
+                continue
+            if missing := self._missing(_Asked("action", action, "")):
+                request.tell("lost", reason=missing)
+            if not request.is_wanted() or request.status == "lost":
+                self._open_socket().put(_cancel(action, request))
 
     def _receive(self, message: Mapping[str, Any]) -> None:
         """Process a message of the server; on the socket's thread."""
@@ -207,6 +298,9 @@ class RosbridgeTransport(Transport):
     def tend(self, in_need: bool) -> float:
         """Adapt the subscriptions to the pace of the program, and to publishers that came later."""
         rosapi, now = self._rosapi, time.monotonic()
+        for goals in self._actions:
+            goals.look()
+        self._tend_errands()
         quiet = [
             each
             for each in self._inputs.values()
@@ -254,7 +348,11 @@ class RosbridgeTransport(Transport):
         self._open_socket().put(text)
 
     def hint(self, handle: object) -> str:
-        """Return what may be wrong where a topic has a publisher, but no message came."""
+        """Return what may be wrong where a topic has a publisher, but no message came; or nobody serves."""
+        if isinstance(handle, GoalTopics):
+            return handle.hint()
+        if isinstance(handle, _Asked):
+            return self._missing(handle)
         assert isinstance(handle, _Handle)
         one = self._inputs.get(handle.topic) if handle.direction == "subscription" else None
         publishers = self._rosapi.publishers.get(handle.topic, ())
@@ -288,6 +386,15 @@ class _Handle(NamedTuple):
     topic: str
     number: int
     socket: Socket
+    every: bool
+
+
+class _Asked(NamedTuple):
+    """A service, or an action of ROS 2: nothing is joined before it is asked for."""
+
+    direction: Direction
+    name: str
+    type: str
 
 
 class _Input:
@@ -338,6 +445,10 @@ def _is_in(ours: object, theirs: object) -> bool:
     if isinstance(ours, Mapping):
         return isinstance(theirs, Mapping) and all(_is_in(ours[key], theirs.get(key)) for key in ours)
     return ours == theirs
+
+
+def _cancel(action: str, request: Request) -> str:
+    return json.dumps({"op": "cancel_action_goal", "id": request.id, "action": action})
 
 
 def _unsubscription(topic: str) -> str:

@@ -13,16 +13,27 @@ from __future__ import annotations
 
 import logging
 import os
+import socket
 import threading
 import time
 import xmlrpc.client
 from collections.abc import Callable, Mapping
 from http.client import HTTPConnection, HTTPException
+from io import BytesIO
 from typing import Any
 from urllib.parse import urlsplit
 
-from lrp_jupyter.bridges.ros.definitions import Definition, FieldType, canonical, definitions_of, parse_field
+from lrp_jupyter.bridges.ros.definitions import (
+    Definition,
+    FieldType,
+    canonical,
+    definitions_of,
+    parse_field,
+    part_of,
+)
+from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
+from lrp_jupyter.bridges.ros.requests import Request, own_words
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
 
@@ -45,11 +56,14 @@ class RospyTransport(Transport):
         self._master = _Master(self.place)
         self._pid: int | None = None
         self._every: dict[Any, bool] = {}  # of which subscribers every message counts
+        self._actions: list[GoalTopics] = []
+        self._service_types: dict[str, str] = {}
 
     def connect(self) -> None:
         """Find the master and, in a process's first connection, create the node."""
         rospy = _rospy()
         self._pid = int(self._master.ask("getPid"))
+        self._service_types = {}
         _make_node(self.place, self.node)
         if rospy.is_shutdown():
             raise BridgeError(
@@ -100,10 +114,32 @@ class RospyTransport(Transport):
         """Return the definitions from the classes of the installed packages."""
         return definitions_of(type_, _fields)
 
+    def offers(self, direction: Direction) -> Mapping[str, str]:
+        """Return the actions whose goals some node hears, or the services that the master knows."""
+        if direction == "action":
+            heard = {name for name, _nodes in self._master.ask("getSystemState")[1]}
+            found = actions_in(self.topics())
+            return {action: type_ for action, type_ in found.items() if f"{action}/goal" in heard}
+        known = [str(name) for name, _nodes in self._master.ask("getSystemState")[2]]
+        return {name: self._service_types.get(name, "") for name in known}
+
+    def type_of(self, direction: Direction, name: str) -> str:
+        """Ask the node of a service for its type; that of an action is known."""
+        if direction == "service" and not self._service_types.get(name):
+            self._service_types[name] = _service_type(self._master, name)
+        return super().type_of(direction, name) or ""
+
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Create a subscriber or a publisher."""
+        """Create a subscriber or a publisher, or the client's side of an action or a service."""
+        if direction == "action":
+            _class_of(f"{type_}ActionGoal")  # before anything is joined
+            goals = GoalTopics(self, topic, type_)
+            self._actions.append(goals)
+            return goals
+        if direction == "service":
+            return RospyService(topic, _class_of(f"{type_}_Request", whole=True), self._is_offered)
         rospy, kind = _rospy(), _class_of(type_)
         try:
             if direction == "publisher":
@@ -134,11 +170,38 @@ class RospyTransport(Transport):
             while publisher.get_num_connections() == 0 and time.monotonic() < end:
                 time.sleep(0.01)
 
+    def _is_offered(self, service: str) -> bool:
+        return any(name == service for name, _nodes in self._master.ask("getSystemState")[2])
+
     def leave(self, handle: object) -> None:
         """Unregister."""
+        if isinstance(handle, (GoalTopics, RospyService)):
+            self._actions = [each for each in self._actions if each is not handle]
+            handle.leave()
+            return
         self._every.pop(handle, None)
         unregister: Callable[[], None] = handle.unregister  # type: ignore[attr-defined]
         unregister()
+
+    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+        """Send a goal, or call a service."""
+        assert isinstance(handle, (GoalTopics, RospyService))
+        handle.ask(values, request)
+
+    def cancel(self, handle: object, request: Request | None) -> None:
+        """Cancel a goal, or all of an action."""
+        assert isinstance(handle, GoalTopics)
+        handle.cancel(request)
+
+    def tend(self, in_need: bool) -> float:
+        """Look for goals that were lost."""
+        for goals in self._actions:
+            goals.look()
+        return super().tend(in_need)
+
+    def hint(self, handle: object) -> str:
+        """Return that nobody serves an action or a service."""
+        return handle.hint() if isinstance(handle, (GoalTopics, RospyService)) else ""
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish. Types were checked when the message was filled: rospy does it only for subscribers."""
@@ -148,8 +211,7 @@ class RospyTransport(Transport):
         publisher: Any = handle
         message = publisher.data_class()
         try:
-            genpy.message.fill_message_args(message, [dict(values)])
-            _fill_stamps(message, values, genpy.Time.from_sec(time.time()))
+            fill(message, values)
             publisher.publish(message)
         except (genpy.MessageException, rospy.ROSException) as error:
             raise BridgeError(f"`{publisher.resolved_name}` refuses the message: {error}") from error
@@ -206,19 +268,33 @@ def _make_node(master: str, name: str) -> None:
         _node_master = master
 
 
-def _class_of(type_: str) -> Any:
+def _class_of(type_: str, whole: bool = False) -> Any:
+    """Return the class of a type of messages, or of the `whole` service that they are part of."""
     import roslib.message
 
+    of, part = part_of(type_)
+    is_service = part in ("Request", "Response")
     try:
-        found = roslib.message.get_message_class(type_)
+        if is_service:
+            found = roslib.message.get_service_class(of)
+        else:
+            found = roslib.message.get_message_class(of + part)
     except ValueError:
         found = None
     if found is None:
-        package = type_.partition("/")[0]
+        package, kind = of.partition("/")[0], "service" if is_service else "action" if part else "message"
         raise RefusedError(
-            f"There is no message type `{type_}` here. Is `{package}` installed, and is the name right?"
+            f"There is no {kind} type `{of}` here. Is `{package}` installed, and is the name right?"
         )
-    return found
+    return getattr(found, f"_{part.lower()}_class") if is_service and not whole else found
+
+
+def fill(message: Any, values: Mapping[str, Any]) -> None:
+    """Put values into a message of genpy, and the time into headers that have none."""
+    import genpy
+
+    genpy.message.fill_message_args(message, [dict(values)])
+    _fill_stamps(message, values, genpy.Time.from_sec(time.time()))
 
 
 def _fill_stamps(message: Any, values: object, now: Any) -> None:
@@ -256,11 +332,11 @@ class _Master:
         if not urlsplit(uri).hostname:
             raise BridgeError(f"`{uri}` is not the address of a ROS master. Write `http://host:11311`.")
 
-    def ask(self, question: str) -> Any:
+    def ask(self, question: str, *arguments: str) -> Any:
         """Call a function of the master and return its answer."""
         try:
             with xmlrpc.client.ServerProxy(self._uri, transport=_Timed()) as proxy:
-                code, text, value = getattr(proxy, question)("/lrp")
+                code, text, value = getattr(proxy, question)("/lrp", *arguments)
         except (TimeoutError, OSError, HTTPException, xmlrpc.client.Error, ValueError) as error:
             raise BridgeError(
                 f"No ROS master answers at `{self._uri}` ({error}). Start `roscore`, or name its `host`."
@@ -268,3 +344,68 @@ class _Master:
         if code != 1:
             raise BridgeError(f"The ROS master at `{self._uri}` refuses {question}: {text}")
         return value
+
+
+class RospyService:
+    """A service, each call of which has a thread and a connection of its own: rospy waits without a limit."""
+
+    def __init__(self, name: str, kind: Any, is_offered: Callable[[str], bool]) -> None:
+        self._name, self._kind, self._is_offered = name, kind, is_offered
+        self._calls: list[Any] = []
+
+    def ask(self, values: Mapping[str, Any], request: Request) -> None:
+        """Call it, on a thread of its own."""
+        proxy = _rospy().ServiceProxy(
+            self._name, self._kind, persistent=True
+        )  # it can be closed while it waits
+        self._calls.append(proxy)
+        work = threading.Thread(
+            target=self._call, args=(proxy, values, request), name="ROS call", daemon=True
+        )
+        work.start()
+
+    def _call(self, proxy: Any, values: Mapping[str, Any], request: Request) -> None:
+        try:
+            message = self._kind._request_class()
+            fill(message, values)
+            request.tell("succeeded", result=proxy.call(message))
+        except Exception as error:  # of rospy, genpy, or the node that serves
+            why = own_words(self.hint() or str(error) or type(error).__name__)
+            is_gone = isinstance(error, _rospy().ServiceException) and "with an error" not in str(error)
+            request.tell("lost" if is_gone else "aborted", reason=f"`{self._name}`: {why}")
+        finally:
+            proxy.close()
+            if proxy in self._calls:
+                self._calls.remove(proxy)
+
+    def leave(self) -> None:
+        """End the calls that wait."""
+        calls, self._calls = self._calls, []
+        for proxy in calls:
+            proxy.close()
+
+    def hint(self) -> str:
+        """Return that no node serves it, in a sentence, or an empty text."""
+        try:
+            is_offered = self._is_offered(self._name)
+        except BridgeError as error:
+            return str(error)
+        return "" if is_offered else f"no node offers the service `{self._name}`"
+
+
+def _service_type(master: _Master, name: str) -> str:
+    """Ask the node that serves a service for its type; empty: it does not say."""
+    import rosgraph.network
+    from rospy.core import parse_rosrpc_uri
+    from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
+
+    try:
+        host, port = parse_rosrpc_uri(master.ask("lookupService", name))
+        with socket.create_connection((host, port), _ANSWER) as connection:
+            connection.settimeout(_ANSWER)
+            asked = {"probe": "1", "md5sum": "*", "callerid": "/lrp", "service": name}
+            rosgraph.network.write_ros_handshake_header(connection, asked)
+            header = rosgraph.network.read_ros_handshake_header(connection, BytesIO(), DEFAULT_BUFF_SIZE)
+    except (OSError, BridgeError, rosgraph.network.ROSHandshakeException):
+        return ""
+    return canonical(str(header.get("type", "")))

@@ -6,10 +6,14 @@
      "subscriptions": {"odom": {"topic": "/odom", "type": "nav_msgs/Odometry", "stale_after": 0.5},
                        "light": {"topic": "/light"}},
      "publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist",
-                             "limits": {"linear": 0.5, "angular": 1.0}}}}
+                             "limits": {"linear": 0.5, "angular": 1.0}},
+                    "horn": {"topic": "/horn", "type": "std_msgs/Bool"}},
+     "actions": {"drive_to": {"action": "/move_base", "type": "move_base_msgs/MoveBase"}},
+     "services": {"spawn": {"service": "/spawn"}},
+     "stop": {"horn": {"data": false}}}
 
-A type that is left out is taken from the live topic. What can be checked without a robot is checked here, and
-the rest later.
+A type that is left out is taken from what is live. ``stop`` names what else is sent at a stop: a message, by
+its fields, through a publisher. What can be checked without a robot is checked here, and the rest later.
 
 Paper: §7.1 (figures 4 and 5: variable, topic, type).
 """
@@ -22,7 +26,7 @@ import math
 import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -30,23 +34,32 @@ from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
 from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
 
-Direction = Literal["subscription", "publisher"]
+Direction = Literal["subscription", "publisher", "action", "service"]
+TASKS: tuple[Direction, ...] = ("action", "service")
 
 _TOPIC = re.compile(r"/[A-Za-z]\w*(/[A-Za-z_]\w*)*$", re.ASCII)
 _TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*$", re.ASCII)
-_SECTIONS: Mapping[str, Direction] = {"subscriptions": "subscription", "publishers": "publisher"}
+_SECTIONS: Mapping[str, Direction] = {
+    "subscriptions": "subscription",
+    "publishers": "publisher",
+    "actions": "action",
+    "services": "service",
+}
+_NAMED = {"action": "action", "service": "service"}  # by what an entry names it, if not by its topic
+_OWN = {"subscription": ("stale_after",), "publisher": ("limits",), "action": ("limits",)}
 
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """A variable of the robot and the topic it is wired to."""
+    """A variable of the robot and the topic, action or service it is wired to."""
 
     variable: str  # the name after `robot.`
     direction: Direction
-    topic: str  # absolute: `odom` becomes `/odom`
-    type: str = ""  # `package/Type`; empty: that of the live topic
-    limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)  # of a publisher
+    topic: str  # absolute: `odom` becomes `/odom`; or the name of the action or service
+    type: str = ""  # `package/Type`; empty: that of the live one
+    limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)  # of what is sent
     stale_after: float | None = None  # s after which a subscription's last message is too old to drive by
+    at_stop: Mapping[str, Any] | None = None  # the fields that a publisher sends at a stop; None: it does not
 
     def __post_init__(self) -> None:
         parts = self.variable.split(".")
@@ -59,8 +72,9 @@ class Wire:
         if not _TOPIC.match(absolute):
             better = re.sub(r"/+", "/", "/" + re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
             hint = f" Did you mean `{better}`?" if _TOPIC.match(better) else ""
+            kind = _NAMED.get(self.direction, "topic")
             raise BridgeError(
-                f"`{topic}` is not a valid topic name. Use letters, digits and `_`, "
+                f"`{topic}` is not a valid {kind} name. Use letters, digits and `_`, "
                 f"with `/` between names.{hint}"
             )
         object.__setattr__(self, "topic", absolute)
@@ -71,7 +85,7 @@ class Wire:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything but variable and direction, as JSON."""
-        wire: dict[str, Any] = {"topic": self.topic}
+        wire: dict[str, Any] = {_NAMED.get(self.direction, "topic"): self.topic}
         if self.type:
             wire["type"] = self.type
         if self.limits:
@@ -94,9 +108,12 @@ def check_type(type_: str, also: Iterable[str] = ()) -> str:
 def setup_as_dict(wires: Iterable[Wire]) -> dict[str, Any]:
     """Return the JSON form of a set-up."""
     setup: dict[str, Any] = {"version": 1, "subscriptions": {}, "publishers": {}}
+    stops: dict[str, Any] = {}
     for wire in wires:
-        setup[f"{wire.direction}s"][wire.variable] = wire.as_dict()
-    return setup
+        setup.setdefault(f"{wire.direction}s", {})[wire.variable] = wire.as_dict()
+        if wire.at_stop is not None:
+            stops[wire.variable] = dict(wire.at_stop)
+    return {**setup, "stop": stops} if stops else setup
 
 
 def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...]:
@@ -105,7 +122,7 @@ def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...
         raise BridgeError(f"{where} is not a set-up. Write an object with `subscriptions` and `publishers`.")
     if setup.get("version", 1) != 1:
         raise BridgeError(f"{where} has version {setup['version']!r}, but only version 1 can be read.")
-    _no_others(setup, ("version", *_SECTIONS), where)
+    _no_others(setup, ("version", *_SECTIONS, "stop"), where)
     wires: dict[str, Wire] = {}
     for section, direction in _SECTIONS.items():
         entries = setup.get(section, {})
@@ -114,25 +131,41 @@ def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...
         for variable, entry in entries.items():
             place = f"{where}, `{section}.{variable}`"
             if variable in wires:
-                raise BridgeError(f"{place}: `{variable}` is already a subscription.")
+                raise BridgeError(f"{place}: `{variable}` is already {_a(wires[variable].direction)}.")
             wires[variable] = _wire_from(variable, direction, entry, place)
+    stops = setup.get("stop", {})
+    if not isinstance(stops, Mapping):
+        raise BridgeError(f"{where}: `stop` must be an object of publishers.")
+    publishers = [name for name, wire in wires.items() if wire.direction == "publisher"]
+    for variable, fields in stops.items():
+        place = f"{where}, `stop.{variable}`"
+        if variable not in publishers:
+            hint = did_you_mean(variable, publishers)
+            raise BridgeError(f"{place}: There is no publisher `{variable}`.{hint}")
+        if not isinstance(fields, Mapping):
+            raise BridgeError(f'{place}: Write the fields of the message, like `{{"data": 0}}`, or `{{}}`.')
+        wires[variable] = replace(wires[variable], at_stop=dict(fields))
     return tuple(wires.values())
 
 
 def _wire_from(variable: str, direction: Direction, entry: object, place: str) -> Wire:
+    named = _NAMED.get(direction, "topic")
     if isinstance(entry, str):
-        entry = {"topic": entry}
-    if not isinstance(entry, Mapping) or not isinstance(entry.get("topic"), str):
-        raise BridgeError(f"{place}: A `topic` is missing.")
-    own = "stale_after" if direction == "subscription" else "limits"
-    _no_others(entry, ("topic", "type", own), place)
+        entry = {named: entry}
+    if not isinstance(entry, Mapping) or not isinstance(entry.get(named), str):
+        raise BridgeError(f"{place}: {'An' if named == 'action' else 'A'} `{named}` is missing.")
+    _no_others(entry, (named, "type", *_OWN.get(direction, ())), place)
     type_, limits, stale_after = entry.get("type", ""), entry.get("limits", {}), entry.get("stale_after")
     if not isinstance(type_, str):
         raise BridgeError(f"{place}: The `type` must be a string.")
     try:
-        return Wire(variable, direction, entry["topic"], type_, _limits_from(limits), stale_after)
+        return Wire(variable, direction, entry[named], type_, _limits_from(limits), stale_after)
     except BridgeError as error:
         raise BridgeError(f"{place}: {error}") from None
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind == "action" else f"a {kind}"
 
 
 def _limits_from(limits: object) -> dict[str, float | tuple[float, float]]:

@@ -10,11 +10,12 @@ import contextlib
 import os
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import TopicLink
+from lrp_jupyter.bridges.ros.requests import Request
 from lrp_jupyter.bridges.ros.setup import Wire, load_setup, save_setup, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
@@ -64,7 +65,7 @@ class Wiring:
         with self._changing:
             if variable not in self._channels:
                 raise BridgeError(
-                    f"`{variable}` is connected to no topic.{did_you_mean(variable, self._channels)}"
+                    f"`{variable}` is connected to nothing.{did_you_mean(variable, self._channels)}"
                 )
             self._remove(self._channels[variable])
             self._store()
@@ -102,10 +103,17 @@ class Wiring:
             link.close()
 
     def stand_still(self, channel: Channel) -> None:
-        """Publish a velocity of zero on a channel, if it carries velocities; BridgeError: it was not sent."""
+        """Publish a velocity of zero, or what the set-up names for a stop; BridgeError: it was not sent."""
         link = self.link
-        if link is not None and channel.is_velocity:
-            link.send(channel, None if channel.message is None else channel.message(), urgent=True)
+        if link is not None and (channel.is_velocity or channel.wire.at_stop is not None):
+            link.send(channel, channel.stop_message(), urgent=True)
+
+    def cancel(self, channel: Channel, requests: Iterable[Request | None]) -> None:
+        """Cancel goals of an action; None: those of every client. BridgeError: it was not sent."""
+        link = self.link
+        if link is not None:
+            for request in requests:
+                link.cancel(channel, request)
 
     def wait_for_answers(self, patience: float) -> None:
         """Wait until the robot has answered for every channel, at most `patience` seconds."""
@@ -145,9 +153,10 @@ class Wiring:
 
     def _release(self, channel: Channel) -> None:
         """Stop what a channel has set in motion while the link still has it; it receives nothing more."""
-        if channel.has_moved:
+        if channel.may_move:
             with contextlib.suppress(BridgeError):  # it is lost and cannot be stopped from here
                 self.stand_still(channel)
+                self.cancel(channel, channel.unfinished)
         channel.forget()
 
     def _store(self) -> None:

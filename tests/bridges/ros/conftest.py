@@ -40,7 +40,9 @@ MODULES = (
     *("rospy", "rosgraph", "rosgraph_msgs", "roslib", "rospkg", "roscpp", "genpy", "genmsg"),
     *("catkin", "catkin_pkg", "pyparsing", "dateutil", "docutils", "six.py", "defusedxml"),
     *("std_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "actionlib_msgs"),
+    *("actionlib", "move_base_msgs", "std_srvs", "rosservice", "rosmsg", "rosbag"),
 )
+_NEEDED = ("rospy", "nav_msgs", "actionlib", "move_base_msgs", "std_srvs", "rosservice")
 PROGRAMS = ("/usr/bin/rosmaster", "/usr/bin/rostopic", "/usr/lib/topic_tools/relay")
 
 
@@ -265,6 +267,8 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
         ("rosapi._FIRST", 20.0),
         ("bridge._ANSWER", 20.0),
         ("bridge._ANSWER_ALL", 20.0),
+        ("goal_topics._SILENT", 60.0),
+        ("goal_topics._AGAIN", 5.0),
         ("rospy._ANSWER", 5.0),
         ("rospy._MEET", 5.0),
     ):
@@ -431,7 +435,7 @@ def _free_port() -> int:
 def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str, str], Path, int]]:
     """Make ROS importable, and return its environment: one port for all masters, as rospy has one."""
     missing = [str(path) for path in map(Path, PROGRAMS) if not path.exists()]
-    missing += [name for name in MODULES if not (DEBIAN / name).exists() and name in ("rospy", "nav_msgs")]
+    missing += [name for name in MODULES if not (DEBIAN / name).exists() and name in _NEEDED]
     if sys.version_info[:2] != (3, 11):
         missing.append("Debian's Python 3.11")
     if missing:

@@ -23,8 +23,19 @@ from lrp_jupyter.bridges.ros.definitions import FLOATS, INTEGERS, KNOWN, Definit
 SPELLED = {"float64": "double", "float32": "float", "bool": "boolean"}
 CODES = {"float64": "d", "float32": "f", "uint8": "B", "int32": "i"}
 STAMP = Definition("builtin_interfaces/Time", {"sec": FieldType("int32"), "nanosec": FieldType("uint32")})
+NAVIGATE = "nav2_msgs/Navigate"
+PARTS = {
+    f"{NAVIGATE}_Goal": {"pose": FieldType("geometry_msgs/PoseStamped")},
+    f"{NAVIGATE}_Feedback": {"left": FieldType("float64")},
+    f"{NAVIGATE}_Result": {"taken": FieldType("float64")},
+    "lamps/Switch_Request": {"on": FieldType("bool")},
+    "lamps/Switch_Response": {"said": FieldType("string")},
+    "action_msgs/CancelGoal_Request": {},
+    "action_msgs/CancelGoal_Response": {"return_code": FieldType("int8")},
+}
 HEADER = Definition("std_msgs/Header", {"stamp": FieldType(STAMP.type), "frame_id": FieldType("string")})
 TYPES = {**KNOWN, STAMP.type: STAMP, HEADER.type: HEADER}
+TYPES |= {name: Definition(name, fields) for name, fields in PARTS.items()}
 
 
 class ReliabilityPolicy(Enum):
@@ -78,6 +89,10 @@ class Graph:
     published: list[tuple[str, Any]] = field(default_factory=list)
     arrivals: queue.SimpleQueue[Any] = field(default_factory=queue.SimpleQueue)
     alive: list[object] = field(default_factory=list)
+    actions: dict[str, str] = field(default_factory=dict)
+    accepts: bool = True  # goals
+    goals: list[Goal] = field(default_factory=list)
+    services: dict[str, tuple[str, Any]] = field(default_factory=dict)
     refuses: str = ""
 
     def other_publishes(self, topic: str, type_: str, **qos: Any) -> None:
@@ -88,6 +103,99 @@ class Graph:
         for subscription in self.subscriptions:
             if subscription.topic_name == topic and subscription.callback is not None:
                 self.arrivals.put((subscription.callback, message))
+
+
+class Future:
+    """A result that comes later; its callbacks are called on the executor's thread."""
+
+    def __init__(self, graph: Graph, value: Any = None, error: Exception | None = None) -> None:
+        self._graph, self._value, self._error = graph, value, error
+        self._callbacks: list[Any] = []
+        self._is_done = value is not None or error is not None
+
+    def add_done_callback(self, callback: Any) -> None:
+        if self._is_done:
+            self._graph.arrivals.put((callback, self))
+        else:
+            self._callbacks.append(callback)
+
+    def set_result(self, value: Any) -> None:
+        self._value, self._is_done = value, True
+        for callback in self._callbacks:
+            self._graph.arrivals.put((callback, self))
+
+    def result(self) -> Any:
+        if self._error is not None:
+            raise self._error
+        return self._value
+
+
+class Goal:
+    """A goal, as its client and its server have it; how it goes, a test says."""
+
+    def __init__(self, graph: Graph, message: Any, feedback: Any) -> None:
+        self._graph, self.message, self._feedback = graph, message, feedback
+        self.accepted, self.cancels = graph.accepts, 0
+        self._result = Future(graph)
+
+    def get_result_async(self) -> Future:
+        return self._result
+
+    def cancel_goal_async(self) -> Future:
+        self.cancels += 1
+        return Future(self._graph, SimpleNamespace(return_code=0))
+
+    def report(self, left: float) -> None:
+        feedback = message_class(f"{NAVIGATE}_Feedback")(left=left)
+        self._graph.arrivals.put((self._feedback, SimpleNamespace(feedback=feedback)))
+
+    def end(self, status: int, taken: float = 0.0) -> None:
+        result = message_class(f"{NAVIGATE}_Result")(taken=taken)
+        self._result.set_result(SimpleNamespace(status=status, result=result))
+
+
+class ActionClient:
+    def __init__(self, node: Node, action_type: Any, action_name: str) -> None:
+        assert action_type.Goal is message_class(f"{NAVIGATE}_Goal")
+        self._graph, self._name = node._graph, action_name
+        self._graph.alive.append(self)
+
+    def server_is_ready(self) -> bool:
+        return self._name in self._graph.actions
+
+    def wait_for_server(self, timeout_sec: float) -> bool:
+        return self.server_is_ready()
+
+    def send_goal_async(self, goal: Any, feedback_callback: Any) -> Future:
+        made = Goal(self._graph, goal, feedback_callback)
+        self._graph.goals.append(made)
+        return Future(self._graph, made)
+
+    def destroy(self) -> None:
+        self._graph.alive.remove(self)
+
+
+class Client:
+    def __init__(self, graph: Graph, srv_type: Any, name: str) -> None:
+        self._graph, self.srv_type, self._name = graph, srv_type, name
+        graph.alive.append(self)
+
+    def service_is_ready(self) -> bool:
+        return self._name in self._graph.services
+
+    def wait_for_service(self, timeout_sec: float) -> bool:
+        return self.service_is_ready()
+
+    def call_async(self, request: Any) -> Future:
+        assert isinstance(request, self.srv_type.Request)
+        if self._name.endswith("/_action/cancel_goal"):
+            for goal in self._graph.goals:
+                goal.cancel_goal_async()
+            return Future(self._graph, self.srv_type.Response())
+        try:
+            return Future(self._graph, self._graph.services[self._name][1](request))
+        except Exception as error:
+            return Future(self._graph, error=error)
 
 
 class Node:
@@ -105,6 +213,17 @@ class Node:
         ends = [*self._graph.publishers, *self._graph.subscriptions]
         spelled = {end.topic_name: end.msg_type for end in ends if isinstance(end.msg_type, str)}
         return [(name, [type_.replace("/", "/msg/")]) for name, type_ in spelled.items()]
+
+    def get_service_names_and_types(self) -> list[tuple[str, list[str]]]:
+        hidden = {f"{name}/_action/cancel_goal": "action_msgs/CancelGoal" for name in self._graph.actions}
+        known = {name: type_ for name, (type_, _) in self._graph.services.items()} | hidden
+        return [(name, [type_.replace("/", "/srv/")]) for name, type_ in known.items()]
+
+    def create_client(self, srv_type: Any, srv_name: str) -> Client:
+        return Client(self._graph, srv_type, srv_name)
+
+    def destroy_client(self, client: Client) -> None:
+        self._graph.alive.remove(client)
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Endpoint]:
         return [end for end in self._graph.publishers if end.topic_name == topic]
@@ -249,9 +368,23 @@ def install(patch: pytest.MonkeyPatch) -> Graph:
         assert context in graph.alive
         return SingleThreadedExecutor(graph)
 
+    def actions(node: Node) -> list[tuple[str, list[str]]]:
+        assert node in graph.alive
+        return [(name, [type_.replace("/", "/action/")]) for name, type_ in graph.actions.items()]
+
+    def whole(type_: str, *parts: str) -> Any:
+        return SimpleNamespace(**{part: message_class(f"{type_}_{part}") for part in parts})
+
     modules: dict[str, dict[str, Any]] = {
         "rclpy": {"init": init, "create_node": create_node},
         "rclpy.context": {"Context": Context},
+        "rclpy.action": {"ActionClient": ActionClient, "get_action_names_and_types": actions},
+        "nav2_msgs": {},
+        "nav2_msgs.action": {"Navigate": whole(NAVIGATE, "Goal", "Feedback", "Result")},
+        "lamps": {},
+        "lamps.srv": {"Switch": whole("lamps/Switch", "Request", "Response")},
+        "action_msgs": {},
+        "action_msgs.srv": {"CancelGoal": whole("action_msgs/CancelGoal", "Request", "Response")},
         "rclpy.executors": {
             "SingleThreadedExecutor": executor,
         },
@@ -265,7 +398,7 @@ def install(patch: pytest.MonkeyPatch) -> Graph:
     }
     for name in TYPES:
         package, _, kind = name.partition("/")
-        if kind:
+        if kind and name not in PARTS:
             modules.setdefault(package, {})
             modules.setdefault(f"{package}.msg", {})[kind] = message_class(name)
     for name, names in modules.items():

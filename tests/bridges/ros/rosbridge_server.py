@@ -5,13 +5,15 @@ real ROS master with rospy (`python rosbridge_server.py PORT`), or a few topics 
 is strict or peculiar, it is, too: the messages of a connection are processed in their order, so that a
 service of ROS 2 that hangs holds up all later ones; an unknown operation leaves an error in the log; the
 newest message waits for `throttle_rate`, and without it and a queue, none waits; to each request to
-subscribe, it sends what the topic keeps; a message without a time stamp gets one; arrays of a fixed length
-cannot be packed; numbers that are not finite are null in a text.
+subscribe, it sends what the topic keeps; a header without a time stamp gets one; arrays of a fixed length
+cannot be packed; numbers that are not finite are null in a text. A goal of ROS 2 holds up its connection; it
+is found by its id, on whatever connection it came, and goes on if it is cancelled before it was accepted.
 """
 
 from __future__ import annotations
 
 import base64
+import contextlib
 import json
 import math
 import ssl
@@ -30,11 +32,42 @@ from websockets.sync.server import ServerConnection, serve
 Receive = Callable[[dict[str, Any]], None]
 
 
+class MemoryGoal:
+    """A goal of ROS 2, which goes as a test says."""
+
+    def __init__(self, values: dict[str, Any], feedback: Receive) -> None:
+        self.values, self.feedback = values, feedback
+        self.is_accepted, self.cancels = True, 0
+        self.outcome: tuple[int, dict[str, Any]] | None = None
+        self._ended = threading.Event()
+
+    def end(self, status: int, **result: Any) -> None:
+        self.outcome = (status, result)
+        self._ended.set()
+
+    def cancel(self) -> None:
+        self.cancels += 1
+        if self.is_accepted:
+            self.end(5)
+
+    def wait(self) -> None:
+        self._ended.wait()
+
+
 class MemoryGraph:
-    """Topics in memory, and a note of everything that was published on them."""
+    """Topics in memory, and a note of everything that was published on them.
+
+    `services`: by name, the type of each and what answers a call.
+    `actions`: of ROS 2, their types; `goals`: those that came, by the id of the client.
+    `accepts`: whether these are accepted at once.
+    """
 
     def __init__(self, definitions: dict[str, Any]) -> None:
         self.definitions = definitions
+        self.services: dict[str, tuple[str, Callable[[dict[str, Any]], dict[str, Any]]]] = {}
+        self.actions: dict[str, str] = {}
+        self.goals: dict[str, MemoryGoal] = {}
+        self.accepts = True
         self.types: dict[str, str] = {}
         self.heard: list[tuple[str, dict[str, Any]]] = []
         self.listeners: list[tuple[str, Receive]] = []
@@ -58,6 +91,25 @@ class MemoryGraph:
 
     def spelled(self, type_: str) -> str:
         return type_.replace("/", "/msg/", 1) if type_.count("/") == 1 else type_
+
+    def service_names(self) -> list[str]:
+        return [*self.services, "/robot/get_loggers"]
+
+    def service_type(self, name: str) -> str:
+        return self.services[name][0]
+
+    def call(self, name: str, values: dict[str, Any]) -> dict[str, Any]:
+        action = name.removesuffix("/_action/cancel_goal")
+        if action in self.actions:
+            for goal in tuple(self.goals.values()):
+                goal.cancel()
+            return {"return_code": 0}
+        if name not in self.services:
+            raise KeyError(f"Service {name} does not exist")
+        return self.services[name][1](values)
+
+    def part_typedefs(self, type_: str, part: str) -> list[dict[str, Any]]:
+        return self.typedefs(f"{type_.replace('/srv/', '/').replace('/action/', '/')}_{part}")
 
     def typedefs(self, type_: str) -> list[dict[str, Any]]:
         wanted, found = [type_.replace("/msg/", "/")], {}
@@ -171,13 +223,42 @@ class RospyGraph:
         except OSError:
             raise RuntimeError("Unable to communicate with master!") from None
 
+    def service_names(self) -> list[str]:
+        return [name for name, _nodes in self.master.getSystemState()[2][2]]
+
+    def service_type(self, name: str) -> str:
+        import rosservice
+
+        return rosservice.get_service_type(name) or ""
+
+    def call(self, name: str, values: dict[str, Any]) -> dict[str, Any]:
+        import genpy
+        import roslib.message
+
+        type_ = self.service_type(name)
+        if not type_:
+            raise KeyError(f"Service {name} does not exist")
+        kind = roslib.message.get_service_class(type_)
+        request = kind._request_class()
+        genpy.message.fill_message_args(request, [values])
+        return as_json(self.rospy.ServiceProxy(name, kind).call(request))
+
+    def part_typedefs(self, type_: str, part: str) -> list[dict[str, Any]]:
+        import roslib.message
+
+        kind = roslib.message.get_service_class(type_)
+        return self._typedefs(getattr(kind, f"_{part.lower()}_class"))
+
     def typedefs(self, type_: str) -> list[dict[str, Any]]:
-        kind, found = self._class(type_), []
+        return self._typedefs(self._class(type_))
+
+    def _typedefs(self, kind: Any) -> list[dict[str, Any]]:
+        found: list[dict[str, Any]] = []
         shapes = [shape.partition("[") for shape in kind._slot_types]
         lengths = [int(rest[:-1] or 0) if bracket else -1 for _, bracket, rest in shapes]
         found.append(
             {
-                "type": type_,
+                "type": kind._type,
                 "fieldnames": list(kind.__slots__),
                 "fieldtypes": [base for base, _, _ in shapes],
                 "fieldarraylen": lengths,
@@ -236,13 +317,21 @@ class RospyGraph:
 
         message = handle.data_class()
         genpy.message.fill_message_args(message, [values])
-        if "header" in values and "stamp" not in values["header"]:
-            message.header.stamp = self.rospy.Time.from_sec(time.time())
+        self._stamp(message, values)
         with handle.impl.publock:
             handle.began = handle.began or time.monotonic()
             if time.monotonic() - handle.began < Latecomers.PATIENCE:
                 handle.first.append(message)
             handle.publish(message)
+
+    def _stamp(self, message: Any, values: Any) -> None:
+        """Put the time into headers without one, however deep."""
+        if not isinstance(values, dict):
+            return
+        if getattr(message, "_type", "") == "std_msgs/Header" and "stamp" not in values:
+            message.stamp = self.rospy.Time.from_sec(time.time())
+        for name, inner in values.items():
+            self._stamp(getattr(message, name), inner)
 
 
 PACKED = {
@@ -343,6 +432,8 @@ class RosbridgeServer:
         Services that never answer.
     details_end_rosapi : bool
         As before rosbridge 2.3.0 on ROS 2 Jazzy: `message_details` raises an error that ends rosapi.
+    is_recent : bool
+        As since rosbridge 3.0 on ROS 2: rosapi describes actions, and survives any question.
     packs, fails_to_pack : bool
         Whether it has the compression `cbor`; and whether it fails at it, as ROS 2 did before rosbridge 2.0.
     largest : int or None
@@ -362,7 +453,7 @@ class RosbridgeServer:
     ) -> None:
         self.graph, self.rosapi = graph, rosapi
         self.hangs: set[str] = set()
-        self.details_end_rosapi = False
+        self.details_end_rosapi = self.is_recent = False
         self.packs, self.fails_to_pack = True, False
         self.largest: int | None = None
         self.log: list[str] = []
@@ -378,6 +469,8 @@ class RosbridgeServer:
 
     def close(self) -> None:
         self._over.set()
+        for goal in getattr(self.graph, "goals", {}).values():
+            goal.end(6)
         self._server.shutdown()
         for client in tuple(self.clients):
             client.close_socket()
@@ -448,14 +541,49 @@ class RosbridgeServer:
         elif operation == "publish":
             handles = [handle for name, handle in publishers.values() if name == topic]
             self.graph.publish(handles[0], request["msg"])
+        elif operation == "call_service" and not self.graph.is_ros2:
+            if request["service"].startswith("/rosapi/"):
+                self._call(client, request)
+            else:  # on a thread of its own
+                threading.Thread(target=self._call, args=(client, request), daemon=True).start()
+        elif operation == "send_action_goal" and self.graph.is_ros2:
+            self._pursue(client, request)
+        elif operation == "cancel_action_goal" and self.graph.is_ros2:
+            goal = self.graph.goals.get(request["id"])  # type: ignore[union-attr]
+            if goal is not None and goal.outcome is None:
+                goal.cancel()
         elif operation == "call_service":
-            answer = self._answer(request)
-            if answer is not None:
-                client.send(json.dumps(answer))
-            elif self.graph.is_ros2:
-                self._over.wait()  # as the real one waits: this connection's next message is not processed
+            self._call(client, request)
         else:
             raise KeyError(f"Unknown operation: {operation}.")
+
+    def _call(self, client: ServerConnection, request: dict[str, Any]) -> None:
+        answer = self._answer(request)
+        if answer is not None:
+            with contextlib.suppress(ConnectionClosed):
+                client.send(json.dumps(answer))
+        elif self.graph.is_ros2:
+            self._over.wait()  # as the real one waits: this connection's next message is not processed
+
+    def _pursue(self, client: ServerConnection, request: dict[str, Any]) -> None:
+        """Wait for the result of a goal; this connection's next message is not processed before."""
+        about = {"action": request["action"], "id": request["id"]}
+        graph = self.graph
+        assert isinstance(graph, MemoryGraph)
+
+        def feedback(values: dict[str, Any]) -> None:
+            client.send(json.dumps({"op": "action_feedback", **about, "values": values}))
+
+        goal = MemoryGoal(request["args"], feedback)
+        goal.is_accepted = graph.accepts
+        graph.goals[request["id"]] = goal
+        goal.wait()
+        status, result = goal.outcome or (0, {})
+        answer = {"op": "action_result", **about, "values": result, "status": status, "result": True}
+        if status == 0:
+            answer |= {"values": "Action goal was rejected", "result": False}
+        with contextlib.suppress(ConnectionClosed):
+            client.send(json.dumps(answer))
 
     def _forward(
         self, client: ServerConnection, topic: str, type_: str, request: dict[str, Any], values: Any
@@ -490,12 +618,17 @@ class RosbridgeServer:
             self.log.append("KeyError: 'check_fields'")
             return None
         try:
+            if service == request["service"]:
+                return {**answer, "values": self.graph.call(service, arguments), "result": True}
             if not self.rosapi:
                 raise KeyError(f"Service {request['service']} does not exist")
             return {**answer, "values": self._rosapi(service, arguments), "result": True}
         except Exception as error:
             self.log.append(f"call_service {type(error).__name__}: {error}")
             return {**answer, "values": f"{type(error).__name__}: {error}", "result": False}
+
+    def _spelled(self, type_: str, kind: str) -> str:
+        return type_.replace("/", f"/{kind}/", 1) if self.graph.is_ros2 else type_
 
     def _rosapi(self, service: str, arguments: dict[str, Any]) -> dict[str, Any]:
         graph = self.graph
@@ -507,6 +640,18 @@ class RosbridgeServer:
             return {"topics": list(topics), "types": list(topics.values()), "typedefs_full_text": texts}
         if service == "message_details":
             return {"typedefs": graph.typedefs(arguments["type"])}
+        if service == "services":
+            own = ["/rosapi/action_goal_details"] if self.is_recent else []
+            return {"services": [*graph.service_names(), *own]}
+        if service == "service_type":
+            return {"type": self._spelled(graph.service_type(arguments["service"]), "srv")}
+        if service == "action_servers":
+            return {"action_servers": list(graph.actions)}  # type: ignore[union-attr]
+        if service == "action_type" and self.is_recent:
+            return {"type": self._spelled(graph.actions[arguments["action"]], "action")}  # type: ignore[union-attr]
+        kind, _, part = service.removesuffix("_details").partition("_")
+        if service.endswith("_details") and (kind == "service" or (kind == "action" and self.is_recent)):
+            return {"typedefs": graph.part_typedefs(arguments["type"], part.capitalize())}
         if service in ("publishers", "subscribers"):
             return {service: graph.nodes(arguments["topic"], service)}
         if service == "get_time":

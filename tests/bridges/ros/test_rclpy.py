@@ -181,3 +181,96 @@ def test_a_message_that_rclpy_refuses_is_told(ros: RosBridge, graph: Any) -> Non
 def test_without_rclpy_it_says_what_to_do() -> None:
     with pytest.raises(BridgeError, match=r"cannot import rclpy .*setup\.bash.*`dds`"):
         RosBridge(backend="rclpy").open()
+
+
+# -- actions and services -------------------------------------------------------------------------
+
+
+@pytest.fixture
+def asked(ros: RosBridge, graph: Any) -> RosBridge:
+    """The same, with an action and a service."""
+    graph.actions["/navigate"] = stand_in.NAVIGATE
+
+    def switch(request: Any) -> Any:
+        if not request.on:
+            raise RuntimeError("it is stuck")
+        return stand_in.message_class("lamps/Switch_Response")(said="on")
+
+    graph.services["/lamp"] = ("lamps/Switch", switch)
+    until(lambda: "/lamp" in ros.offers.get("service", {}))
+    ros.action("drive_to", "/navigate")
+    ros.service("lamp", "/lamp")
+    return ros
+
+
+def latched(ros: RosBridge, name: str = "drive_to") -> tuple[str | None, str]:
+    """What a tick sees."""
+    ros.begin_tick(0.0, 0.1)
+    ros.end_tick(0.0)
+    task = getattr(ros.robot, name)
+    return task.status, task.reason
+
+
+def drive(ros: RosBridge, graph: Any, x: float) -> Any:
+    """Ask for a goal; return it, when it has come."""
+    latched(ros)  # a tick in which it was stopped is over
+    before = len(graph.goals)
+    ros.robot.drive_to(pose_pose_position_x=x)
+    until(lambda: len(graph.goals) > before)
+    return graph.goals[before]
+
+
+def test_a_goal_is_pursued_replaced_reached_and_cancelled(asked: RosBridge, graph: Any) -> None:
+    assert asked.panel().tables[2].rows == (
+        ("/navigate", "action", stand_in.NAVIGATE),
+        ("/lamp", "service", "lamps/Switch"),
+    )
+    first = drive(asked, graph, 1.0)
+    assert first.message.pose.pose.position.x == 1.0
+    first.report(0.5)
+    until(lambda: latched(asked) and asked.robot.drive_to.feedback)
+    assert asked.robot.drive_to.feedback.left == 0.5
+    second = drive(asked, graph, 2.0)
+    until(lambda: first.cancels)
+    assert not second.cancels
+    second.end(4, taken=3.5)
+    until(lambda: latched(asked) == ("succeeded", ""))
+    assert asked.robot.drive_to.result.taken == 3.5
+    third = drive(asked, graph, 3.0)
+    third.report(0.25)
+    until(lambda: latched(asked) and asked.robot.drive_to.feedback)
+    asked.stop_all()
+    assert third.cancels
+
+
+@pytest.mark.parametrize(("number", "status"), [(5, "cancelled"), (6, "aborted")])
+def test_each_end_of_a_goal_has_its_own_status(
+    asked: RosBridge, graph: Any, number: int, status: str
+) -> None:
+    drive(asked, graph, 1.0).end(number)
+    until(lambda: latched(asked)[0] == status)
+
+
+def test_a_goal_that_is_rejected_or_has_no_server_says_so(asked: RosBridge, graph: Any) -> None:
+    graph.accepts = False
+    drive(asked, graph, 1.0)
+    until(lambda: latched(asked)[0] == "rejected")
+    graph.accepts = True
+    drive(asked, graph, 2.0)
+    del graph.actions["/navigate"]
+    until(lambda: latched(asked) == ("lost", "No server of the action `/navigate` is there."))
+    asked.robot.drive_to(pose_pose_position_x=3.0)
+    until(lambda: latched(asked)[0] == "lost")
+    assert len(graph.goals) == 2
+
+
+def test_a_service_answers_fails_or_is_not_there(asked: RosBridge, graph: Any) -> None:
+    asked.robot.lamp(on=True)
+    until(lambda: latched(asked, "lamp")[0] == "succeeded")
+    assert asked.robot.lamp.result.said == "on"
+    asked.robot.lamp(on=False)
+    until(lambda: latched(asked, "lamp")[0] == "aborted")
+    assert "it is stuck" in asked.robot.lamp.reason
+    del graph.services["/lamp"]
+    asked.robot.lamp(on=True)
+    until(lambda: latched(asked, "lamp")[0] == "lost")

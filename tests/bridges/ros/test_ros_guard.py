@@ -39,6 +39,31 @@ class TestARosRobot(StandsStill):
     """Its stopper has a node, or a connection to the rosbridge server, of its own."""
 
 
+class TestARosRobotWithAGoal(StandsStill):
+    """It drives by itself, and its own server goes on: the guard cancels the goal."""
+
+    @pytest.fixture
+    def robot(self, real: Any, backend: str, tmp_path: Path) -> Robot:
+        node = Path(__file__).with_name("action_node.py")
+        printed = real.lines(real.start(sys.executable, str(node), "full", ready=True))
+        port = real.start_rosbridge() if backend == "rosbridge" else real.master_port
+        setup = tmp_path / "setup.json"
+        setup.write_text('{"actions": {"drive_to": "/move_base"}}')
+
+        def speeds() -> list[tuple[float, float]]:
+            return [(0.0, float(line.startswith("drives"))) for line in list(printed)]
+
+        options = {"backend": backend, "host": "127.0.0.1", "port": port, "setup": str(setup)}
+        named = [f"{name}={value}" for name, value in options.items()]
+        return Robot(
+            speeds,
+            ("--bridge", "ros", *(part for option in named for part in ("--option", option))),
+            environment=real.environment,
+            program="(machine m (state s (onentry [robot.drive_to(target_pose_pose_position_x=2.0)])))"
+            " (spawn m s)",
+        )
+
+
 def test_a_robot_whose_commands_cease_is_stopped_on_its_own_side(
     real: Any, robot: Robot, backend: str
 ) -> None:

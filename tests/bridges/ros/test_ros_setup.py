@@ -77,7 +77,7 @@ names = st.text("abcz09", min_size=1, max_size=8).map("n{}".format)
 wires = st.builds(
     Wire,
     names.map("v_{}".format),
-    st.sampled_from(["subscription", "publisher"]),
+    st.sampled_from(["subscription", "publisher", "action", "service"]),
     st.lists(names, min_size=1, max_size=3).map("/".join),
     st.sampled_from(["", "std_msgs/String", "nav_msgs/msg/Odometry"]),
 )
@@ -106,11 +106,33 @@ def test_a_setup_is_the_same_after_a_way_through_json(setup: list[Wire]) -> None
         ({"subscriptions": {"a": {"topic": "/a", "stale_after": "1"}}}, "seconds above 0, not '1'"),
         ({"publishers": {"a": {"topic": "/a", "stale_after": 1}}}, "There is no `stale_after`"),
         ({"subscriptions": {"a": "/a"}, "publishers": {"a": "/b"}}, "is already a subscription"),
+        ({"actions": {"a": "/a"}, "services": {"a": "/b"}}, "is already an action"),
+        ({"actions": {"a": {"topic": "/a"}}}, "An `action` is missing"),
+        ({"services": {"a": {"service": "/a", "limits": {}}}}, "There is no `limits`"),
+        ({"services": {"a": "/a.b"}}, r"not a valid service name.*Did you mean `/a/b`"),
+        ({"publishers": {"cancel": "/c"}, "stop": {"cancle": {}}}, "Did you mean `cancel`"),
+        ({"publishers": {"cancel": "/c"}, "stop": {"cancel": True}}, "Write the fields of the message"),
+        ({"publishers": {"cancel": "/c"}, "stop": []}, "`stop` must be an object of publishers"),
     ],
 )
 def test_a_mistake_in_a_setup_is_named_with_its_place(setup: Any, sentence: str) -> None:
     with pytest.raises(BridgeError, match=sentence):
         RosBridge(setup=setup) if isinstance(setup, dict) else setup_from_dict(setup)
+
+
+def test_what_a_setup_names_is_sent_at_every_stop_and_a_wrong_field_is_refused(
+    make: Make, graph: Any
+) -> None:
+    graph.types["/lamp"] = "std_msgs/Bool"
+    stop = {"publishers": {"lamp": "/lamp", "cancel": {"topic": "/cancel", "type": "std_msgs/Empty"}}}
+    setup = {**stop, "stop": {"lamp": {"data": False}, "cancel": {}}}
+    ros = make(setup=setup)
+    ros.open()
+    assert ros.setup["stop"] == setup["stop"]
+    assert ros.stop_all()
+    until(lambda: ("/cancel", {}) in graph.heard and ("/lamp", {"data": False}) in graph.heard)
+    with pytest.raises(BridgeError, match=r"What is to be sent at a stop: .*`msg` has no `dat`"):
+        ros.publish("bell", "/lamp", at_stop={"dat": False})
 
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
@@ -282,7 +304,7 @@ def test_a_removed_variable_is_gone(ros: RosBridge, graph: Any) -> None:
     ros.remove("odom")
     until(lambda: not graph.listeners)
     assert dir(ros.robot) == ["stop"]
-    with pytest.raises(BridgeError, match="`odom` is connected to no topic"):
+    with pytest.raises(BridgeError, match="`odom` is connected to nothing"):
         ros.remove("odom")
 
 
@@ -424,7 +446,7 @@ def test_what_cannot_be_connected_is_reported_in_its_row(ros: RosBridge) -> None
         ("publish", "", {"variable": "move", "topic": "/m", "stale_after": "1"}, "is for subscriptions"),
         ("subscribe", "", {"variable": "odom", "topic": "/o", "stale_after": "soon"}, "must be a number"),
         ("subscribe", "", {"variable": "odom", "topic": "/o", "stale_after": "-1"}, "a number of seconds"),
-        ("remove", "nothing", {}, "connected to no topic"),
+        ("remove", "nothing", {}, "connected to nothing"),
         ("save", "", {}, "Name one"),
         ("jump", "", {}, "no button `jump`"),
     ],
@@ -487,12 +509,18 @@ def test_arming_names_what_every_stop_reaches_and_what_goes_on(make: Make) -> No
     ros.connect(Wire("lamp", "publisher", "/lamp", "std_msgs/Bool"), wait=False)
     said = (
         " Every stop is a velocity of zero on `/cmd_vel`:"
-        " what a message on `/move_base_simple/goal` or `/lamp` has begun goes on."
+        " what was sent to `/move_base_simple/goal` or `/lamp` and has begun goes on."
     )
     assert ros.failsafe == plain + said
     ros.arm()
     assert ros.safety.notices[-1].text.endswith(said)
     ros.remove("move")
     assert ros.failsafe.endswith(
-        " No stop is sent: what a message on `/move_base_simple/goal` or `/lamp` has begun goes on."
+        " No stop is sent: what was sent to `/move_base_simple/goal` or `/lamp` and has begun goes on."
+    )
+    ros.connect(Wire("drive_to", "action", "/move_base", "move_base_msgs/MoveBase"), wait=False)
+    ros.connect(Wire("lamp", "publisher", "/lamp", "std_msgs/Bool", at_stop={"data": False}), wait=False)
+    assert ros.failsafe.endswith(
+        " Every stop cancels the goals of `/move_base` and sends what the set-up says on `/lamp`:"
+        " what was sent to `/move_base_simple/goal` and has begun goes on."
     )

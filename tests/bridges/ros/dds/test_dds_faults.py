@@ -51,6 +51,22 @@ def other(domain: int) -> Iterator[DdsNode]:
     node.close()
 
 
+# -- what it has not ----------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("other")
+def test_an_action_and_a_service_are_refused_with_the_back_end_that_has_them(connect: Make) -> None:
+    ros = connect()
+    for ask in (
+        lambda: ros.action("drive_to", "/navigate", "nav2_msgs/NavigateToPose"),
+        lambda: ros.service("spawn", "/spawn"),
+    ):
+        with pytest.raises(
+            BridgeError, match=r"has topics only\. Use `rosbridge` for an action or a service"
+        ):
+            ask()
+
+
 # -- opening ------------------------------------------------------------------------------------------
 
 
