@@ -41,7 +41,7 @@ from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction, Wire, check_type, setup_as_dict
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
@@ -315,7 +315,7 @@ class RosBridge(Bridge):
             raise BridgeError("The bridge `ros` is closed.")
         assert isinstance(message, RosMessage)
         is_call = channel.wire.direction == "service"  # it is made, whoever waits for it
-        request = Request(partial(self._hear, channel, task), lambda: is_call or task.is_wanted)
+        request = RosRequest(partial(self._hear, channel, task), lambda: is_call or task.is_wanted)
         channel.requests[task] = request
         try:
             link.ask(channel, message, request)
@@ -356,8 +356,8 @@ class RosBridge(Bridge):
     def stop(self) -> None:
         """Publish a velocity of zero on every velocity topic, and what the set-up names; cancel goals.
 
-        Of our own, those that are not wanted any more: where all is stopped, none is; and where only a velocity
-        is overdue, the tasks go on. A guard cancels the goals of every client.
+        Of our own goals, those that are not wanted any more: where all is stopped, none is; and where only a
+        velocity is overdue, the tasks go on. A guard cancels the goals of every client.
         """
         failures, is_guard = [], self._node == GUARD_NODE
         for channel in self.wiring.channels:

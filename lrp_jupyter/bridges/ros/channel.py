@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.latched_values import Backlog
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
@@ -36,7 +36,7 @@ class Channel:
         self.form: Form | None = None  # decodes messages or results, if the type is known
         self.feedback_form: Form | None = None  # … and those in between, of an action
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
-        self.requests: dict[object, Request] = {}  # by their tasks, until the robot has ended them
+        self.requests: dict[object, RosRequest] = {}  # by their tasks, until the robot has ended them
         self.latest: Arrival | None = None  # None again after the connection was lost
         self.latched: Arrival | None = None  # in this tick …
         self.seen: Arrival | None = None  # … or in the last one; or it is no news for another reason
@@ -63,7 +63,7 @@ class Channel:
         return self.wire.direction == "publisher" and (self.type in VELOCITIES or is_move)
 
     @property
-    def unfinished(self) -> tuple[Request, ...]:
+    def unfinished(self) -> tuple[RosRequest, ...]:
         """The goals of an action that the robot may be busy with."""
         if self.wire.direction != "action":
             return ()

@@ -23,7 +23,7 @@ from statistics import median
 from typing import Any
 
 from lrp_jupyter.bridges.ros.link import Transport
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.tasks import TaskStatus
 from lrp_jupyter.errors import BridgeError, ended
 
@@ -97,7 +97,7 @@ class GoalTopics:
 
     # -- what is asked for ------------------------------------------------------------------------
 
-    def ask(self, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
         """Send a goal until the server has it; bounded. BridgeError: it cannot be sent."""
         goal = _Goal(request)
         with self._changed:
@@ -117,7 +117,7 @@ class GoalTopics:
             why = "it ignores the goal" if self._is_heard(time.monotonic()) else "there is none, or it hangs"
             request.tell("lost", reason=f"No action server of `{self._name}` takes the goal: {why}.")
 
-    def cancel(self, request: Request | None) -> None:
+    def cancel(self, request: RosRequest | None) -> None:
         """Cancel a goal, or all goals that the server has, of whatever client."""
         if request is None:
             self._transport.send(self._cancel, {}, urgent=True)
@@ -233,7 +233,7 @@ class GoalTopics:
 class _Goal:
     """A goal of ours, as far as the server has spoken of it."""
 
-    def __init__(self, request: Request) -> None:
+    def __init__(self, request: RosRequest) -> None:
         self.request, self.asked_at = request, time.monotonic()
         self.is_known = self.is_cancelled = self.is_being_cancelled = False
         self.end: TaskStatus = "active"

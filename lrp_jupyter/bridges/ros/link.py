@@ -19,7 +19,7 @@ from lrp_jupyter.bridges.link import Link
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, messages_of
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.bridges.ros.types import RosMessage, Types
 from lrp_jupyter.errors import BridgeError, LRPError, did_you_mean, ended
@@ -133,11 +133,11 @@ class Transport(ABC):
     def hear(self, handle: object, every: bool) -> None:
         """Have every message of a subscription delivered from now on, or only the last ones."""
 
-    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
         """Send a goal or a call, and have the request told how it goes."""
         raise NotImplementedError  # where `has_tasks` is False
 
-    def cancel(self, handle: object, request: Request | None) -> None:
+    def cancel(self, handle: object, request: RosRequest | None) -> None:
         """Cancel what an action was asked for; None: all its goals, of whatever client; urgent as a stop."""
         raise NotImplementedError
 
@@ -206,13 +206,13 @@ class TopicLink(Link):
         self.transport.send(handle, message.as_dict(), urgent)
         channel.sent(message)
 
-    def ask(self, channel: Channel, message: RosMessage, request: Request) -> None:
+    def ask(self, channel: Channel, message: RosMessage, request: RosRequest) -> None:
         """Ask for a goal or a call; it may take a moment. BridgeError: it was not sent."""
         handle = self._handle(channel, urgent=False)
         channel.sent(message)
         self.transport.ask(handle, message.as_dict(), request)
 
-    def cancel(self, channel: Channel, request: Request | None) -> None:
+    def cancel(self, channel: Channel, request: RosRequest | None) -> None:
         """Cancel a goal at once, or (None) all goals; BridgeError: that was not sent."""
         self.transport.cancel(self._handle(channel, urgent=True), request)
 

@@ -28,7 +28,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.rclpy_tasks import RclpyAction, RclpyService
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.errors import BridgeError, sentence_of
 
@@ -160,12 +160,12 @@ class RclpyTransport(Transport):
         )
         return RclpyAction(name, kind, client, canceller, _fill)
 
-    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
         """Send a goal, or call a service."""
         assert isinstance(handle, (RclpyAction, RclpyService))
         handle.ask(values, request)
 
-    def cancel(self, handle: object, request: Request | None) -> None:
+    def cancel(self, handle: object, request: RosRequest | None) -> None:
         """Cancel a goal, or all of an action."""
         assert isinstance(handle, RclpyAction)
         handle.cancel(request)
@@ -275,7 +275,7 @@ def _class_of(type_: str) -> Any:
     of, part = part_of(type_)
     if not part:
         return _whole_class(type_, "")
-    return getattr(_whole_class(of, "service" if part in ("Request", "Response") else "action"), part)
+    return getattr(_whole_class(of, "service" if part in ("RosRequest", "Response") else "action"), part)
 
 
 def _whole_class(type_: str, direction: str) -> Any:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.tasks import TaskStatus
 from lrp_jupyter.errors import ended, sentence_of
 
@@ -21,9 +21,9 @@ class RclpyAction:
 
     def __init__(self, name: str, kind: Any, client: Any, canceller: Any, fill: Fill) -> None:
         self._name, self._kind, self.client, self.canceller, self._fill = name, kind, client, canceller, fill
-        self._goals: dict[Request, Any] = {}  # those that are not over; None until it is accepted
+        self._goals: dict[RosRequest, Any] = {}  # those that are not over; None until it is accepted
 
-    def ask(self, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
         """Send a goal to a server, if there is one soon."""
         goal = self._kind.Goal()
         self._fill(goal, values)
@@ -34,10 +34,10 @@ class RclpyAction:
             sent = self.client.send_goal_async(goal, feedback_callback=partial(self._hear, request))
             sent.add_done_callback(partial(self._decided, request))
 
-    def _hear(self, request: Request, message: Any) -> None:
+    def _hear(self, request: RosRequest, message: Any) -> None:
         request.tell("active", feedback=message.feedback)
 
-    def _decided(self, request: Request, future: Any) -> None:
+    def _decided(self, request: RosRequest, future: Any) -> None:
         try:
             goal = future.result()
         except Exception as error:  # of the middleware
@@ -51,7 +51,7 @@ class RclpyAction:
         if not request.is_wanted():
             goal.cancel_goal_async()
 
-    def _ended(self, request: Request, future: Any) -> None:
+    def _ended(self, request: RosRequest, future: Any) -> None:
         try:
             answer = future.result()
         except Exception as error:
@@ -59,14 +59,14 @@ class RclpyAction:
             return
         self._end(request, _STATUS.get(answer.status, "aborted"), answer.result)
 
-    def _end(self, request: Request, status: TaskStatus, result: Any = None, reason: str = "") -> None:
+    def _end(self, request: RosRequest, status: TaskStatus, result: Any = None, reason: str = "") -> None:
         self._goals.pop(request, None)
         request.tell(status, result=result, reason=reason)
 
-    def cancel(self, request: Request | None) -> None:
+    def cancel(self, request: RosRequest | None) -> None:
         """Cancel a goal, now or when it is accepted, or all of the action."""
         if request is None:  # a request in which nothing is set
-            self.canceller.call_async(self.canceller.srv_type.Request())
+            self.canceller.call_async(self.canceller.srv_type.RosRequest())
             return
         goal = self._goals.get(request)
         if goal is not None:
@@ -88,11 +88,11 @@ class RclpyService:
 
     def __init__(self, name: str, kind: Any, client: Any, fill: Fill) -> None:
         self._name, self._kind, self.client, self._fill = name, kind, client, fill
-        self._calls: set[Request] = set()
+        self._calls: set[RosRequest] = set()
 
-    def ask(self, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
         """Call it, if it is there soon."""
-        message = self._kind.Request()
+        message = self._kind.RosRequest()
         self._fill(message, values)
         if not self.client.wait_for_service(timeout_sec=_SERVER):
             request.tell("lost", reason=f"{self.hint().capitalize()}.")
@@ -100,7 +100,7 @@ class RclpyService:
         self._calls.add(request)
         self.client.call_async(message).add_done_callback(partial(self._answered, request))
 
-    def _answered(self, request: Request, future: Any) -> None:
+    def _answered(self, request: RosRequest, future: Any) -> None:
         self._calls.discard(request)
         try:
             request.tell("succeeded", result=future.result())

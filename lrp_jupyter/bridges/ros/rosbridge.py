@@ -25,13 +25,13 @@ from lrp_jupyter.bridges.ros.definitions import (
     Definition,
     FieldType,
 )
-from lrp_jupyter.bridges.ros.errands import Errand
 from lrp_jupyter.bridges.ros.frames import knows_cbor
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, Transport
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
+from lrp_jupyter.bridges.ros.server_calls import ServerCall
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.bridges.ros.websocket import Socket, require_websockets
@@ -56,7 +56,7 @@ class RosbridgeTransport(Transport):
         self._inputs: dict[str, _Input] = {}
         self._outputs: dict[str, str] = {}  # the types of what was advertised
         self._actions: list[GoalTopics] = []
-        self._errands: list[Errand] = []
+        self._calls: list[ServerCall] = []
         self._echoes: dict[str, _Echo] = {}
         self._definitions: dict[str, Definition] = dict(KNOWN)
         self._packs: bool | None = None  # whether the server packs arrays; None: not seen yet
@@ -79,11 +79,11 @@ class RosbridgeTransport(Transport):
         socket, self._socket = self._socket, None
         if socket is not None:
             socket.close()
-        errands, self._errands, self._actions = self._errands, [], []
-        for errand in errands:
-            errand.end()
-        for errand in errands:
-            errand.has_ended(within=_END)
+        calls, self._calls, self._actions = self._calls, [], []
+        for call in calls:
+            call.end()
+        for call in calls:
+            call.has_ended(within=_END)
 
     def trouble(self) -> str:
         """Return a sentence if the server hangs."""
@@ -226,7 +226,7 @@ class RosbridgeTransport(Transport):
         """Return what rosapi says of the type of an action or service; None while it is being asked."""
         return self.offers(direction).get(name, "") or self._rosapi.type_of(direction, name)
 
-    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
         """Send a goal, or call a service; to a server that hangs, neither."""
         if self._open_socket().is_stale:
             raise BridgeError(self.trouble())
@@ -242,9 +242,9 @@ class RosbridgeTransport(Transport):
             spelled = handle.type.replace("/", "/action/", 1)
             question = {"op": "send_action_goal", "id": request.id, "action": handle.name}
             question |= {"action_type": spelled, "feedback": True}
-        self._errands.append(Errand(self.place, {**question, "args": values}, request))
+        self._calls.append(ServerCall(self.place, {**question, "args": values}, request))
 
-    def cancel(self, handle: object, request: Request | None) -> None:
+    def cancel(self, handle: object, request: RosRequest | None) -> None:
         """Cancel a goal, or all of an action."""
         if isinstance(handle, GoalTopics):
             handle.cancel(request)
@@ -257,22 +257,22 @@ class RosbridgeTransport(Transport):
         number = f"c{next(self._ids)}"
         nothing: dict[str, Any] = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
         question = {"op": "call_service", "id": number, "service": f"{handle.name}/_action/cancel_goal"}
-        self._errands.append(Errand(self.place, {**question, "args": {"goal_info": nothing}}))
+        self._calls.append(ServerCall(self.place, {**question, "args": {"goal_info": nothing}}))
 
     def _missing(self, handle: _Asked) -> str:
-        """Return that nobody serves an action or a service, as far as that is known, in a sentence."""
+        """Return that no node serves an action or a service, as far as that is known, in a sentence."""
         live = self.offers(handle.direction)
         if handle.name in live or not self._rosapi.has_listed(handle.direction):
             return ""
         return f"No node offers the {handle.direction} `{handle.name}`.{did_you_mean(handle.name, live)}"
 
-    def _tend_errands(self) -> None:
+    def _tend_calls(self) -> None:
         """Forget those that are over; repeat a cancel; find goals whose server is gone."""
-        for errand in tuple(self._errands):  # other threads add to them
-            if errand.is_over:
-                self._errands.remove(errand)
-            request, action = errand.request, errand.question.get("action")
-            if errand.is_over or request is None or action is None:
+        for call in tuple(self._calls):  # other threads add to them
+            if call.is_over:
+                self._calls.remove(call)
+            request, action = call.request, call.question.get("action")
+            if call.is_over or request is None or action is None:
                 continue
             if missing := self._missing(_Asked("action", action, "")):
                 request.tell("lost", reason=missing)
@@ -300,7 +300,7 @@ class RosbridgeTransport(Transport):
         rosapi, now = self._rosapi, time.monotonic()
         for goals in self._actions:
             goals.look()
-        self._tend_errands()
+        self._tend_calls()
         quiet = [
             each
             for each in self._inputs.values()
@@ -447,7 +447,7 @@ def _is_in(ours: object, theirs: object) -> bool:
     return ours == theirs
 
 
-def _cancel(action: str, request: Request) -> str:
+def _cancel(action: str, request: RosRequest) -> str:
     return json.dumps({"op": "cancel_action_goal", "id": request.id, "action": action})
 
 

@@ -33,7 +33,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 )
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
-from lrp_jupyter.bridges.ros.requests import Request, own_words
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, own_words
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
 
@@ -183,12 +183,12 @@ class RospyTransport(Transport):
         unregister: Callable[[], None] = handle.unregister  # type: ignore[attr-defined]
         unregister()
 
-    def ask(self, handle: object, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
         """Send a goal, or call a service."""
         assert isinstance(handle, (GoalTopics, RospyService))
         handle.ask(values, request)
 
-    def cancel(self, handle: object, request: Request | None) -> None:
+    def cancel(self, handle: object, request: RosRequest | None) -> None:
         """Cancel a goal, or all of an action."""
         assert isinstance(handle, GoalTopics)
         handle.cancel(request)
@@ -273,7 +273,7 @@ def _class_of(type_: str, whole: bool = False) -> Any:
     import roslib.message
 
     of, part = part_of(type_)
-    is_service = part in ("Request", "Response")
+    is_service = part in ("RosRequest", "Response")
     try:
         if is_service:
             found = roslib.message.get_service_class(of)
@@ -353,7 +353,7 @@ class RospyService:
         self._name, self._kind, self._is_offered = name, kind, is_offered
         self._calls: list[Any] = []
 
-    def ask(self, values: Mapping[str, Any], request: Request) -> None:
+    def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
         """Call it, on a thread of its own."""
         proxy = _rospy().ServiceProxy(
             self._name, self._kind, persistent=True
@@ -364,7 +364,7 @@ class RospyService:
         )
         work.start()
 
-    def _call(self, proxy: Any, values: Mapping[str, Any], request: Request) -> None:
+    def _call(self, proxy: Any, values: Mapping[str, Any], request: RosRequest) -> None:
         try:
             message = self._kind._request_class()
             fill(message, values)

@@ -15,7 +15,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import TopicLink
-from lrp_jupyter.bridges.ros.requests import Request
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import Wire, load_setup, save_setup, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
@@ -108,7 +108,7 @@ class Wiring:
         if link is not None and (channel.is_velocity or channel.wire.at_stop is not None):
             link.send(channel, channel.stop_message(), urgent=True)
 
-    def cancel(self, channel: Channel, requests: Iterable[Request | None]) -> None:
+    def cancel(self, channel: Channel, requests: Iterable[RosRequest | None]) -> None:
         """Cancel goals of an action; None: those of every client. BridgeError: it was not sent."""
         link = self.link
         if link is not None:

@@ -18,7 +18,7 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from lrp_jupyter.bridges.ros.requests import Request, own_words
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, own_words
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
 from lrp_jupyter.bridges.tasks import TaskStatus
 from lrp_jupyter.errors import BridgeError, ended, sentence_of
@@ -29,14 +29,14 @@ _GONE = ("does not exist", "ROSServiceIOException", "unable to connect", "unavai
 """What is in rosbridge's sentence when a node that serves is not there, or has died."""
 
 
-class Errand:
+class ServerCall:
     """One question to the server, and what comes back, on a websocket and a thread of its own."""
 
-    def __init__(self, url: str, question: Mapping[str, Any], request: Request | None = None) -> None:
+    def __init__(self, url: str, question: Mapping[str, Any], request: RosRequest | None = None) -> None:
         self.question, self.request = question, request
         self._url, self._done = url, Bell()
         self._text = json.dumps(question)
-        self._thread = threading.Thread(target=self._run, name="rosbridge errand", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="rosbridge call", daemon=True)
         self._thread.start()
 
     @property
@@ -88,7 +88,7 @@ class Errand:
             self._tell(request, message)
         self._done.ring()
 
-    def _tell(self, request: Request, message: Mapping[str, Any]) -> None:
+    def _tell(self, request: RosRequest, message: Mapping[str, Any]) -> None:
         values, is_action = message.get("values"), message.get("op") == "action_result"
         if message.get("result") is False:
             why = own_words(str(values or "It gives no reason."))

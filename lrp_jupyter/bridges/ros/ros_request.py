@@ -31,7 +31,7 @@ class Listener(Protocol):
         """Note what is said."""
 
 
-class Request:
+class RosRequest:
     """One goal or call, from the moment in which it is asked for until the robot has said how it ended.
 
     Owner: any thread may `tell`; the first end counts, and what comes after it is not passed on.
