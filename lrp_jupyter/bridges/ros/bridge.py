@@ -50,6 +50,7 @@ from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 _HERE = "lrp_jupyter.bridges.ros.bridge:RosBridge"
 _ANSWER = 1.0  # seconds that a person waits for a new connection to be made
+_REMEMBERED = 20  # requests of a member that may not be over
 _ANSWER_ALL = 2.0  # … and that opening waits for those of the set-up
 _BUTTONS: Mapping[str, Direction] = {
     "subscribe": "subscription",
@@ -316,7 +317,10 @@ class RosBridge(Bridge):
         assert isinstance(message, RosMessage)
         is_call = channel.wire.direction == "service"  # it is made, whoever waits for it
         request = RosRequest(partial(self._hear, channel, task), lambda: is_call or task.is_wanted)
+        for earlier in list(channel.requests)[:-_REMEMBERED]:  # of a robot that never said how they ended
+            channel.requests.pop(earlier, None)
         channel.requests[task] = request
+        channel.outcome = "active"
         try:
             link.ask(channel, message, request)
         finally:
@@ -341,6 +345,8 @@ class RosBridge(Bridge):
         request = channel.requests.get(task)
         if request is not None and request.is_over:
             channel.requests.pop(task, None)
+        if task.is_wanted:
+            channel.outcome = f"{status}: {reason}" if reason else status
         try:
             if feedback is not None and channel.feedback_form is not None:
                 feedback = channel.feedback_form.decode(feedback)

@@ -37,6 +37,7 @@ class Channel:
         self.feedback_form: Form | None = None  # … and those in between, of an action
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
         self.requests: dict[object, RosRequest] = {}  # by their tasks, until the robot has ended them
+        self.outcome = ""  # what has become of the last of them, for the panel
         self.latest: Arrival | None = None  # None again after the connection was lost
         self.latched: Arrival | None = None  # in this tick …
         self.seen: Arrival | None = None  # … or in the last one; or it is no news for another reason

@@ -195,6 +195,7 @@ def test_a_rejected_goal_says_why(base: Base, connect: Connect) -> None:
     base.does("rejects")
     ros.robot.drive_to(target_pose_pose_position_x=1.0)
     until(lambda: latched(ros) == ("rejected", "the battery is low."))
+    until(lambda: ros.panel().tables[0].rows[0][-1] == "rejected: the battery is low.")
     assert ros.robot.drive_to.failed
 
 
@@ -244,6 +245,21 @@ def test_a_goal_whose_server_hangs_dies_starts_again_or_is_not_there_is_lost(
     drive(4.0)
     until(lambda: latched(ros)[0] == "lost")
     assert status(ros)[1].startswith("No action server of `/move_base` takes the goal")
+
+
+def test_a_goal_that_was_lost_with_the_connection_is_cancelled_when_it_is_back(
+    base: Base, real: Any, connect: Connect, backend: str
+) -> None:
+    ros = connect(setup=SETUP)
+    ros.robot.drive_to(target_pose_pose_position_x=2.0)
+    base.does("drives 2.0")
+    lose = real.kill_rosbridge if backend == "rosbridge" else real.kill_master
+    lose()
+    until(lambda: latched(ros)[0] == "lost")
+    assert [row[-1] for row in ros.panel().tables[0].rows if row[0] == "drive_to"] != ["active"]
+    restore = real.start_rosbridge if backend == "rosbridge" else real.start_master
+    restore()
+    base.does("stands")
 
 
 def test_a_service_is_called_once_and_says_why_it_failed(
