@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -262,6 +263,18 @@ def test_a_goal_that_is_rejected_or_has_no_server_says_so(asked: RosBridge, grap
     asked.robot.drive_to(pose_pose_position_x=3.0)
     until(lambda: latched(asked)[0] == "lost")
     assert len(graph.goals) == 2
+
+
+def test_a_goal_that_is_not_wanted_any_more_is_cancelled_as_soon_as_it_is_accepted(
+    asked: RosBridge, graph: Any
+) -> None:
+    accepts = threading.Event()
+    graph.arrivals.put((lambda _: accepts.wait(60), None))  # the answer of the server is under way
+    goal = drive(asked, graph, 1.0)
+    asked.stop_all()
+    assert not goal.cancels
+    accepts.set()
+    until(lambda: goal.cancels)
 
 
 def test_a_service_answers_fails_or_is_not_there(asked: RosBridge, graph: Any) -> None:
