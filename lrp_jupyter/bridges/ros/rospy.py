@@ -56,6 +56,8 @@ class RospyTransport(Transport):
         self._master = _Master(self.place)
         self._pid: int | None = None
         self._every: dict[Any, bool] = {}  # of which subscribers every message counts
+        self._topics: Mapping[str, str] = {}  # as the master knew them a moment ago, …
+        self._system: Any = ([], [], [])  # … with who publishes, subscribes and serves
         self._actions: list[GoalTopics] = []
         self._service_types: dict[str, str] = {}
 
@@ -89,7 +91,9 @@ class RospyTransport(Transport):
         if int(self._master.ask("getPid")) != self._pid:
             raise BridgeError(f"The ROS master at `{self.place}` was restarted.")
         pairs = self._master.ask("getTopicTypes")
-        return {str(topic): canonical(str(type_)) for topic, type_ in pairs if type_ != "*"}
+        self._topics = {str(topic): canonical(str(type_)) for topic, type_ in pairs if type_ != "*"}
+        self._system = self._master.ask("getSystemState")
+        return self._topics
 
     def taken(self, topic: str) -> bool:
         """Ask the master for other nodes of the topic: it never forgets a type."""
@@ -116,12 +120,12 @@ class RospyTransport(Transport):
 
     def offers(self, direction: Direction) -> Mapping[str, str]:
         """Return the actions whose goals some node hears, or the services that the master knows."""
+        _publishers, subscribers, services = self._system
         if direction == "action":
-            heard = {name for name, _nodes in self._master.ask("getSystemState")[1]}
-            found = actions_in(self.topics())
+            heard = {name for name, _nodes in subscribers}
+            found = actions_in(self._topics)
             return {action: type_ for action, type_ in found.items() if f"{action}/goal" in heard}
-        known = [str(name) for name, _nodes in self._master.ask("getSystemState")[2]]
-        return {name: self._service_types.get(name, "") for name in known}
+        return {str(name): self._service_types.get(name, "") for name, _nodes in services}
 
     def type_of(self, direction: Direction, name: str) -> str:
         """Ask the node of a service for its type; that of an action is known."""
