@@ -34,7 +34,7 @@ _TIMES = {"time", "duration"}  # of ROS 1: neither primitive nor in a package
 _SHAPE = re.compile(r"(?:sequence<)?\s*([\w/]+)\s*(?:<=?\d+>?)?(?:,[^>]*>|>)?\s*(\[[^\]]*\])?$")
 
 
-_PARTS = {"action": ("Goal", "Feedback", "Result"), "service": ("RosRequest", "Response")}
+_PARTS = {"action": ("Goal", "Feedback", "Result"), "service": ("Request", "Response")}
 _PART = re.compile(rf"(.+)_({'|'.join(part for parts in _PARTS.values() for part in parts)})$")
 
 

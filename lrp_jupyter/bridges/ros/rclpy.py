@@ -275,7 +275,7 @@ def _class_of(type_: str) -> Any:
     of, part = part_of(type_)
     if not part:
         return _whole_class(type_, "")
-    return getattr(_whole_class(of, "service" if part in ("RosRequest", "Response") else "action"), part)
+    return getattr(_whole_class(of, "service" if part in ("Request", "Response") else "action"), part)
 
 
 def _whole_class(type_: str, direction: str) -> Any:

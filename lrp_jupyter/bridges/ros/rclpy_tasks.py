@@ -66,7 +66,7 @@ class RclpyAction:
     def cancel(self, request: RosRequest | None) -> None:
         """Cancel a goal, now or when it is accepted, or all of the action."""
         if request is None:  # a request in which nothing is set
-            self.canceller.call_async(self.canceller.srv_type.RosRequest())
+            self.canceller.call_async(self.canceller.srv_type.Request())
             return
         goal = self._goals.get(request)
         if goal is not None:
@@ -92,7 +92,7 @@ class RclpyService:
 
     def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
         """Call it, if it is there soon."""
-        message = self._kind.RosRequest()
+        message = self._kind.Request()
         self._fill(message, values)
         if not self.client.wait_for_service(timeout_sec=_SERVER):
             request.tell("lost", reason=f"{self.hint().capitalize()}.")

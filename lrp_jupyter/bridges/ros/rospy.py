@@ -277,7 +277,7 @@ def _class_of(type_: str, whole: bool = False) -> Any:
     import roslib.message
 
     of, part = part_of(type_)
-    is_service = part in ("RosRequest", "Response")
+    is_service = part in ("Request", "Response")
     try:
         if is_service:
             found = roslib.message.get_service_class(of)
