@@ -9,10 +9,15 @@ bright) and `robot/bumper` (1 pressed) many times a second, and whatever else it
 message said: `{"linear": 0.2, "angular": 0.0}`, in m/s and rad/s. Nothing is retained and everything has
 QoS 0: an old command or reading is worth nothing.
 
+It subscribes to `robot/task`, too, and does what that asks for by itself: `{"number": 3, "drive_by": 0.3}`,
+0.3 m ahead, or `{"number": 4, "turn_by": 1.571}`, a quarter to the left. What becomes of it, it publishes on
+`robot/outcome`: `{"number": 3, "status": "succeeded"}`, or `"aborted"` with a `reason`; meanwhile, if it
+likes, `"active"` with what is left as `feedback`. Whatever comes on `robot/cmd_vel` ends the task.
+
 Who stops the robot when this process dies? The broker: the *last will* of this connection is a velocity of
-zero. It is published at once if the process dies, and after 3 s if the computer or the network does. On the
-robot's side, `lrp guard --backend mqtt` stops it half a second after the last command. Without its broker,
-the robot has to stop by itself.
+zero, which ends a task, too. It is published at once if the process dies, and after 3 s if the computer or
+the network does. On the robot's side, `lrp guard --backend mqtt` stops it half a second after the last
+velocity; it does not know of tasks. Without its broker, the robot has to stop by itself.
 
 Met in tests: the broker mosquitto 2.0, with a simulated robot behind it. Not met: an ESP32.
 """
@@ -26,6 +31,7 @@ import paho.mqtt.client as mqtt
 from lrp_jupyter import Bridge, BridgeError
 
 DRIVES_BY = {"light": "0 dark … 255 bright", "bumper": "1 pressed"}  # it stops when one of these is late
+OWN = ("cmd_vel", "task")  # what the robot hears
 STILL = json.dumps({"linear": 0.0, "angular": 0.0})
 
 
@@ -44,6 +50,7 @@ class Mqtt(Bridge):
 
     name = "mqtt"
     stops_when_found = True  # in `joined`
+    task = None  # the last one
 
     def __init__(self, host: str = "localhost", port: int = 1883, topic: str = "robot"):
         self.host, self.port, self.topic = host, port, topic
@@ -52,6 +59,9 @@ class Mqtt(Bridge):
         for name, doc in DRIVES_BY.items():
             self.feed(f"{name}.data", doc=doc)
         self.add_method("move", self.move, "m/s and rad/s", limits={"linear": 0.5, "angular": 2.0})
+        end = self.cancel  # and `mover`: what is begun last has the wheels, a task or `move`
+        self.add_task("drive_by", self.drive_by, end, "ahead, in m", limits={"metres": 100}, mover="")
+        self.add_task("turn_by", self.turn_by, end, "to the left, in rad", limits={"radians": 100}, mover="")
         self.client = client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
         client.on_connect, client.on_message, client.on_disconnect = self.joined, self.arrived, self.left
         client.on_subscribe = lambda *_: self.answered.set()
@@ -85,12 +95,14 @@ class Mqtt(Bridge):
 
     def arrived(self, _client, _data, message):
         name = message.topic.removeprefix(f"{self.topic}/")
-        if name == "cmd_vel" or message.retain:  # what was retained may be of yesterday
+        if name in OWN or message.retain:  # what was retained may be of yesterday
             return
         try:
             value = json.loads(message.payload)
             if name in DRIVES_BY:
                 self.feed(f"{name}.data", value)
+            elif name == "outcome":
+                self.tell(**value)
             elif name == "odom":
                 self.feed(name, SimpleNamespace(**value), doc="where it is by its wheels: m and rad")
             else:
@@ -99,9 +111,31 @@ class Mqtt(Bridge):
             what = f"`{message.topic}` sent {message.payload!r}: {error}."
             self.safety.notice("fault", what, message.topic)
 
+    def tell(self, number, **what):
+        if self.task is not None and self.task.number == number:
+            self.task.update(**what)
+
     def move(self, linear=0.0, angular=0.0):
-        command = json.dumps({"linear": linear, "angular": angular})
-        self.client.publish(f"{self.topic}/cmd_vel", command).wait_for_publish(0.5)
+        if self.task is not None:
+            self.task.update("aborted", reason="The robot was told something else meanwhile.")
+        self.publish("cmd_vel", linear=linear, angular=angular)
+
+    def drive_by(self, task, metres):
+        self.ask(task, drive_by=metres)
+
+    def turn_by(self, task, radians):
+        self.ask(task, turn_by=radians)
+
+    def ask(self, task, **what):
+        self.move()  # for `lrp guard`: a velocity before is over
+        self.task = task
+        self.publish("task", number=task.number, **what)
+
+    def cancel(self, task):
+        self.move()
+
+    def publish(self, topic, **what):
+        self.client.publish(f"{self.topic}/{topic}", json.dumps(what)).wait_for_publish(0.5)
 
     @property
     def failsafe(self):

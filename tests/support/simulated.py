@@ -9,7 +9,9 @@ import time
 from collections.abc import Callable
 from typing import Any, TextIO
 
+from lrp_jupyter.sim.errands import Errand, Errands
 from lrp_jupyter.sim.simulation import STEP, Simulation
+from lrp_jupyter.sim.world_inputs import DriveBy
 
 _LATE = 0.05  # s
 
@@ -33,7 +35,9 @@ class SimulatedRobot:
     def __init__(self, speed: float = 1.0, says: TextIO = sys.stdout) -> None:
         self.simulation = Simulation(self.world)
         self.speed, self.says = speed, says
-        self.wanted = self.obeyed = (0.0, 0.0)
+        self.wanted: tuple[float, float] | Errands = (0.0, 0.0)
+        self.obeyed = (0.0, 0.0)
+        self._begun: Errands | None = None
         self.gone = threading.Event()
         self._until, self._news = 0.0, threading.Event()
 
@@ -46,6 +50,28 @@ class SimulatedRobot:
     def say(self, linear: float, angular: float) -> None:
         self.says.write(f"drives {linear:.3f} {angular:.3f}\n")
         self.says.flush()
+
+    def ask(self, what: Errands) -> None:
+        """Let it drive by itself until it is commanded again."""
+        by = f"drives by {what.metres:.3f}" if isinstance(what, DriveBy) else f"turns by {what.radians:.3f}"
+        self.says.write(f"{by}\n")
+        self.says.flush()
+        self.wanted = what
+        self._news.set()
+
+    @property
+    def errand(self) -> Errand | None:
+        """What it was asked for, unless it was commanded since; None before it has begun."""
+        return self.simulation.robot.memory.errand if self._begun is self.wanted else None
+
+    def _obey(self) -> None:
+        wanted = self.wanted
+        if isinstance(wanted, tuple):
+            self.obeyed = wanted
+            self.simulation.drive(*wanted)
+        elif self._begun is not wanted:
+            self.simulation.apply(wanted)
+            self._begun = wanted
 
     def go_on(self, until: float) -> None:
         """Let its time pass until so many seconds from its beginning."""
@@ -61,8 +87,7 @@ class SimulatedRobot:
         began = time.monotonic()
         while not self.gone.is_set():
             self._news.clear()
-            self.obeyed = self.wanted
-            self.simulation.drive(*self.obeyed)
+            self._obey()
             left = round(self._until / STEP) - self.simulation.steps
             self.simulation.step(self.steps if self.speed else max(0, left))
             readings = self.simulation.latch()

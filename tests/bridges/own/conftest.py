@@ -18,6 +18,7 @@ from support.waiting import no_thread_left, until
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.conformance import BridgeConformance
+from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.simulation import Simulation
 
 HERE = Path(__file__).parent
@@ -157,21 +158,70 @@ def _sensed(bridge: Bridge) -> tuple[Any, Any]:
     return bridge.describe("light.data").value, bridge.describe("bumper.data").value
 
 
+ROUND = """
+(machine round
+  (state moving (running [robot.move(linear=0.1)]))
+  (state ahead (running [robot.drive_by(0.2)]))
+  (state turning (running [robot.turn_by(degrees(90))]))
+  (state away (running [robot.drive_by(5)]))
+  (state blocked (onentry [print(robot.drive_by.reason)] [robot.turn_by(50)]))
+  (state over)
+  (ontime 300 moving -> ahead)
+  (on [robot.drive_by.succeeded] ahead -> turning)
+  (on [robot.turn_by.succeeded] turning -> away)
+  (on [robot.drive_by.failed] away -> blocked)
+  (ontime 1000 blocked -> over))
+(spawn round moving)
+"""
+ASKED = ["drives by 0.200", "turns by 1.571", "drives by 5.000", "turns by 50.000", "drives 0.000 0.000"]
+
+
+def does_tasks(bridge: str, told: Callable[[], list[str]], **options: object) -> None:
+    """Assert that a robot at the start of its world goes through the same states as the simulated one.
+
+    Its last task is cancelled when the state is left.
+    """
+
+    def visits(session: Session) -> list[str]:
+        visited: list[str] = []
+        session.observe(lambda event: visited.append(event.path[-1]) if event.kind == "entered" else None)
+        return visited
+
+    with Session(ROUND, "sim") as simulated:
+        expected = visits(simulated)
+        assert simulated.run(until="over", seconds=60)
+    with Session(ROUND, bridge, **options) as session:
+        visited = visits(session)
+        session.bridge.arm()
+        session.start()
+        assert session.wait_for("over", timeout=120)
+        until(lambda: told()[-1:] == ASKED[-1:], "the last task goes on")
+        assert not session.issues
+        assert "command watchdog" not in [notice.kind for notice in session.bridge.safety.notices]
+    assert visited == expected
+    asked = [word for word in told() if " by " in word]
+    assert asked == ASKED[:-1]
+
+
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+TURN = "(machine m (state turning (running [robot.turn_by(100)]))) (spawn m turning)"
+DOES = {DRIVE: "drives 0.200 0.000", TURN: "turns by 100.000"}
 
 
-@pytest.fixture
-def driving(processes: Processes, tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
-    """Start `lrp run` with an example bridge, and wait until its robot drives."""
+@pytest.fixture(params=[DRIVE, TURN], ids=["driving", "on-a-task"])
+def driving(
+    processes: Processes, tmp_path: Path, request: pytest.FixtureRequest
+) -> Callable[..., subprocess.Popen[str]]:
+    """Start `lrp run` with an example bridge, and wait until its robot drives, or does a long task."""
 
     def start(told: list[str], bridge: str, **options: object) -> subprocess.Popen[str]:
         program = tmp_path / "drive.lrp"
-        program.write_text(DRIVE)
+        program.write_text(request.param)
         command = [sys.executable, "-m", "lrp_jupyter", "run", program, "--bridge", EXAMPLES / bridge]
         for name, value in options.items():
             command += ["--option", f"{name}={value}"]
         run = processes.start(*command, ready=False)
-        until(lambda: told and told[-1] == "drives 0.200 0.000", "it does not drive")
+        until(lambda: told[-1:] == [DOES[request.param]], "it does not drive")
         return run
 
     return start

@@ -14,17 +14,24 @@ sys.path.append(str(Path(__file__).parents[2]))
 
 from support.simulated import SimulatedRobot, ready
 
+from lrp_jupyter.sim.world_inputs import DriveBy, TurnBy
+
 
 def main(port: int, speed: float) -> None:
     robot = SimulatedRobot(speed)
     client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
 
     def connected(client: mqtt.Client, *_: Any) -> None:
-        client.subscribe("robot/cmd_vel")
+        client.subscribe([("robot/cmd_vel", 0), ("robot/task", 0)])
 
     def drive(_client: mqtt.Client, _data: object, message: mqtt.MQTTMessage) -> None:
         command = json.loads(message.payload)
-        robot.drive(command["linear"], command["angular"])
+        if message.topic == "robot/cmd_vel":
+            robot.drive(command["linear"], command["angular"])
+        elif "drive_by" in command:
+            robot.ask(DriveBy(command["drive_by"], number=command["number"]))
+        else:
+            robot.ask(TurnBy(command["turn_by"], number=command["number"]))
 
     listens = threading.Event()
     client.on_connect, client.on_message = connected, drive
@@ -35,7 +42,15 @@ def main(port: int, speed: float) -> None:
     listens.wait()
     ready(robot)
 
+    told: list[tuple[int, str]] = []
+
     def publish(light: int, bumper: bool, odom: tuple[float, float, float]) -> None:
+        errand = robot.errand
+        if errand is not None and told[-1:] != [(errand.what.number, errand.status)]:
+            outcome = {"number": errand.what.number, "status": errand.status, "reason": errand.reason}
+            client.publish("robot/outcome", json.dumps(outcome | {"feedback": errand.left(odom)}))
+            if not errand.is_active:
+                told.append((errand.what.number, errand.status))
         client.publish("robot/light", light)
         client.publish("robot/bumper", int(bumper))
         client.publish("robot/odom", json.dumps(dict(zip(("x", "y", "theta"), odom, strict=True))))

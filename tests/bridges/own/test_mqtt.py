@@ -12,7 +12,7 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Broker, OfARobot, drives_and_senses, free_port
+from bridges.own.conftest import EXAMPLES, Broker, OfARobot, does_tasks, drives_and_senses, free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -102,6 +102,12 @@ class TestMqtt(OfARobot):
 def test_it_drives_as_it_is_told_and_says_what_it_senses(broker, processes, bridge):
     told = processes.told(processes.robot("mqtt", broker.port, 1.0))
     drives_and_senses(bridge, lambda: told)
+
+
+@pytest.mark.slow
+def test_a_program_with_tasks_runs_as_in_the_simulator(broker, processes):
+    told = processes.told(processes.robot("mqtt", broker.port, 4.0))
+    does_tasks(MQTT, lambda: told, port=broker.port)
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from bridges.own.conftest import EXAMPLES, OfARobot, drives_and_senses
+from bridges.own.conftest import EXAMPLES, OfARobot, does_tasks, drives_and_senses
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -79,6 +79,13 @@ def value_of(bridge: Bridge, name: str) -> object:
     return bridge.describe(name).value
 
 
+@pytest.fixture
+def link(tmp_path: Path) -> Iterator[Path]:
+    """Where the line of a robot is; the guard of one test must not reach the robot of the next one."""
+    yield tmp_path / "robot"
+    (tmp_path / "robot").unlink()
+
+
 @pytest.mark.slow
 class TestSerialLine(OfARobot):
     link = Path()
@@ -94,9 +101,9 @@ class TestSerialLine(OfARobot):
 
 
 @pytest.mark.slow
-def test_it_drives_as_it_is_told_and_says_what_it_senses(processes, tmp_path):
-    told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
-    bridge = make_bridge(SERIAL, port=str(tmp_path / "robot"))
+def test_it_drives_as_it_is_told_and_says_what_it_senses(processes, link):
+    told = processes.told(processes.robot("serial", link, 1.0))
+    bridge = make_bridge(SERIAL, port=str(link))
     bridge.open()
     bridge.arm()
     drives_and_senses(bridge, lambda: told)
@@ -104,10 +111,64 @@ def test_it_drives_as_it_is_told_and_says_what_it_senses(processes, tmp_path):
 
 
 @pytest.mark.slow
-def test_the_guard_stops_the_robot_when_this_process_is_killed(processes, driving, tmp_path):
-    told = processes.told(processes.robot("serial", tmp_path / "robot", 1.0))
-    driving(told, "serial_line.py", port=tmp_path / "robot").kill()
+def test_a_program_with_tasks_runs_as_in_the_simulator(processes, link):
+    told = processes.told(processes.robot("serial", link, 4.0))
+    does_tasks(SERIAL, lambda: told, port=str(link))
+
+
+@pytest.mark.slow
+def test_the_guard_stops_the_robot_when_this_process_is_killed(processes, driving, link):
+    told = processes.told(processes.robot("serial", link, 1.0))
+    driving(told, "serial_line.py", port=link).kill()
     until(lambda: told[-1] == "drives 0.000 0.000", "it was not stopped")
+
+
+@pytest.mark.slow
+def test_the_robot_itself_ends_a_task_of_which_it_hears_no_more(processes, link):
+    told = processes.told(processes.robot("serial", link, 1.0, 0.5))
+    bridge = make_bridge(SERIAL, port=str(link))
+    bridge.open()
+    bridge.arm()
+    bridge.robot.turn_by(100)
+    until(lambda: "turns by 100.000" in told, "it does not turn")
+    until(lambda: told[-1] == "drives 0.000 0.000", "it turns on")
+
+    def has_failed() -> bool:
+        bridge.begin_tick(0.0, 0.1)
+        bridge.end_tick(0.0)
+        return bridge.robot.turn_by.failed
+
+    until(has_failed, "the robot does not say that it has stopped")
+    assert bridge.robot.turn_by.reason == "No line has reached the robot for half a second."
+    bridge.close()
+
+
+def test_a_line_that_is_lost_on_either_way_is_sent_again(line, bridge):
+    def tick() -> None:
+        bridge.begin_tick(0.0, 0.1)
+        bridge.end_tick(0.0)
+
+    line.say("light 7\nbumper 0\n")
+    until(lambda: value_of(bridge, "bumper.data") == 0, "nothing arrives")
+    bridge.robot.turn_by(1)
+    until(lambda: "turn 1.000 1" in line.told(), "nothing was sent")
+    before = line.told().count("turn 1.000 1")
+    tick()
+    until(lambda: line.told().count("turn 1.000 1") > before, "it was sent once")
+    line.say("d?ne 1\ndone 2\ndone\n")
+    line.say("light 8\n")
+    until(lambda: value_of(bridge, "light.data") == 8, "nothing arrives")
+    tick()
+    assert bridge.robot.turn_by.active
+    line.say("done 1\nlight 9\n")
+    until(lambda: value_of(bridge, "light.data") == 9, "nothing arrives")
+    tick()
+    assert bridge.robot.turn_by.succeeded
+    count = line.told().count("turn 1.000 1")
+    tick()
+    bridge.robot.move(linear=0.1)
+    until(lambda: "move 0.100 0.000" in line.told(), "nothing was sent")
+    assert line.told().count("turn 1.000 1") == count
 
 
 def test_readings_arrive_though_their_lines_come_in_pieces(line, bridge):
