@@ -164,7 +164,7 @@ ROUND = """
   (state ahead (running [robot.drive_by(0.2)]))
   (state turning (running [robot.turn_by(degrees(90))]))
   (state away (running [robot.drive_by(5)]))
-  (state blocked (onentry [print(robot.drive_by.reason)] [robot.turn_by(50)]))
+  (state blocked (onentry [print(robot.drive_by.reason)] [robot.turn_by(degrees(2880))]))
   (state over)
   (ontime 300 moving -> ahead)
   (on [robot.drive_by.succeeded] ahead -> turning)
@@ -173,7 +173,7 @@ ROUND = """
   (ontime 1000 blocked -> over))
 (spawn round moving)
 """
-ASKED = ["drives by 0.200", "turns by 1.571", "drives by 5.000", "turns by 50.000", "drives 0.000 0.000"]
+ASKED = ["drives by 0.200", "turns by 1.571", "drives by 5.000", "turns by 50.265", "drives 0.000 0.000"]
 
 
 def does_tasks(bridge: str, told: Callable[[], list[str]], **options: object) -> None:

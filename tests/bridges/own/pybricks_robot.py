@@ -21,6 +21,8 @@ sys.path.append(str(Path(__file__).parents[2]))
 
 from support.simulated import SimulatedRobot
 
+from lrp_jupyter.sim.world_inputs import DriveBy, TurnBy
+
 PROGRAM = Path(__file__).parents[3] / "notebooks" / "bridges" / "pybricks_hub.py"
 
 
@@ -43,7 +45,25 @@ def hub(robot: SimulatedRobot, speed: float) -> dict[str, ModuleType]:
             assert (left.port, right.port) == ("A", "B")
 
         def drive(self, speed: int, turn_rate: int) -> None:
-            robot.drive(speed / 1000, -math.radians(turn_rate))
+            robot.drive(speed / 1000, math.radians(-turn_rate))
+
+        def straight(self, distance: int, then: str = "hold", wait: bool = True) -> None:
+            assert not wait
+            robot.ask(DriveBy(distance / 1000))
+
+        def turn(self, angle: int, then: str = "hold", wait: bool = True) -> None:
+            assert not wait
+            robot.ask(TurnBy(math.radians(-angle)))
+
+        def done(self) -> bool:
+            return robot.wanted == (0.0, 0.0) or self._status() == "succeeded"
+
+        def stalled(self) -> bool:
+            return self._status() == "aborted"
+
+        def _status(self) -> str:
+            errand = robot.errand
+            return "active" if errand is None else errand.status
 
         def stop(self) -> None:
             robot.drive(0.0, 0.0)

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import pytest
-from bridges.own.conftest import EXAMPLES, HERE, drives_and_senses
+from bridges.own.conftest import EXAMPLES, HERE, does_tasks, drives_and_senses
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -145,6 +145,39 @@ def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(bridge
     until(lambda: bridge.status.state != "lost", "it was not found again")
     assert failures() == 1, "the lost one; the one that was found stands by itself"
     bridge.robot.move(linear=0.1)
+
+
+@pytest.mark.slow
+def test_a_program_with_tasks_runs_as_in_the_simulator():
+    does_tasks(PYBRICKS, lambda: Hub.last.told)
+
+
+@pytest.mark.slow
+def test_the_hub_ends_a_task_when_nothing_more_comes_and_says_so(bridge):
+    bridge.robot.turn_by(100)
+    until(lambda: "turns by 100.007" in Hub.last.told, "it does not turn")
+    until(lambda: Hub.last.told[-1] == "drives 0.000 0.000", "it turns on")
+
+    def has_failed() -> bool:
+        bridge.begin_tick(0.0, 0.1)
+        bridge.end_tick(0.0)
+        return bridge.robot.turn_by.failed
+
+    until(has_failed, "the hub does not say that it has stopped")
+    assert bridge.robot.turn_by.reason == "The hub has heard nothing for 0.6 s."
+
+
+@pytest.mark.slow
+def test_a_task_under_way_goes_on_for_as_long_as_there_are_ticks(bridge):
+    bridge.robot.turn_by(1.5)
+
+    def is_over() -> bool:
+        bridge.begin_tick(0.0, 0.1)
+        bridge.end_tick(0.0)
+        return not bridge.robot.turn_by.active
+
+    until(is_over, "it does not end")
+    assert bridge.robot.turn_by.succeeded
 
 
 @pytest.mark.slow
