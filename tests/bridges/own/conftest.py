@@ -208,20 +208,21 @@ TURN = "(machine m (state turning (running [robot.turn_by(100)]))) (spawn m turn
 DOES = {DRIVE: "drives 0.200 0.000", TURN: "turns by 100.000"}
 
 
-@pytest.fixture(params=[DRIVE, TURN], ids=["driving", "on-a-task"])
-def driving(
-    processes: Processes, tmp_path: Path, request: pytest.FixtureRequest
-) -> Callable[..., subprocess.Popen[str]]:
-    """Start `lrp run` with an example bridge, and wait until its robot drives, or does a long task."""
+WAYS = pytest.mark.parametrize("driven", [DRIVE, TURN], ids=["by-velocities", "by-a-task"])
 
-    def start(told: list[str], bridge: str, **options: object) -> subprocess.Popen[str]:
+
+@pytest.fixture
+def driving(processes: Processes, tmp_path: Path) -> Callable[..., subprocess.Popen[str]]:
+    """Start `lrp run` with an example bridge, and wait until its robot does what a program says."""
+
+    def start(told: list[str], bridge: str, driven: str = DRIVE, **options: object) -> subprocess.Popen[str]:
         program = tmp_path / "drive.lrp"
-        program.write_text(request.param)
+        program.write_text(driven)
         command = [sys.executable, "-m", "lrp_jupyter", "run", program, "--bridge", EXAMPLES / bridge]
         for name, value in options.items():
             command += ["--option", f"{name}={value}"]
         run = processes.start(*command, ready=False)
-        until(lambda: told[-1:] == [DOES[request.param]], "it does not drive")
+        until(lambda: told[-1:] == [DOES[driven]], "it does not drive")
         return run
 
     return start

@@ -12,7 +12,7 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, Broker, OfARobot, does_tasks, drives_and_senses, free_port
+from bridges.own.conftest import EXAMPLES, WAYS, Broker, OfARobot, does_tasks, drives_and_senses, free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -157,10 +157,11 @@ def test_a_bridge_that_only_looks_leaves_the_robot_to_its_driver(broker, listene
 
 
 @pytest.mark.slow
+@WAYS
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "suspended"])
-def test_the_broker_stops_the_robot_when_this_process_is(end, broker, processes, driving):
+def test_the_broker_stops_the_robot_when_this_process_is(end, driven, broker, processes, driving):
     told = processes.told(processes.robot("mqtt", broker.port, 1.0))
-    driving(told, "mqtt.py", port=broker.port).send_signal(end)
+    driving(told, "mqtt.py", driven, port=broker.port).send_signal(end)
     until(lambda: told[-1] == "drives 0.000 0.000", "it was not stopped")
 
 

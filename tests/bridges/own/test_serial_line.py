@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from bridges.own.conftest import EXAMPLES, OfARobot, does_tasks, drives_and_senses
+from bridges.own.conftest import EXAMPLES, WAYS, OfARobot, does_tasks, drives_and_senses
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -117,9 +117,10 @@ def test_a_program_with_tasks_runs_as_in_the_simulator(processes, link):
 
 
 @pytest.mark.slow
-def test_the_guard_stops_the_robot_when_this_process_is_killed(processes, driving, link):
+@WAYS
+def test_the_guard_stops_the_robot_when_this_process_is_killed(driven, processes, driving, link):
     told = processes.told(processes.robot("serial", link, 1.0))
-    driving(told, "serial_line.py", port=link).kill()
+    driving(told, "serial_line.py", driven, port=link).kill()
     until(lambda: told[-1] == "drives 0.000 0.000", "it was not stopped")
 
 
