@@ -50,6 +50,7 @@ from lrp_jupyter.bridges.probes import (
     drive_a_little,
     give,
     listen,
+    messages,
     methods,
     read,
     require,
@@ -303,6 +304,23 @@ class BridgeConformance:
                 same = first is second or first == second or (first != first and second != second)
                 require(same, f"`{variable.path}` was {first!r}, then {second!r} in the same tick.")
             bridge.end_tick(0.0)
+
+    def test_every_value_that_is_fed_comes_once(self) -> None:
+        """Every value that is fed between two ticks is in `new` of the next one, once and in its order."""
+        with self._opened() as bridge:
+            for variable, new in messages(bridge):
+                bridge.take_messages([new.path])
+                self._ticks(bridge, _PERIOD, until=lambda: True)
+                first, second, seen = object(), object(), list[object]()
+                bridge.feed(variable.path, first)
+                bridge.feed(variable.path, second)
+                note = partial(_note_messages, new, seen)
+                self._ticks(bridge, 2 * _PERIOD, until=lambda: False, act=note)
+                came = [value for value in seen if value is first or value is second]
+                require(
+                    came == [first, second],
+                    f"Two values were fed, and `robot.{new.path}` has {len(came)} of them.",
+                )
 
     def test_an_unknown_member_is_answered_with_the_known_ones(self) -> None:
         """An unknown member is an error that lists the known ones; no member can be assigned."""
@@ -692,6 +710,11 @@ class BridgeConformance:
             yield
         finally:
             within(self.open_within, "`close`", bridge.close)
+
+
+def _note_messages(new: RobotVariable, seen: list[object], _: Bridge) -> None:
+    value = read(new)
+    seen.extend(value if isinstance(value, tuple) else ())
 
 
 def _is_connected(bridge: Bridge) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
+from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.tasks import RobotTask, Task
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
@@ -169,6 +169,16 @@ def read(variable: RobotVariable) -> object:
 def variables(bridge: Bridge) -> list[RobotVariable]:
     """Return the variables of a bridge."""
     return [node for node in bridge.nodes.members() if isinstance(node, RobotVariable) and not node.of]
+
+
+def messages(bridge: Bridge) -> list[tuple[RobotVariable, RobotVariable]]:
+    """Return the variables of a bridge that are fed, with those of their messages."""
+    found = []
+    for each in variables(bridge):
+        new = bridge.nodes.table.get(companion_path(each.path, "new"))
+        if each.getter is bridge.fed.getter(each.path) and isinstance(new, RobotVariable) and new.of:
+            found.append((each, new))
+    return found
 
 
 def methods(bridge: Bridge) -> list[RobotMethod]:

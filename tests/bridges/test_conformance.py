@@ -402,6 +402,18 @@ class OldReadings(Deaf):
             self.set_status("lost", "The robot is silent.")
 
 
+class LatchesItself(Far):
+    def sense(self, now: float) -> None:
+        self.fed.latch()  # so that it is fresh
+
+
+class FeedsTwice(Far):
+    def feed(self, name: str, value: object = None, **described: Any) -> None:
+        super().feed(name, value, **described)
+        if value is not None:
+            super().feed(name, value)
+
+
 class DrivesOnBlindly(Far):
     def judge_ages(self) -> None:
         super().judge_ages()
@@ -557,6 +569,8 @@ BROKEN: list[tuple[type[Bridge], str, str]] = [
     (StopHangs, "test_stop_all_works_on_any_thread", "took more than"),
     (StopOnlyWhenArmed, "test_stop_all_works_on_any_thread", "did not call `stop`"),
     (SendsAgainOnResume, "test_going_on_after_a_pause_sends_nothing", "`on_resume` sent a command"),
+    (LatchesItself, "test_every_value_that_is_fed_comes_once", "`robot.light.new` has 0 of them"),
+    (FeedsTwice, "test_every_value_that_is_fed_comes_once", "`robot.light.new` has 4 of them"),
     (DrivesOnInSilence, "test_silence_stops_a_velocity", "moved on without new commands"),
     (NotWatched, "test_a_hanging_loop_stops_the_robot", "did not report it"),
     (Nervous, "test_a_hanging_loop_stops_the_robot", "too early"),
