@@ -11,6 +11,9 @@ or `%run webots.py` in a notebook, then `%lrp bridge webots`. Webots has a clock
 moves it: `advance` makes one step of the world after the other. While the program is paused, or stands at a
 breakpoint, the whole world stands still; with `--speed max` it runs as fast as Webots can.
 
+`robot.turn_by(1.571)` is a task: in each step of the world the bridge turns the wheels, until their own
+sensors say that the robot has turned so far. Nothing tells it when a wheel slips.
+
 Who stops the robot when this process dies? Webots: without its controller, the world makes no further step.
 
 Met in tests: a stand-in for Webots' module, written from its documentation, with another simulator behind
@@ -24,6 +27,7 @@ from lrp_jupyter import Bridge, BridgeError
 WHEEL = 0.0205  # m, radius
 APART = 0.052  # m, between the wheels
 NEAR = 2000  # of the infrared sensors, about a centimetre before a wall
+STRAIGHT = 0.01  # rad: so near to its end, a turn is done
 
 
 class Webots(Bridge):
@@ -40,6 +44,7 @@ class Webots(Bridge):
     name = "webots"
     hardware = False  # nothing real moves
     stop_timeout = None  # `stop` only takes a note
+    turning = None  # the task under way, the angle in rad, and the heading when it began
 
     def __init__(self, step: float = 0.032, dark: float = 300.0, bright: float = 900.0):
         self.time_step, self.dark, self.bright = step, dark, bright
@@ -62,11 +67,14 @@ class Webots(Bridge):
             motor.setPosition(math.inf)  # turn without an end, with the velocity that is set
             motor.setVelocity(0.0)
         self.ground, *self.front = (self.device(name) for name in ("gs1", "ps0", "ps7"))
-        for sensor in (self.ground, *self.front):
+        self.encoders = [self.device(f"{side} wheel sensor") for side in ("left", "right")]
+        for sensor in (self.ground, *self.front, *self.encoders):
             sensor.enable(round(1000 * step))
         self.add_variable("light.data", self.light, "0 dark … 255 bright")
         self.add_variable("bumper.data", self.bumper, "1 a centimetre before a wall")
         self.add_method("move", self.move, "m/s and rad/s", limits={"linear": 0.12, "angular": 2.0})
+        doc, limits = "to the left, in rad", {"radians": 100}
+        self.add_task("turn_by", self.turn_by, self.cancel, doc, limits=limits, mover="")
 
     def device(self, name):
         found = self.epuck.getDevice(name)
@@ -85,20 +93,55 @@ class Webots(Bridge):
     def bumper(self):
         return int(any(sensor.getValue() > NEAR for sensor in self.front))
 
+    def heading(self):  # by the wheels, in rad
+        left, right = (sensor.getValue() for sensor in self.encoders)
+        return (right - left) * WHEEL / APART
+
     def move(self, linear=0.0, angular=0.0):
-        turn = angular * APART / 2
-        self.wheels = ((linear - turn) / WHEEL, (linear + turn) / WHEEL)
+        if self.turning:
+            self.turning[0].update("aborted", reason="The robot was told something else meanwhile.")
+        self.turning = None
+        self.wheels = velocities(linear, angular)
+
+    def turn_by(self, task, radians):
+        self.move()
+        self.turning = task, radians, self.heading()
+
+    def cancel(self, task):
+        self.turning = None
+
+    def turned(self, task, radians, begun):
+        """Return the velocities of the wheels for the next step of a turn."""
+        heading = self.heading()
+        left = radians + begun - heading
+        if math.isnan(left):  # before the first step
+            self.turning = task, radians, heading
+        elif abs(left) > STRAIGHT:
+            task.update(feedback=abs(left))
+            return velocities(0.0, max(-1.0, min(1.0, 4 * left)))
+        else:
+            self.turning = None
+            task.update("succeeded")
+        return 0.0, 0.0
 
     def stop(self):
         self.wheels = (0.0, 0.0)
 
     def advance(self, seconds):
-        for motor, velocity in zip(self.motors, self.wheels, strict=True):
-            motor.setVelocity(velocity)
         for _ in range(round(seconds / self.time_step)):
+            turning = self.turning
+            speeds = self.turned(*turning) if turning and turning[0].is_wanted else self.wheels
+            for motor, speed in zip(self.motors, speeds, strict=True):
+                motor.setVelocity(speed)
             if self.epuck.step(round(1000 * self.time_step)) == -1:
                 self.set_status("lost", "Webots has ended the simulation.")
                 return
 
     def rewind(self, moment):
         raise BridgeError("The world of Webots cannot step back. Reset it in Webots.")
+
+
+def velocities(linear, angular):
+    """Return those of the left and the right wheel, in rad/s."""
+    turn = angular * APART / 2
+    return (linear - turn) / WHEEL, (linear + turn) / WHEEL

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from types import ModuleType
@@ -74,6 +75,49 @@ def test_the_time_of_the_program_is_the_time_of_the_world(controller):
     with Session(load("follower"), WEBOTS, step=0.02) as session:
         session.run(3)
         assert controller.Robot.created.getTime() == pytest.approx(session.frame.time)
+
+
+TURNS = """
+(machine turns
+  (state left (running [robot.turn_by(degrees(90))]))
+  (state back (running [robot.turn_by(degrees(-45))]))
+  (state long (running [robot.turn_by(50)]))
+  (state over)
+  (on [robot.turn_by.succeeded] left -> back)
+  (on [robot.turn_by.succeeded] back -> long)
+  (ontime 1000 long -> over))
+(spawn turns left)
+"""
+
+
+def test_a_program_turns_there_as_in_the_simulator_and_no_further_when_its_state_is_left(controller):
+    with Session(TURNS, WEBOTS, step=0.02) as session, Session(TURNS, "sim") as simulated:
+        session.open()
+        simulated.open()
+        simulation = controller.Robot.created.simulation
+        start = simulation.robot.pose[2], simulated.bridge.pose[2]
+        for state, turned in (("back", 90), ("long", 45)):
+            for each in (session, simulated):
+                assert each.run(until=state, seconds=20)
+            angles = simulation.robot.pose[2] - start[0], simulated.bridge.pose[2] - start[1]
+            assert [math.degrees(angle) for angle in angles] == pytest.approx([turned, turned], abs=2)
+        assert session.run(until="over", seconds=20)
+        session.run(0.2)
+        stands = simulation.robot.pose
+        session.run(1)
+        assert simulation.robot.pose == stands
+        assert not session.issues
+
+
+def test_a_move_of_another_machine_ends_a_turn_and_that_is_told(controller):
+    pushing = (
+        "(machine p (state s) (state t (running [robot.move(linear=0.1)])) (ontime 500 s -> t)) (spawn p s)"
+    )
+    with Session(TURNS + pushing, WEBOTS, step=0.02) as session:
+        session.open()
+        turn = session.bridge.robot.turn_by
+        assert session.run(until=lambda frame: turn.failed, limit=10)
+        assert turn.reason == "The robot was told something else meanwhile."
 
 
 def test_the_end_of_webots_is_a_lost_robot(controller):

@@ -33,7 +33,7 @@ class Motor:
         return max(-6.28, min(6.28, self.velocity)) if math.isinf(self.position) else 0.0
 
 
-class DistanceSensor:
+class Sensor:
     def __init__(self) -> None:
         self.period, self.value = 0, math.nan
 
@@ -57,8 +57,12 @@ class Robot:
         self.milliseconds = 0
         self.has_ended = False
         self.left, self.right = Motor(), Motor()
-        self.ground, self.front = DistanceSensor(), (DistanceSensor(), DistanceSensor())
+        self.ground, self.front = Sensor(), (Sensor(), Sensor())
+        self.encoders = (Sensor(), Sensor())
+        self.wheels = [0.0, 0.0]  # how far they have turned
         self.devices = {
+            "left wheel sensor": self.encoders[0],
+            "right wheel sensor": self.encoders[1],
             "left wheel motor": self.left,
             "right wheel motor": self.right,
             "gs1": self.ground,
@@ -83,14 +87,22 @@ class Robot:
             return -1
         left, right = self.left.turning * WHEEL, self.right.turning * WHEEL
         self.simulation.drive((left + right) / 2, (right - left) / APART)
+        x, y, heading = self.simulation.robot.reckoned
         self.simulation.step(round(time_step / 1000 / STEP))
+        after = self.simulation.robot.reckoned
+        ahead = (after[0] - x) * math.cos(heading) + (after[1] - y) * math.sin(heading)
+        turn = (after[2] - heading) * APART / 2
+        self.wheels[0] += (ahead - turn) / WHEEL
+        self.wheels[1] += (ahead + turn) / WHEEL
         self.milliseconds += time_step
         readings = self.simulation.latch()
         self._sample(self.ground, 300 + 600 * readings.lights[0] / 255)
+        for encoder, angle in zip(self.encoders, self.wheels, strict=True):
+            self._sample(encoder, angle)
         for sensor in self.front:
             self._sample(sensor, 3500 if readings.bumper else 60)
         return 0
 
-    def _sample(self, sensor: DistanceSensor, value: float) -> None:
+    def _sample(self, sensor: Sensor, value: float) -> None:
         if sensor.period and self.milliseconds % sensor.period == 0:
             sensor.value = value
