@@ -675,6 +675,10 @@ network between the two is cut. It says on stdout when it stops the robot, and g
 **ROS**: `lrp guard --topic /cmd_vel` subscribes to the topic, and publishes a velocity of zero on it. A robot
 whose driver stops by itself when commands cease needs none.
 
+**Goals** go on without commands. `lrp guard --action /move_base --alive /lrp/alive` cancels them when the
+program has published on that topic, and does no more. Its set-up has it do so in every tick:
+`"publishers": {"alive": {"topic": "/lrp/alive", "type": "std_msgs/Empty"}}, "tick": {"alive": {}}`.
+
 **MQTT**: `lrp guard --backend mqtt --topic robot/cmd_vel`. Commands are JSON, such as `{"linear": 0.2}`; the
 zero has the form of the last one.
 
@@ -715,11 +719,20 @@ def guard(
             help="How long the last command holds: more than a tick of the program.",
         ),
     ] = 0.5,
+    action: Annotated[
+        list[str] | None, Option(metavar="NAME", help="Cancel the goals of this action; may be repeated.")
+    ] = None,
+    alive: Annotated[
+        str,
+        Option(
+            metavar="TOPIC", help="With --action: where the program publishes in every tick that it is there."
+        ),
+    ] = "",
 ) -> None:
     """Stop a robot, on its own side, when its program sends no more commands."""
     from lrp_jupyter.cli.guard_command import guard_robot
 
-    raise typer.Exit(guard_robot(backend, host, topic, type_, after))
+    raise typer.Exit(guard_robot(backend, host, topic, type_, after, alive, action or ()))
 
 
 @command()

@@ -11,7 +11,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
@@ -33,17 +33,34 @@ BACKENDS = (backends.AUTO, *backends.BACKENDS, MQTT)
 
 _LOOK = 0.05  # s between two looks, and between two stops
 _STOPS = 100  # a message may be lost, or the robot may be connected seconds later than this guard
+_CANCELS = 20  # of goals; another client may soon have one of its own
+_COMMAND = "command", ", and the last one moved the robot", _STOPS  # what is missed, and so on
 
 
-def guard_robot(backend: str, host: str | None, topic: str | None, type_: str, after: float) -> int:
+def guard_robot(
+    backend: str,
+    host: str | None,
+    topic: str | None,
+    type_: str,
+    after: float,
+    alive: str = "",
+    actions: Sequence[str] = (),
+) -> int:
     """Guard a robot until Ctrl-C; return the exit code."""
     robot: RosSide | MqttSide
+    if bool(alive) != bool(actions):
+        raise BridgeError(
+            "--action and --alive go together: name what is cancelled, and who has to be there."
+        )
     if backend == MQTT:
         if type_:
             raise BridgeError("--type is for ROS: the messages of MQTT have no types.")
+        if actions:
+            raise BridgeError("--action is for ROS: MQTT has no actions.")
         robot = MqttSide(topic or "robot/cmd_vel", host)
     else:
-        robot = RosSide(topic or "/cmd_vel", type_, backend=backend, host=host)
+        velocity = topic or ("" if alive else "/cmd_vel")
+        robot = RosSide(velocity, type_, alive, actions, backend=backend, host=host)
     output = Writer()
     try:
         watch(robot, after, partial(output, _say), threading.Event())
@@ -73,22 +90,37 @@ def watch(
         if is_moving and time.monotonic() - moment < after:
             stops = 0
         elif is_moving and moment != stopped:
-            stopped, stops, told = moment, _STOPS, False
+            stopped, stops, told = moment, robot.times, False
         if stops:
             with suppress(BridgeError):  # it is tried until the robot is found again
                 robot.stop()
                 stops -= 1
                 if not told:
                     told = True
-                    say(f"No command for {after:g} s, and the last one moved the robot. It was stopped.")
+                    say(f"No {robot.what} for {after:g} s{robot.why}. It was stopped.")
 
 
 class RosSide:
-    """A velocity topic of ROS; an empty type is that of the live topic."""
+    """A velocity topic of ROS, or a topic on which its program says that it is there, with actions.
 
-    def __init__(self, topic: str, type_: str, **where: Any) -> None:
+    An empty type is that of the live topic.
+    """
+
+    what, why, times = _COMMAND
+
+    def __init__(
+        self, topic: str, type_: str, alive: str = "", actions: Sequence[str] = (), **where: Any
+    ) -> None:
         wire = {"topic": topic, "type": type_}
-        setup = {"subscriptions": {"commanded": wire}, "publishers": {"move": wire}}
+        self._alive = bool(alive)
+        if alive:
+            self.what, self.why = "message of its program", ", and the robot may be busy with a goal"
+            self.times = _CANCELS
+        setup = {
+            "subscriptions": {"heard": alive or wire},
+            "publishers": {"move": wire} if topic else {},
+            "actions": {f"action{number}": action for number, action in enumerate(actions)},
+        }
         self._bridge = RosBridge(**where, setup=setup, node=GUARD_NODE)
         self._heard, self._state = (0.0, False), ""
         self._bridge.open()
@@ -98,7 +130,8 @@ class RosSide:
         """When the last command came (possibly before a loss), by `time.monotonic`, and whether it moves."""
         for channel in self._bridge.wiring.channels:
             if channel.wire.direction == "subscription" and channel.latest is not None:
-                self._heard = (channel.latest.time, moves(channel.latest.value._as_dict()))
+                is_moving = self._alive or moves(channel.latest.value._as_dict())
+                self._heard = (channel.latest.time, is_moving)
         return self._heard
 
     def state(self) -> str:
@@ -121,6 +154,8 @@ class RosSide:
 
 class MqttSide:
     """A topic of an MQTT broker, with JSON: the zero has the form of the last command."""
+
+    what, why, times = _COMMAND
 
     def __init__(self, topic: str, host: str | None) -> None:
         try:

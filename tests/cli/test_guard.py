@@ -14,6 +14,8 @@ from lrp_jupyter.errors import BridgeError
 class Commanded:
     """A robot that is commanded on a topic where everyone hears everything, the guard its own stops, too."""
 
+    what, why, times = guard.MqttSide.what, guard.MqttSide.why, guard.MqttSide.times
+
     def __init__(self) -> None:
         self.now, self.heard = 100.0, (0.0, False)
         self.stops: list[float] = []

@@ -156,6 +156,7 @@ class RosBridge(Bridge):
         type: str = "",  # noqa: A002
         limits: Limits | None = None,
         at_stop: Mapping[str, object] | None = None,
+        at_tick: Mapping[str, object] | None = None,
     ) -> None:
         """Register ``robot.<variable>(…)`` as the publisher of a topic.
 
@@ -169,13 +170,17 @@ class RosBridge(Bridge):
         at_stop : mapping of str to object, optional
             The fields of a message that is published whenever the robot is stopped; ``{}`` is one in which
             nothing is set. Default: of velocities, a zero; of other types, nothing is published.
+        at_tick : mapping of str to object, optional
+            The fields of a message that is published in every tick while the robot is armed, so that the
+            robot's side knows that the program is there. Default: nothing is published.
 
         Raises
         ------
         BridgeError
             As for `subscribe`.
         """
-        self.connect(Wire(variable, "publisher", topic, type, dict(limits or {}), at_stop=at_stop))
+        limits = dict(limits or {})
+        self.connect(Wire(variable, "publisher", topic, type, limits, at_stop=at_stop, at_tick=at_tick))
 
     def action(self, variable: str, action: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
         """Register ``robot.<variable>(…)`` as a task: a goal of an action, which a stop cancels.
@@ -390,7 +395,8 @@ class RosBridge(Bridge):
         zeros = _names(channel for channel in sent if channel.is_velocity)
         named = _names(channel for channel in sent if channel.wire.at_stop is not None)
         goals = _names(channel for channel in sent if channel.wire.direction == "action")
-        others = _names((channel for channel in sent if not _is_stopped(channel)), " or ")
+        moving = [channel for channel in sent if channel.wire.at_tick is None]  # the others begin nothing
+        others = _names((channel for channel in moving if not _is_stopped(channel)), " or ")
         if not (others or named or goals):
             return super().failsafe
         does = (
@@ -428,10 +434,12 @@ class RosBridge(Bridge):
             channel.latch()
 
     def act(self, now: float) -> None:
-        """Mark the end of the tick."""
+        """Mark the end of the tick, and publish what the set-up says is published in each."""
         self._in_tick = 0
         for channel in self.wiring.channels:
             channel.release()
+            if channel.wire.at_tick is not None and self.safety.armed:
+                self.wiring.say_in_tick(channel)
 
     def take_messages(self, readings: Collection[str]) -> None:
         """Have the robot send every message on these topics; on others, the last one is enough."""
@@ -598,7 +606,8 @@ class RosBridge(Bridge):
 
 def _is_stopped(channel: Channel) -> bool:
     """Return whether a stop reaches what goes over a channel."""
-    return channel.is_velocity or channel.wire.direction == "action" or channel.wire.at_stop is not None
+    wire = channel.wire
+    return channel.is_velocity or wire.direction == "action" or wire.at_stop is not None
 
 
 def _names(channels: Iterable[Channel], conjunction: str = " and ") -> str:

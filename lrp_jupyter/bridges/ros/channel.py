@@ -82,6 +82,11 @@ class Channel:
             return None
         return self.message(**(self.wire.at_stop or {}))
 
+    def tick_message(self) -> RosMessage | None:
+        """Return what is published in every tick, if anything is; raises what is wrong with its fields."""
+        fields = self.wire.at_tick
+        return None if self.message is None or fields is None else self.message(**fields)
+
     @property
     def expects(self) -> bool:
         """Whether it is a subscription without a message so far."""

@@ -471,7 +471,8 @@ def _check_sent(channel: Channel) -> None:
             paths = [*channel.message.WORDS, *channel.message.paths()]
             hint = did_you_mean(name, paths)
             raise RefusedError(f"`{channel.type}` has no number `{name}` that could have a limit.{hint}")
-    try:
-        channel.stop_message()
-    except LRPError as error:
-        raise RefusedError(f"What is to be sent at a stop: {error}") from None
+    for when, message in {"at a stop": channel.stop_message, "in a tick": channel.tick_message}.items():
+        try:
+            message()
+        except LRPError as error:
+            raise RefusedError(f"What is to be sent {when}: {error}") from None

@@ -171,7 +171,7 @@ class RclpyTransport(Transport):
         handle.cancel(request)
 
     def hint(self, handle: object) -> str:
-        """Return that nobody serves an action or a service."""
+        """Return that no node serves an action or a service."""
         return handle.hint() if isinstance(handle, (RclpyAction, RclpyService)) else ""
 
     def tend(self, in_need: bool) -> float:

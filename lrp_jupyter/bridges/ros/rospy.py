@@ -204,7 +204,7 @@ class RospyTransport(Transport):
         return super().tend(in_need)
 
     def hint(self, handle: object) -> str:
-        """Return that nobody serves an action or a service."""
+        """Return that no node serves an action or a service."""
         return handle.hint() if isinstance(handle, (GoalTopics, RospyService)) else ""
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:

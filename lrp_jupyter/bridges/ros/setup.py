@@ -7,13 +7,16 @@
                        "light": {"topic": "/light"}},
      "publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist",
                              "limits": {"linear": 0.5, "angular": 1.0}},
-                    "horn": {"topic": "/horn", "type": "std_msgs/Bool"}},
+                    "horn": {"topic": "/horn", "type": "std_msgs/Bool"},
+                    "alive": {"topic": "/lrp/alive", "type": "std_msgs/Empty"}},
      "actions": {"drive_to": {"action": "/move_base", "type": "move_base_msgs/MoveBase"}},
      "services": {"spawn": {"service": "/spawn"}},
-     "stop": {"horn": {"data": false}}}
+     "stop": {"horn": {"data": false}},
+     "tick": {"alive": {}}}
 
-A type that is left out is taken from what is live. ``stop`` names what else is sent at a stop: a message, by
-its fields, through a publisher. What can be checked without a robot is checked here, and the rest later.
+A type that is left out is taken from what is live. ``stop`` names what else is sent at a stop, and ``tick``
+what is sent in every tick while the robot is armed: a message, by its fields, through a publisher. What can
+be checked without a robot is checked here, and the rest later.
 
 Paper: §7.1 (figures 4 and 5: variable, topic, type).
 """
@@ -46,6 +49,7 @@ _SECTIONS: Mapping[str, Direction] = {
     "services": "service",
 }
 _NAMED = {"action": "action", "service": "service"}  # by what an entry names it, if not by its topic
+_WHEN = {"stop": "at_stop", "tick": "at_tick"}  # what a publisher sends by itself
 _OWN = {"subscription": ("stale_after",), "publisher": ("limits",), "action": ("limits",)}
 
 
@@ -60,6 +64,7 @@ class Wire:
     limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)  # of what is sent
     stale_after: float | None = None  # s after which a subscription's last message is too old to drive by
     at_stop: Mapping[str, Any] | None = None  # the fields that a publisher sends at a stop; None: it does not
+    at_tick: Mapping[str, Any] | None = None  # … and in every tick
 
     def __post_init__(self) -> None:
         parts = self.variable.split(".")
@@ -108,12 +113,13 @@ def check_type(type_: str, also: Iterable[str] = ()) -> str:
 def setup_as_dict(wires: Iterable[Wire]) -> dict[str, Any]:
     """Return the JSON form of a set-up."""
     setup: dict[str, Any] = {"version": 1, "subscriptions": {}, "publishers": {}}
-    stops: dict[str, Any] = {}
+    sent: dict[str, Any] = {}
     for wire in wires:
         setup.setdefault(f"{wire.direction}s", {})[wire.variable] = wire.as_dict()
-        if wire.at_stop is not None:
-            stops[wire.variable] = dict(wire.at_stop)
-    return {**setup, "stop": stops} if stops else setup
+        for when, name in _WHEN.items():
+            if (fields := getattr(wire, name)) is not None:
+                sent.setdefault(when, {})[wire.variable] = dict(fields)
+    return setup | sent
 
 
 def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...]:
@@ -122,7 +128,7 @@ def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...
         raise BridgeError(f"{where} is not a set-up. Write an object with `subscriptions` and `publishers`.")
     if setup.get("version", 1) != 1:
         raise BridgeError(f"{where} has version {setup['version']!r}, but only version 1 can be read.")
-    _no_others(setup, ("version", *_SECTIONS, "stop"), where)
+    _no_others(setup, ("version", *_SECTIONS, *_WHEN), where)
     wires: dict[str, Wire] = {}
     for section, direction in _SECTIONS.items():
         entries = setup.get(section, {})
@@ -133,18 +139,21 @@ def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...
             if variable in wires:
                 raise BridgeError(f"{place}: `{variable}` is already {_a(wires[variable].direction)}.")
             wires[variable] = _wire_from(variable, direction, entry, place)
-    stops = setup.get("stop", {})
-    if not isinstance(stops, Mapping):
-        raise BridgeError(f"{where}: `stop` must be an object of publishers.")
     publishers = [name for name, wire in wires.items() if wire.direction == "publisher"]
-    for variable, fields in stops.items():
-        place = f"{where}, `stop.{variable}`"
-        if variable not in publishers:
-            hint = did_you_mean(variable, publishers)
-            raise BridgeError(f"{place}: There is no publisher `{variable}`.{hint}")
-        if not isinstance(fields, Mapping):
-            raise BridgeError(f'{place}: Write the fields of the message, like `{{"data": 0}}`, or `{{}}`.')
-        wires[variable] = replace(wires[variable], at_stop=dict(fields))
+    for when, name in _WHEN.items():
+        sent = setup.get(when, {})
+        if not isinstance(sent, Mapping):
+            raise BridgeError(f"{where}: `{when}` must be an object of publishers.")
+        for variable, fields in sent.items():
+            place = f"{where}, `{when}.{variable}`"
+            if variable not in publishers:
+                hint = did_you_mean(variable, publishers)
+                raise BridgeError(f"{place}: There is no publisher `{variable}`.{hint}")
+            if not isinstance(fields, Mapping):
+                example = 'Write the fields of the message, like `{"data": 0}`, or `{}`.'
+                raise BridgeError(f"{place}: {example}")
+            change: dict[str, Any] = {name: dict(fields)}
+            wires[variable] = replace(wires[variable], **change)
     return tuple(wires.values())
 
 

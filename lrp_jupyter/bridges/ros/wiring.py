@@ -108,6 +108,13 @@ class Wiring:
         if link is not None and (channel.is_velocity or channel.wire.at_stop is not None):
             link.send(channel, channel.stop_message(), urgent=True)
 
+    def say_in_tick(self, channel: Channel) -> None:
+        """Publish what is published in every tick, if the robot can be reached."""
+        link = self.link
+        if link is not None and (message := channel.tick_message()) is not None:
+            with contextlib.suppress(BridgeError):
+                link.send(channel, message)
+
     def cancel(self, channel: Channel, requests: Iterable[RosRequest | None]) -> None:
         """Cancel goals of an action; None: those of every client. BridgeError: it was not sent."""
         link = self.link

@@ -5,12 +5,16 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from bridges.dying import Robot, StandsStill
 from support.waiting import until
+
+from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.live.session import Session
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
@@ -77,3 +81,28 @@ def test_a_robot_whose_commands_cease_is_stopped_on_its_own_side(
     os.killpg(program.pid, signal.SIGKILL)
     robot.is_stopped()
     until(lambda: any("No command for 0.5 s" in line for line in printed))
+
+
+def test_a_goal_whose_program_is_gone_is_cancelled_on_the_robots_side(
+    real: Any, backend: str, connect: Callable[..., RosBridge]
+) -> None:
+    node = real.start(sys.executable, str(Path(__file__).with_name("action_node.py")), "full")
+    done: list[str] = real.lines(node)
+    until(lambda: "ready" in done)
+    ros = connect()
+    place = f"127.0.0.1:{real.rosbridge_port if backend == 'rosbridge' else real.master_port}"
+    options = ("--backend", backend, "--host", place, "--action", "/move_base", "--alive", "/alive")
+    printed: list[str] = real.lines(real.start(sys.executable, "-m", "lrp_jupyter", "guard", *options))
+    ros.action("drive_to", "/move_base")
+    ros.publish("alive", "/alive", "std_msgs/Empty", at_tick={})
+    text = "(machine m (state s (onentry [robot.drive_to(target_pose_pose_position_x=2.0)]))) (spawn m s)"
+    with Session(text, bridge=ros) as session:
+        session.start()
+        until(lambda: any("Connected" in line for line in printed))
+        until(lambda: "drives 2.0" in done)
+        session.wait_for(lambda frame: frame.time > 1.5)
+        assert "stands" not in done
+        ros.act = lambda now: None  # as if its messages no longer came through
+        until(lambda: "stands" in done, lambda: f"{printed}")
+        assert any("No message of its program for 0.5 s" in line for line in printed)
+        until(lambda: ros.robot.drive_to.status == "cancelled")

@@ -113,6 +113,7 @@ def test_a_setup_is_the_same_after_a_way_through_json(setup: list[Wire]) -> None
         ({"publishers": {"cancel": "/c"}, "stop": {"cancle": {}}}, "Did you mean `cancel`"),
         ({"publishers": {"cancel": "/c"}, "stop": {"cancel": True}}, "Write the fields of the message"),
         ({"publishers": {"cancel": "/c"}, "stop": []}, "`stop` must be an object of publishers"),
+        ({"subscriptions": {"a": "/a"}, "tick": {"a": {}}}, r"`tick\.a`: There is no publisher `a`"),
     ],
 )
 def test_a_mistake_in_a_setup_is_named_with_its_place(setup: Any, sentence: str) -> None:
@@ -125,14 +126,16 @@ def test_what_a_setup_names_is_sent_at_every_stop_and_a_wrong_field_is_refused(
 ) -> None:
     graph.types["/lamp"] = "std_msgs/Bool"
     stop = {"publishers": {"lamp": "/lamp", "cancel": {"topic": "/cancel", "type": "std_msgs/Empty"}}}
-    setup = {**stop, "stop": {"lamp": {"data": False}, "cancel": {}}}
+    setup = {**stop, "stop": {"lamp": {"data": False}, "cancel": {}}, "tick": {"cancel": {}}}
     ros = make(setup=setup)
     ros.open()
-    assert ros.setup["stop"] == setup["stop"]
+    assert (ros.setup["stop"], ros.setup["tick"]) == (setup["stop"], setup["tick"])
     assert ros.stop_all()
     until(lambda: ("/cancel", {}) in graph.heard and ("/lamp", {"data": False}) in graph.heard)
     with pytest.raises(BridgeError, match=r"What is to be sent at a stop: .*`msg` has no `dat`"):
         ros.publish("bell", "/lamp", at_stop={"dat": False})
+    with pytest.raises(BridgeError, match=r"What is to be sent in a tick: .*`msg` has no `dat`"):
+        ros.publish("bell", "/lamp", at_tick={"dat": False})
 
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
