@@ -256,7 +256,7 @@ class Bridge(Interface, ABC):
 
     def moment(self) -> object:
         """Return a token for the present moment of the bridge's own world, or of its tasks, for `rewind`."""
-        return self.tasks.moment
+        return self.requested.moment
 
     def rewind(self, moment: object) -> None:
         """Rewind the bridge's own world to an earlier moment.
@@ -268,9 +268,9 @@ class Bridge(Interface, ABC):
         """
         if self.hardware and self.safety.armed:
             raise BridgeError(f"`{self.name}` is armed: a real robot cannot step back. Disarm it first.")
-        self.tasks.drop()
+        self.requested.drop()
         if isinstance(moment, TasksMoment) and self.has_world:
-            self.tasks.moment = moment
+            self.requested.moment = moment
 
     # -- life: called by a session ----------------------------------------------------------------
 
@@ -339,6 +339,7 @@ class Bridge(Interface, ABC):
         except Exception as error:
             sentence = sentence_of(error)
             self.is_closed = True
+            self._guard.end()
             self.set_status(ConnectionState.DISCONNECTED, sentence)
             if isinstance(error, BridgeError):
                 raise
@@ -361,7 +362,7 @@ class Bridge(Interface, ABC):
         limit = None if self.stop_timeout is None else _CLOSING
         if failure := failure_of(self.close_interface, limit, "close the robot"):
             self.safety.notice("fault", f"Closing `{self.name}` failed: {failure}")
-        self.tasks.drop()
+        self.requested.drop()
         self.nodes.clear()
         self.fed.clear()
         self._late, self._failed = None, None
@@ -379,7 +380,7 @@ class Bridge(Interface, ABC):
         try:
             self.sense(now)
             self.fed.latch()
-            if states := self.tasks.latch():
+            if states := self.requested.latch():
                 self.readings |= states
             if self.nodes.timed or self._late is not None:
                 self.judge_ages()
@@ -420,7 +421,7 @@ class Bridge(Interface, ABC):
                 self._stop_now()
             if self._failed is not None and self._failed[0] == "act":
                 self._find_again()
-        self.tasks.end_tick()
+        self.requested.end_tick()
         self.latch = 0  # between ticks a person reads what is there now
         self.fed.release()
         for mover, sentence in self.safety.commands_overdue(now).items():

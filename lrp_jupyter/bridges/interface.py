@@ -82,7 +82,7 @@ class Interface:
     fed = part(lambda bridge: FedValues(None if bridge.time_step is None else lambda: bridge.safety.now))
     safety = part(lambda bridge: Safety(armed=not type(bridge).hardware))
     robot = part(Robot)
-    tasks = part(Tasks)
+    requested = part(Tasks)
     readings = part[dict[str, object]](lambda bridge: {})  # of this tick, by path; the error where one failed
     outside = part[Callable[[object, bool], object]](lambda bridge: lambda what, surely: None)
     """Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.interventions`
@@ -349,7 +349,7 @@ class Interface:
         """
         text = doc or _doc_of(start)
         task = RobotTask(self, name, partial(start, None), text, message, True, False, limits or {})
-        task.tasks, task.start, task.cancel = self.tasks, start, cancel
+        task.tasks, task.start, task.cancel = self.requested, start, cancel
         task.moves, task.replaces, task.takes_over = moves, replaces, mover
         self.nodes.add(task)
 
@@ -518,7 +518,7 @@ class Interface:
             Whether the robot was stopped; if not, a notice contains the reason.
         """
         safety, moving = self.safety, self.safety.motion
-        entered = {name: (name, math.inf) for name in self.tasks.entered()}
+        entered = {name: (name, math.inf) for name in self.requested.entered()}
         safety.stopped()
         try:
             stopped = self._stop_now()
@@ -548,7 +548,7 @@ class Interface:
         Tasks are no velocities, and go on.
         """
         self.safety.run_stop(self.stop, self.stop_timeout, self._guard.stop)
-        for name in self.tasks.moving():
+        for name in self.requested.moving():
             self.safety.drive(name, True)
 
     def _stop_now(self) -> bool:
@@ -557,7 +557,7 @@ class Interface:
     def _stop_everything(self) -> None:
         """Cancel all tasks, and stop the robot even if that fails."""
         try:
-            self.tasks.stop()
+            self.requested.stop()
         finally:
             self.stop()
 
@@ -589,7 +589,7 @@ class Interface:
         self.outside(RobotCommanded(method.path, arguments), False)
         if hindrance == "lost":
             if task is not None:
-                self.tasks.ask(task, command, lost=safety.why)
+                self.requested.ask(task, command, lost=safety.why)
                 return None
             raise BridgeError(f"`robot.{method.path}` was not sent: {safety.why}")
         if hindrance == "held":

@@ -80,7 +80,8 @@ class Member:
         """Return a JSON form; a value without one becomes a short text."""
         form = {each.name: getattr(self, each.name) for each in dataclasses.fields(self)}
         inside = {name: [each.as_dict() for each in form[name]] for name in ("fields", "arguments")}
-        return {**form, "value": _json_value(self.value), **inside}
+        value = str(self.value) if self.kind == "task" else _json_value(self.value)
+        return {**form, "value": value, **inside}
 
 
 def signature_text(signature: inspect.Signature) -> str:

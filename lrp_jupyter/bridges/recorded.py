@@ -29,7 +29,7 @@ class RecordedBridge(Bridge, offered=False):
     def __init__(self, members: Iterable[RobotVariable | RobotMethod]) -> None:
         self.given: Mapping[str, object] = {}  # by path, for the next tick; an error where a reading failed
         self._recorded = tuple(members)
-        self.tasks.recorded = self._state
+        self.requested.recorded = self._state
 
     def offer_stop(self) -> None:
         """Offer nothing that the recorded robot did not."""

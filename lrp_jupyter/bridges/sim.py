@@ -243,7 +243,7 @@ class SimBridge(Bridge, SimulatedWorld):
     def sensed(self) -> object:
         """Return what all sensors of all robots read in this tick; then the states of their tasks, if any."""
         read = [robot.memory.readings for robot in self.simulation.robots]
-        states = self.tasks.states
+        states = self.requested.states
         return (*read, states) if states else tuple(read)
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
@@ -274,10 +274,10 @@ class SimBridge(Bridge, SimulatedWorld):
     def _report(self) -> None:
         """Report what has become of the tasks of the robots."""
         robots = dict(zip(["", *self.world.robot_names[1:]], self.simulation.robots, strict=True))
-        for name, asked in self.tasks.moment.requests.items():
+        for name, asked in self.requested.moment.requests.items():
             if asked.state.active:
                 owner, _, task = name.rpartition(".")
-                self.tasks.report(name, asked.number, self._state(robots.get(owner), task, asked.number))
+                self.requested.report(name, asked.number, self._state(robots.get(owner), task, asked.number))
 
     def _state(self, robot: SimRobot | None, task: str, number: int) -> TaskState:
         doing = None if robot is None else robot.memory.speech if task == "say" else robot.memory.errand
@@ -307,7 +307,7 @@ class SimBridge(Bridge, SimulatedWorld):
         """Read all sensors, once for the tick."""
         self._stop_if_asked()
         self.simulation.latch()
-        if self.tasks.moment.requests:
+        if self.requested.moment.requests:
             self._report()
 
     def _stop_if_asked(self) -> None:
@@ -327,7 +327,7 @@ class SimBridge(Bridge, SimulatedWorld):
         """Return a token for the present moment of the world, with all queued inputs applied."""
         self.simulation.step(0)
         world, safety = self.simulation.moment, self.safety
-        return _SimMoment(self.simulation, world, safety.motion, self._stopping, self.tasks.moment)
+        return _SimMoment(self.simulation, world, safety.motion, self._stopping, self.requested.moment)
 
     def rewind(self, moment: object) -> None:
         """Rewind the world to a moment, exactly: the same inputs give the same continuation.
@@ -353,7 +353,7 @@ class SimBridge(Bridge, SimulatedWorld):
         self._continue_with(present)
         self.safety.motion = moment.motion
         self._stopping = moment.stopping
-        self.tasks.moment = moment.tasks
+        self.requested.moment = moment.tasks
 
     def has_come_to(self, moment: object) -> bool:
         """See :class:`SimulatedWorld`."""
@@ -381,7 +381,7 @@ class SimBridge(Bridge, SimulatedWorld):
         fork.safety.armed = self.safety.armed
         fork.safety.motion = moment.motion
         fork._stopping = moment.stopping
-        fork.tasks.moment = moment.tasks
+        fork.requested.moment = moment.tasks
         return fork
 
     # -- the world, for views ---------------------------------------------------------------------

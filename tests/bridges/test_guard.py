@@ -28,6 +28,7 @@ from bridges.dying import (
     on_wheels,
     suspend,
 )
+from support.robots import Bare
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -578,3 +579,13 @@ def _threads() -> list[str]:
 
 def _descriptors() -> int:
     return len(os.listdir("/proc/self/fd" if os.path.exists("/proc/self/fd") else "/dev/fd"))
+
+
+def test_a_robot_that_was_armed_and_cannot_be_opened_has_no_guard():
+    robot = Bare(hardware=True, notes="open_interface")
+    robot.failing["open_interface"] = BridgeError("It is not there.")
+    robot.arm()
+    with pytest.raises(BridgeError, match="It is not there"):
+        robot.open()
+    assert not robot._guard.is_on
+    robot.disarm()

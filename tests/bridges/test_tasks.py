@@ -93,9 +93,9 @@ def test_what_a_goal_would_have_replaced_ends_with_it_if_it_is_cancelled_before_
     bot.open()
     bot.robot.lap(1)
     bot.next()
-    with bot.tasks._changing:  # its thread does not begin it
+    with bot.requested._changing:  # its thread does not begin it
         bot.robot.lap(2)
-        bot.tasks.drop()
+        bot.requested.drop()
     assert bot.log == ["lap 1", "cancel lap 1"]
 
 
@@ -382,6 +382,15 @@ def test_by_hand_it_lives_until_it_ends_or_the_robot_is_stopped():
     assert bot.robot.go.succeeded
 
 
+def test_a_view_as_plain_data_has_the_status_and_what_can_be_read():
+    bot = Courier()
+    bot.open()
+    bot.robot.go(1)
+    described = bot.describe("go").as_dict()
+    assert (described["kind"], described["value"]) == ("task", "active")
+    assert [each["name"] for each in described["fields"]][:2] == ["go.status", "go.active"]
+
+
 def test_a_wrong_use_says_what_there_is():
     bot = Courier()
     bot.open()
@@ -442,9 +451,9 @@ def test_a_fork_continues_from_any_tick_with_what_was_known_then(tmp_path):
     for tick in range(1, session.frame.tick + 1):
         then, fork = session.at(tick), session.fork(at=tick)
         assert (fork.frame.active, fork.frame.readings.get("go")) == (then.active, then.readings.get("go"))
-        before = fork.bridge.tasks.moment.requests["go"].state if then.active[0][-1] != "lost" else None
+        before = fork.bridge.requested.moment.requests["go"].state if then.active[0][-1] != "lost" else None
         fork.run(0.3)
         fork.rewind(fork.frame.tick - tick)
-        asked = fork.bridge.tasks.moment.requests.get("go")
+        asked = fork.bridge.requested.moment.requests.get("go")
         assert (fork.frame.active, asked and asked.state) == (then.active, before)
     assert bot.log == log

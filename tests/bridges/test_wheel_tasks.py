@@ -45,7 +45,7 @@ FAILED = "(on [robot.drive_by.failed] driving -> blocked)"
 def ended(session: Session) -> TaskState:
     """Run until a way has been given up."""
     assert session.run(until=lambda frame: session.bridge.robot.drive_by.failed, limit=20)
-    return session.bridge.tasks.state("drive_by")
+    return session.bridge.requested.state("drive_by")
 
 
 def test_a_square_is_driven_by_asking_and_waiting():
@@ -233,7 +233,7 @@ def test_another_world_ends_what_the_robots_of_the_one_before_were_asked_for(is_
     begun_again = ("aborted", "The world has begun again.")
     assert session.bridge.status.state == "connected"
     for name in ("drive_by", "other.drive_by"):
-        state = session.bridge.tasks.state(name)
+        state = session.bridge.requested.state(name)
         assert (state.status, state.reason) == (stopped if is_stopped else begun_again)
     assert session.bridge.picture.robots[0].command == (0, 0)
 

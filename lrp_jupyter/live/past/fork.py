@@ -118,7 +118,7 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
     fork = NullBridge() if isinstance(bridge, NullBridge) else RecordedBridge(bridge.nodes.members())
     fork.open()
     if isinstance(moment, TasksMoment):
-        fork.tasks.moment = moment
+        fork.requested.moment = moment
     return fork
 
 

@@ -105,7 +105,7 @@ class Loop:
         self._printed = printed
         self._has_robot = type(bridge) is not NullBridge
         if self._has_robot:
-            interpreter.follow_visits(bridge.tasks)
+            interpreter.follow_visits(bridge.requested)
         self._members = bridge.nodes.table
         self.breakpoints: Breakpoints | None = None
         self.paused_by: Hit | Issue | None = None
@@ -114,7 +114,7 @@ class Loop:
         self._driven_by = 0  # the thread that made the last turn
         bridge.outside, bridge.origin = self._from_outside, self._origin
         bridge.safety.recorded = partial(self.emit, "commanded")
-        bridge.tasks.asker, bridge.tasks.changed = self._asker, self._task_changed
+        bridge.requested.asker, bridge.requested.changed = self._asker, self._task_changed
         self._published = -math.inf  # wall time of the last frame
         self.frame = self.make_frame()
         """The newest published frame."""
@@ -514,7 +514,7 @@ class Loop:
                 record.watch()
             if self.interpreter.restarts != restarts:  # no onexit has run, so everything must stop
                 self.bridge.stop_all()
-                self.bridge.tasks.drop()
+                self.bridge.requested.drop()
 
     def _check_whole(self) -> None:
         if self.fault:
@@ -657,7 +657,7 @@ class Loop:
             self._call_hook(self.bridge.stop_all)
             safety.tick(self.timing.now, self.timing.period)  # commands held back were those of the last tick
             self.interpreter.end(self.timing.now)
-            self.bridge.tasks.finish_calls()
+            self.bridge.requested.finish_calls()
         finally:
             self._call_hook(self.bridge.stop_all)
 

@@ -75,7 +75,7 @@ def test_a_point_is_reached_however_the_motors_are_built_in(bridge, clock, fresh
     bridge.end_tick(0.0)
     assert robot.drive_to.status == "succeeded"
     assert (robot.odom.x, robot.odom.y) == pytest.approx((to_x, to_y), abs=0.006)
-    bridge.tasks.drop()
+    bridge.requested.drop()
 
 
 @pytest.mark.parametrize("radians", [math.pi / 2, -math.pi / 2, 0.1, 7.0])
@@ -104,7 +104,7 @@ def test_cancelling_it_stops_its_wheels_and_no_other_motor(bridge, brick, drive)
     bridge.robot.motorA.start_at_speed(20)
     task = ask(bridge, "drive_by", 1)
     drive(1)
-    bridge.tasks.drop()
+    bridge.requested.drop()
     drive(0.1)
     assert turning(brick) == [20, 0, 0, 0]
     assert task.status is None
@@ -209,5 +209,5 @@ def test_a_text_is_on_the_display_until_it_is_read_or_no_longer_wanted(bridge, b
     assert task.succeeded
     ask(bridge, "say", "Here")
     assert brick.shown == ["Here"]
-    bridge.tasks.drop()
+    bridge.requested.drop()
     assert brick.shown == []
