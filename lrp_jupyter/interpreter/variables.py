@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
-from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.linker import compiled
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import UNSET
@@ -159,7 +159,8 @@ def _bound(run: Run, block: Block, element: Element, environment: Environment, f
 class BlockTest:
     """A block that is tested repeatedly in the scope of a machine: an expression, or the block of an event.
 
-    It is compiled and bound again when the program or the variables of that scope change.
+    It is compiled and bound again when the program or the variables of that scope change. What it assigns is
+    undone: looking at a run does not change it.
 
     `element`: the event, or the machine in whose scope it is; that of the top level has no path.
     `inside`: the states around its instance that is meant, by path of definition; None for any instance.
@@ -189,12 +190,17 @@ class BlockTest:
         return {each.path: self._result(run, each) for each in found}
 
     def _result(self, run: Run, environment: Environment) -> bool | BaseException:
+        before = [(slot.cell, content(slot.cell)) for slot in environment.visible.values()]
         try:
             return self._is_true(self._test(run, environment))
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             return error
+        finally:
+            for cell, value in before:
+                if content(cell) is not value:
+                    put(cell, value)
 
     def _test(self, run: Run, environment: Environment) -> Call:
         bound = self._bound.get(environment.path)

@@ -329,3 +329,11 @@ def test_a_condition_follows_its_machine_over_renames():
         assert (live.frame.tick, live.frame.values["own"]) == (4, 8)
         live.edit(live.text.replace("other", "third"))
         assert live.breakpoints[0].dormant
+
+
+def test_looking_at_an_event_does_not_change_the_run():
+    text = "(var n := [0]) (event e [n += 3]) (machine m (state a (running [n += 1]))) (spawn m a)"
+    with Session(text, clock=VirtualClock()) as session:
+        session.pause_when(event="e")
+        session.run(1.0)
+        assert session.frame.values["n"] == 10
