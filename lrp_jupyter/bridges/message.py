@@ -58,11 +58,13 @@ class Message:
     accepts a number in place of the nested message.
     """
 
-    __slots__ = ("_fields", "_path")
+    __slots__ = ("_fields", "_is_set", "_path")
     FIELDS: ClassVar[Mapping[str, type[Message] | Plain]] = {}
     WORDS: ClassVar[Mapping[str, str]] = {}
+    OPTIONAL: ClassVar[tuple[str, ...]] = ()  # parts that are among its values only if something is set there
 
     _fields: dict[str, Any]
+    _is_set: bool
     _path: str
 
     def __init__(self, path: str = "msg", /, **fields: object) -> None:
@@ -71,6 +73,7 @@ class Message:
             for name, kind in self.FIELDS.items()
         }
         object.__setattr__(self, "_path", path)
+        object.__setattr__(self, "_is_set", False)
         object.__setattr__(self, "_fields", values)
         self(**fields)
 
@@ -147,9 +150,11 @@ class Message:
         return {
             name: value if isinstance(self.FIELDS[name], Plain) else value.as_dict()
             for name, value in self._fields.items()
+            if name not in self.OPTIONAL or value._is_set
         }
 
     def _assign(self, name: str, value: object) -> None:
+        object.__setattr__(self, "_is_set", True)
         kind = self.FIELDS.get(name)
         if kind is None and name in self.WORDS:
             self.set(name, value)
@@ -157,6 +162,8 @@ class Message:
             self._assign_long_name(name, value)
         elif isinstance(kind, Plain):
             self._fields[name] = kind.check(value, f"{self._path}.{name}")
+        elif isinstance(value, kind) and not value._is_set:
+            self._fields[name] = kind(f"{self._path}.{name}")
         elif isinstance(value, kind):
             for inner in kind.FIELDS:  # a copy: two messages never share a part
                 self._fields[name]._assign(inner, getattr(value, inner))

@@ -135,6 +135,7 @@ def _message(described: Mapping[str, Any], value_of: Callable[[Any], object]) ->
         for name, part in described["fields"].items()
     }
     members = {"__slots__": (), "FIELDS": fields, "WORDS": dict(described["words"])}
+    members["OPTIONAL"] = tuple(described.get("optional", ()))
     return type(described["name"], (Message,), members)
 
 

@@ -171,7 +171,8 @@ def _message(kind: type[Message]) -> Line:
         else _message(part)
         for name, part in kind.FIELDS.items()
     }
-    return {"name": kind.__name__, "words": dict(kind.WORDS), "fields": fields}
+    described = {"name": kind.__name__, "words": dict(kind.WORDS), "fields": fields}
+    return {**described, "optional": list(kind.OPTIONAL)} if kind.OPTIONAL else described
 
 
 def _parameter(parameter: Parameter) -> Line:

@@ -17,6 +17,7 @@ from support.sessions import seen
 
 from lrp_jupyter import logs
 from lrp_jupyter.bridges.bridge import Bridge, Twist
+from lrp_jupyter.bridges.ros.definitions import HEADERS
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import FileError, LRPError, NoDataYet, UnknownElementError
 from lrp_jupyter.interpreter import journal
@@ -517,6 +518,21 @@ def test_values_are_the_same_as_json():
         assert unplain(json.loads(json.dumps(plain(value)))) == value
     pose = unplain(json.loads(json.dumps(plain(Pose(0.5, Pose(1, None))))))
     assert (pose.x, pose.other.x, pose.other.other) == (0.5, 1, None)
+    nothing = json.loads(json.dumps(plain(Types().form("std_msgs/Empty").zero)))
+    assert plain(unplain(nothing)) == nothing == {"fields": {}}
+
+
+def test_a_message_whose_time_was_not_set_is_commanded_again_without_one(tmp_path):
+    path, types = tmp_path / "run.lrplog", Types()
+    types.add(HEADERS[1])
+    stamped = types.message("geometry_msgs/TwistStamped")
+    actions = "[robot.move(twist_linear_x=0.1)] [robot.move(header_stamp_secs=1)]"
+    text = f"(machine m (state a (running {actions}))) (spawn m a)"
+    robot = Bare(lambda robot: robot.add_method("move", robot.calls.append, message=stamped))
+    with Session(text, robot, clock=VirtualClock()) as session, session.record(path):
+        session.run(0.3)
+    assert ["stamp" in command.as_dict()["header"] for command in robot.calls[:2]] == [False, True]
+    assert reproduce(read_recording(path)).difference is None
 
 
 class FullDisk:

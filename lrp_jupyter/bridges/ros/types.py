@@ -74,29 +74,12 @@ class RosMessage(Message):
     The time stamp of a header is part of its values only if it was set: the robot's side fills in the time.
     """
 
-    __slots__ = ("_is_set",)
-    _TYPE: ClassVar[str] = ""
-    _is_set: bool
-
-    def __init__(self, path: str = "msg", /, **fields: object) -> None:
-        object.__setattr__(self, "_is_set", False)
-        super().__init__(path, **fields)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the fields as nested dictionaries."""
-        values = super().as_dict()
-        if self._TYPE == "std_msgs/Header" and "stamp" in values and not self.stamp._is_set:
-            del values["stamp"]
-        return values
+    __slots__ = ()
 
     def _assign(self, name: str, value: object) -> None:
-        object.__setattr__(self, "_is_set", True)
         if isinstance(value, ReceivedMessage):  # what arrived on one topic may go out on another
             value = value._as_dict()
-        if isinstance(value, RosMessage) and not value._is_set and self.FIELDS.get(name) is type(value):
-            self._fields[name] = type(value)(f"{self._path}.{name}")
-        else:
-            super()._assign(name, value)
+        super()._assign(name, value)
 
 
 class ReceivedMessage:
@@ -208,7 +191,7 @@ class Types:
                     "__doc__": f"A `{name}`.",
                     "FIELDS": fields,
                     "WORDS": _WORDS.get(name, {}),
-                    "_TYPE": name,
+                    "OPTIONAL": ("stamp",) if name == "std_msgs/Header" else (),
                 },
             )
         return self._messages[name]

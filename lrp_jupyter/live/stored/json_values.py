@@ -38,7 +38,8 @@ def plain(value: object) -> Any:
         slots = getattr(type(value), "__slots__", ())
         parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]
     public = [name for name in parts if not name.startswith("_") and hasattr(value, name)]
-    if not public:
+    is_empty = isinstance(value, Fields) or getattr(type(value), "__slots__", None) == ()
+    if not (public or is_empty):  # a message may have no fields
         return {"text": render(value)}
     return {"fields": {name: plain(getattr(value, name)) for name in public}}
 

@@ -17,7 +17,7 @@ from lrp_jupyter.bridges.conformance import BridgeConformance
 from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros import RosBridge
 
-ROBOT = str(SETUP.with_name("robot_node.py"))
+ROBOT, SERVER = (str(SETUP.with_name(name)) for name in ("robot_node.py", "action_node.py"))
 
 
 class TestRosbridge(BridgeConformance):
@@ -64,6 +64,7 @@ class TestRosbridge(BridgeConformance):
 class TestRospy(BridgeConformance):
     moves = True
     robot: Any = None  # for all checks
+    action_server: Any = None
 
     @pytest.fixture(autouse=True)
     def _connected(self, lasting: Any) -> None:
@@ -77,15 +78,21 @@ class TestRospy(BridgeConformance):
     def start(self) -> None:
         command = (sys.executable, ROBOT, "1", "line")
         TestRospy.robot = self.ros.start(*command, ready=True)
+        TestRospy.action_server = self.ros.start(sys.executable, SERVER, "full", ready=True)
 
     def make_bridge(self) -> Bridge:
-        return RosBridge(backend="rospy", host="127.0.0.1", port=self.port, setup=FRESH)
+        setup = {**FRESH, "actions": {"drive_to": "/move_base"}}
+        return RosBridge(backend="rospy", host="127.0.0.1", port=self.port, setup=setup)
+
+    def ask_a_little(self, bridge: Bridge) -> None:
+        bridge.robot.drive_to(target_pose_pose_position_x=0.1)
 
     def silence(self) -> None:
         os.killpg(self.robot.pid, signal.SIGSTOP)
 
     def cut(self) -> None:
         self.ros.end(self.robot)
+        self.ros.end(self.action_server)
         self.ros.kill_master()
 
     def restore(self) -> None:

@@ -15,6 +15,8 @@ from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge, goal_topics
 from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.recording import read_recording
+from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 
 pytestmark = pytest.mark.ros
@@ -334,3 +336,32 @@ def test_the_types_of_live_actions_and_services_are_known_and_wrong_ones_are_nam
     ):
         with pytest.raises(BridgeError, match=sentence):
             connect_it()
+
+
+def test_a_recorded_navigation_is_repeated_and_sends_no_goal(
+    base: Base, connect: Connect, tmp_path: Path
+) -> None:
+    ros = connect(setup=SETUP)
+    text = GOING.replace("(state there)", "(state there (running [robot.lamp(data=True)]))")
+    with Session(text, bridge=ros) as session:
+        session.open()
+        ros.arm()
+        with session.record(tmp_path / "run.lrplog"):
+            session.start()
+            base.does("drives 2.0")
+            base.say("feedback 1.5")
+            until(lambda: ros.robot.drive_to.feedback)
+            session.set_variable("x", 3.0)
+            base.does("drives 3.0")
+            session.pause()
+            base.does("stands")
+            session.resume()
+            base.does("drives 3.0")
+            base.say("succeed")
+            until(lambda: state(session) == "there" and ros.robot.lamp.succeeded)
+            base.does("stands", "lamp True")
+        there = session.frame.active
+    again = reproduce(read_recording(tmp_path / "run.lrplog"))
+    assert again.difference is None
+    assert again.session.frame.active == there
+    base.does()
