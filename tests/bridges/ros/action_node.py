@@ -148,7 +148,7 @@ class Lamp:
 
 
 def main(kind: str) -> None:
-    rospy.init_node("robot", disable_signals=True, disable_rosout=True)
+    rospy.init_node("navigation", disable_signals=True, disable_rosout=True)
     server, lamp = Full() if kind == "full" else Simple(), Lamp()
     tell("ready")
     for line in sys.stdin:
