@@ -61,6 +61,7 @@ from lrp_jupyter.language.edits.rename import rename as renamed_text
 from lrp_jupyter.language.half_typed import Unmeant, waits_for
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.successors import Successors, after_rename, after_undo
 
 
@@ -323,9 +324,15 @@ class Interpreter:
 
     @property
     def acting(self) -> tuple[Path, str]:
-        """The machine whose action was begun last, as spawned, and the kind of the action."""
+        """The machine for whose state an action was begun last, as spawned, and the kind of the action."""
         action = self._run.acting
-        return ((), "") if action is None else (action.home.path, action.site.element.kind)
+        if action is None:
+            return (), ""
+        element, home = action.site.element, action.home
+        arrow = resolve(self.program).arrow(Element("transition", element.path))
+        if element.kind == "effect" and arrow is not None and arrow.noun.outward:
+            home = home.parent or home  # it leads to a state of the machine around
+        return home.path, element.kind
 
     def emit(self, kind: str, data: object, now: float, ticks: int = 0) -> None:
         """Notify the observers, in order with other events, of an event that the owner has detected.

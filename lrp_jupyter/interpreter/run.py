@@ -200,7 +200,9 @@ class Run:
             events = ("left", old.path, None), fired, ("entered", new.path, None)
             edge.actions = Action(partial(self._emit_all, events), edge.site, act, None, edge.actions)
         if self.visits is not None:
-            edge.actions = Action(partial(self.visits.left, act.path), edge.site, act, None, edge.actions)
+            edge.actions = Action(
+                partial(self.visits.left, edge.home.path), edge.site, act, None, edge.actions
+            )
         for action in reversed([*chained(old.onexit)]):
             edge.actions = replace(action, next=edge.actions)
         edge.row = new

@@ -161,6 +161,29 @@ def test_asked_for_at_the_entry_or_on_the_way_it_lives_until_the_state_is_left()
     assert (bot.robot.go.status, bot.robot.lap.status) == (None, None)
 
 
+def test_asked_for_on_the_way_out_of_a_machine_it_belongs_to_the_state_that_is_entered():
+    bot = Courier()
+    text = """
+    (var leave := [0])
+    (machine outer
+      (state a (onentry (spawn inner x)) (running [robot.lap(0)])
+        (machine inner (state x) (exit [leave == 1] x -> b (effect [robot.go(1)]))))
+      (state b) (state c)
+      (on [leave == 2] b -> c))
+    (spawn outer a)
+    """
+    session = session_of(text, bot)
+    session.run(0.1)
+    session.set_variable("leave", 1)
+    session.run(0.5)
+    assert sorted(bot.next().name for _ in range(2)) == ["go", "lap"]
+    assert (active(session), bot.robot.go.status, bot.robot.lap.status) == ("b", "active", None)
+    session.set_variable("leave", 2)
+    session.run(0.1)
+    assert (active(session), bot.robot.go.status) == ("c", None)
+    assert sorted(bot.log) == ["cancel go 1", "cancel lap 0", "go 1", "lap 0"]
+
+
 def test_a_service_is_called_once_and_ends_by_itself():
     bot = Courier()
     session = session_of(
