@@ -184,6 +184,19 @@ def test_asked_for_on_the_way_out_of_a_machine_it_belongs_to_the_state_that_is_e
     assert sorted(bot.log) == ["cancel go 1", "cancel lap 0", "go 1", "lap 0"]
 
 
+def test_a_request_follows_its_machine_over_renames_and_ends_with_a_forced_state():
+    bot = Courier()
+    session = session_of(GOING, bot)
+    session.run(0.1)
+    bot.next()
+    session.rename("machine", "courier", "postman")
+    session.rename("state", "postman/going", "driving")
+    session.run(0.3)
+    assert (bot.log, bot.robot.go.status) == (["go 1"], "active")
+    session.teleport_to("postman/lost")
+    assert (bot.log, bot.robot.go.status) == (["go 1", "cancel go 1"], None)
+
+
 def test_a_service_is_called_once_and_ends_by_itself():
     bot = Courier()
     session = session_of(
