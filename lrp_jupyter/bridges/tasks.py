@@ -336,15 +336,14 @@ class Tasks:
             if None not in others and others[0] != others[1]:
                 first = "/".join(others[0] or ())
                 raise BridgeError(f"`robot.{name}` is under way for `{first}`, which asked for it first.")
-        with self._changing:
-            state = TaskState("lost", reason=lost, at=now) if lost else TaskState("active", at=now)
-            number = self._moment.asked + 1
-            asked = Asked(number, arguments, asker, stays, now, state, is_void=bool(lost))
-            if lost:
-                self._cancel(name)
-                self._put(name, asked, number)
-            else:
-                self._start(member, command, asked)
+        state = TaskState("lost", reason=lost, at=now) if lost else TaskState("active", at=now)
+        number = self._moment.asked + 1
+        asked = Asked(number, arguments, asker, stays, now, state, is_void=bool(lost))
+        if lost:
+            self._cancel(name)
+            self._put(name, asked, number)
+        else:
+            self._start(member, command, asked)
 
     def _start(self, member: RobotTask, command: Command, asked: Asked) -> None:
         name, old = member.path, self._under_way.get(member.path)
@@ -358,8 +357,9 @@ class Tasks:
             except BaseException:  # what it refuses, the program has asked for in vain
                 self._drop(name)
                 raise
-        self._put(name, asked, asked.number)
-        self._under_way = {**self._under_way, name: (member, task)}
+        with self._changing:
+            self._put(name, asked, asked.number)
+            self._under_way = {**self._under_way, name: (member, task)}
         if not self._owner.has_world:
             begin = partial(self._begin, member, task, command, self._threads.get(name))
             self._threads[name] = task.thread = threading.Thread(
@@ -413,7 +413,8 @@ class Tasks:
             self._moment = self._moment._replace(told=(*earlier, told))
 
     def _forget(self, name: str) -> None:
-        self._under_way = {other: each for other, each in self._under_way.items() if other != name}
+        with self._changing:  # and never while the robot is told: what it answers waits for this lock
+            self._under_way = {other: each for other, each in self._under_way.items() if other != name}
         self._owner.safety.drive(name, False)
 
     def latch(self) -> Mapping[str, TaskState]:

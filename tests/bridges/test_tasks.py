@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from threading import Event
+from threading import Event, Thread
 
 import pytest
 from support.robots import Courier
@@ -75,6 +75,26 @@ def test_another_goal_replaces_the_one_under_way():
     session.run(0.2)
     assert (active(session), bot.robot.go.status) == ("going", "active")
     assert bot.log == ["go 1", "cancel go 1", "go 2"]
+
+
+def test_a_cancel_may_wait_for_the_thread_that_tells_how_it_went():
+    class Waits(Courier, offered=False):
+        def cancel(self, task: Task) -> None:
+            super().cancel(task)
+            library = Thread(target=task.update, args=("cancelled",), daemon=True)
+            library.start()
+            library.join(60)
+            assert not library.is_alive()
+
+    bot = Waits()
+    session = session_of(GOING, bot)
+    session.run(0.1)
+    bot.next()
+    session.set_variable("place", 2)
+    session.run(0.1)
+    bot.next()
+    assert bot.log == ["go 1", "cancel go 1", "go 2"]
+    assert not [notice for notice in bot.safety.notices if notice.kind == "fault"]
 
 
 def test_a_bridge_may_replace_a_goal_itself_so_that_the_robot_goes_on():
