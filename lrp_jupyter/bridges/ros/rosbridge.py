@@ -348,7 +348,7 @@ class RosbridgeTransport(Transport):
         self._open_socket().put(text)
 
     def hint(self, handle: object) -> str:
-        """Return what may be wrong where a topic has a publisher, but no message came; or nobody serves."""
+        """Return what may be wrong where a topic has a publisher, but no message came; or no node serves."""
         if isinstance(handle, GoalTopics):
             return handle.hint()
         if isinstance(handle, _Asked):

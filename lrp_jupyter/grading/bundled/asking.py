@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from lrp_jupyter.grading.bundled.squares import square
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import ends_in, ends_still, visits
@@ -12,18 +13,6 @@ from lrp_jupyter.sim.world import CircleZone, DiscSolid, RobotSpec, World
 
 _START = (0.5, 1.0)
 _TABLES = ((0.9, 0.6), (1.5, 0.0), (0.9, -0.6))  # m, from where the robot starts
-
-
-def _square() -> World:
-    """Return a world with small zones at the corners of a square to the left of the robot."""
-    corners = {
-        "home": (1.0, 0.6),
-        "first corner": (1.6, 0.6),
-        "second corner": (1.6, 1.2),
-        "third corner": (1.0, 1.2),
-    }
-    zones = {name: CircleZone((x, y, 0.06)) for name, (x, y) in corners.items()}
-    return World(name="exact square", size=(2.6, 1.8), robots=(RobotSpec((1.0, 0.6, 0)),), zones=zones)
 
 
 def _tables(blocked: int) -> World:
@@ -86,7 +75,7 @@ EXACT_SQUARE = Challenge(
     "exact square",
     "Drive a square with sides of 60 cm, to the left, and stop where it began: each corner to 6 cm, although"
     " the motors are uneven.",
-    (_square(),),
+    (square("exact square", 0.06),),
     (_CORNERS, ends_in("home"), ends_still(1)),
     60,
     (_drove_no_exact_square,),

@@ -21,7 +21,7 @@ from lrp_jupyter.language.program import Block, Program
 from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
 
 
-def _square() -> World:
+def square(name: str = "square", radius: float = 0.2) -> World:
     """Return a world with zones at the corners of a square to the left of the robot."""
     corners = {
         "home": (1.0, 0.6),
@@ -29,8 +29,8 @@ def _square() -> World:
         "second corner": (1.6, 1.2),
         "third corner": (1.0, 1.2),
     }
-    zones = {name: CircleZone((x, y, 0.2)) for name, (x, y) in corners.items()}
-    return World(name="square", size=(2.6, 1.8), robots=(RobotSpec((1.0, 0.6, 0)),), zones=zones)
+    zones = {corner: CircleZone((x, y, radius)) for corner, (x, y) in corners.items()}
+    return World(name=name, size=(2.6, 1.8), robots=(RobotSpec((1.0, 0.6, 0)),), zones=zones)
 
 
 def _two_squares() -> World:
@@ -180,7 +180,7 @@ def _blinked_wrongly(run: RunRecord) -> Iterator[str]:
 SQUARE = Challenge(
     "square",
     "Drive a square with straight sides of 60 cm, to the left, and stop where it began.",
-    (_square(),),
+    (square(),),
     (_CORNERS, _STRAIGHT, ends_in("home"), ends_still(1)),
     40,
     (_drove_no_square,),
@@ -205,7 +205,7 @@ TWO_SQUARES = Challenge(
 LAMP_AND_LEGS = Challenge(
     "lamp and legs",
     "While the robot drives the square, let its lamp blink all the time: one second lit, one second dark.",
-    (_square(),),
+    (square(),),
     (_CORNERS, blinks(1)),
     40,
     (_blinked_wrongly,),

@@ -22,7 +22,6 @@ Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
 from __future__ import annotations
 
 import math
-import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator
@@ -31,22 +30,20 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from types import FrameType, MappingProxyType
+from types import MappingProxyType
 from typing import Any, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
-from lrp_jupyter.bridges.guarding.safety import Origin
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotStopped
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.bridges.tasks import Asker, TaskState
-from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
+from lrp_jupyter.bridges.tasks import TaskState
+from lrp_jupyter.errors import LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import means
 from lrp_jupyter.language.program import Element, Path, Program, path_text
-from lrp_jupyter.language.reading.tokens import ACTIONS
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.running.breakpoints import Breakpoints
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
@@ -54,6 +51,7 @@ from lrp_jupyter.live.running.foreign_code import Foreign, on_main_thread
 from lrp_jupyter.live.running.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.live.running.inbox import Command, Inbox
 from lrp_jupyter.live.running.inputs import EndProgram, EndRun, Pause, Resume
+from lrp_jupyter.live.running.origins import asker_of, origin_of
 from lrp_jupyter.live.running.record import Record
 from lrp_jupyter.live.running.timing import ROUNDING, STEP, Timing
 from lrp_jupyter.live.running.values import ValueTexts, numbers_of
@@ -112,9 +110,10 @@ class Loop:
         self.after_tick: list[Callable[[], object]] = []
         """Called after every tick."""
         self._driven_by = 0  # the thread that made the last turn
-        bridge.outside, bridge.origin = self._from_outside, self._origin
+        bridge.outside, bridge.origin = self._from_outside, partial(origin_of, interpreter)
         bridge.safety.recorded = partial(self.emit, "commanded")
-        bridge.requested.asker, bridge.requested.changed = self._asker, self._task_changed
+        bridge.requested.asker = partial(asker_of, interpreter)
+        bridge.requested.changed = self._task_changed
         self._published = -math.inf  # wall time of the last frame
         self.frame = self.make_frame()
         """The newest published frame."""
@@ -535,34 +534,6 @@ class Loop:
     def emit(self, kind: str, data: object) -> None:
         """Notify the observers of the interpreter of an event now, in order with its own events."""
         self.interpreter.emit(kind, data, self.timing.now)
-
-    def _origin(self) -> Origin:
-        """Return the calling block, if it belongs to the running program."""
-        interpreter, filename = self.interpreter, self.interpreter.program.filename
-        block: FrameType | None = sys._getframe(1)
-        while block is not None and block.f_code.co_filename != filename:
-            block = block.f_back
-        if block is None:
-            return Origin(interpreter.tick)
-        return Origin(interpreter.tick, block.f_code.co_name, block.f_lineno)
-
-    def _asker(self) -> Asker:
-        """Return the machine and the kind of the action that asks for a task; nothing, if a person does.
-
-        Raises BridgeError: a block asks that is not an action.
-        """
-        filename, name = self.interpreter.program.filename, ""
-        frame: FrameType | None = sys._getframe(1)
-        while frame is not None:  # the outermost one is the block itself
-            name = frame.f_code.co_name if frame.f_code.co_filename == filename else name
-            frame = frame.f_back
-        machine, action = self.interpreter.acting
-        asks = name.rpartition(".")[2]
-        if asks and asks not in ACTIONS:
-            raise BridgeError("A task is asked for in an action, not in a test or an initial value.")
-        if not machine or asks != action:
-            return Asker()
-        return Asker(machine, action)
 
     def _task_changed(self, name: str, state: TaskState) -> None:
         self.interpreter.emit("task", (name, state), self.timing.now, ticks=1)  # of the tick that begins

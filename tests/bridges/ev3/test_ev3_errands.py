@@ -201,8 +201,8 @@ def test_a_wrong_number_is_refused_at_once_and_a_direction_that_is_none_is_a_rea
 
 
 def test_a_text_is_on_the_display_until_it_is_read_or_no_longer_wanted(bridge, brick, drive):
-    task = ask(bridge, "say", "Grüße! I am on my way to you, and shall be there soon")
-    assert brick.shown == ["Gr??e! I am on my way", "to you, and shall be", "there soon"]
+    task = ask(bridge, "say", "Grüße! I am on my way to you, and will be there soon")
+    assert brick.shown == ["Gr??e! I am on my way", "to you, and will be", "there soon"]
     drive(5.1)
     assert task.active
     drive(0.2)
