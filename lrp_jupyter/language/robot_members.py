@@ -18,7 +18,8 @@ class Parameters(NamedTuple):
     `names`: names under which arguments can be passed, those that can also be passed by position first.
     `positional`: how many can be passed by position; None for any number.
     `required`: those without a default.
-    `fields`: names of numbers in a message, which can only be passed by name; empty without a message.
+    `fields`: names of fields of a message, which can only be passed by name; empty without a message.
+    `unlike`: those of the fields that are no numbers.
     `is_open`: whether other names are accepted, too.
     """
 
@@ -27,6 +28,7 @@ class Parameters(NamedTuple):
     positional: int | None = 0
     required: tuple[str, ...] = ()
     fields: frozenset[str] = frozenset()
+    unlike: frozenset[str] = frozenset()
     is_open: bool = False
 
 
@@ -90,11 +92,11 @@ class RobotMembers:
         return (path for path, each in known if path.rpartition(".")[2] == name and not each.accompanies)
 
 
-def parameters_of(text: str, fields: Collection[str] = ()) -> Parameters:
+def parameters_of(text: str, fields: Collection[str] = (), unlike: Collection[str] = ()) -> Parameters:
     """Return the parameters that a signature such as ``(speed, seconds=1)`` describes."""
     names = [argument.partition("=")[0] for argument in text.strip("()").split(", ")]
     if fields:
-        return Parameters(text, tuple(names), 1, fields=frozenset(fields))
+        return Parameters(text, tuple(names), 1, fields=frozenset(fields), unlike=frozenset(unlike))
     try:
         function = parse_python(f"def f{text}: pass").body[0]
     except SyntaxError:  # a default that cannot be written

@@ -8,6 +8,8 @@ import pytest
 from support.robots import Bare, Courier
 
 import lrp_jupyter
+from lrp_jupyter.bridges.ros.definitions import HEADERS
+from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.language import checks
 from lrp_jupyter.live.running.checking import check
@@ -320,3 +322,17 @@ def test_an_outcome_is_tested_where_the_task_is_asked_for(form, is_forgotten) ->
       (on [robot.go.failed] a -> b) {form} {other})
     (spawn m a)"""
     assert ("LRP560" in {finding.code for finding in check(text, bridge=Courier())}) is is_forgotten
+
+
+def test_fields_of_a_message_are_arguments_however_deep_they_are_and_need_not_be_numbers() -> None:
+    types = Types()
+    types.add(HEADERS[1])
+    stamped = types.message("geometry_msgs/PoseStamped")
+    bridge = Bare(lambda robot: robot.add_task("go", lambda task, message: None, message=stamped))
+    text = "(machine m (state a (running [robot.go({})]))) (spawn m a)"
+    fine = "header_frame_id='map', pose_position_x=1.0, pose_orientation_w=1"
+    assert check(text.format(fine), bridge=bridge) == ()
+    (found,) = check(text.format("pose_positon_x=1.0"), bridge=bridge)
+    assert "Did you mean `pose_position_x`?" in found.message
+    (found,) = check(text.format("pose_position_x='1'"), bridge=bridge)
+    assert "must be a number" in found.message

@@ -281,7 +281,8 @@ def _arguments(
             return Remedied("LRP521", argument.assigns, message, fix)
         if argument.name not in known and not (parameters.is_open or argument.assigns):
             return _unknown_argument(argument, path, parameters)
-        wrong = argument.kind in ("text", "None", "truth value") and parameters.fields
+        is_number_wanted = bool(parameters.fields) and argument.name not in parameters.unlike
+        wrong = argument.kind in ("text", "None", "truth value") and is_number_wanted
         if wrong and not argument.assigns:
             return _not_a_number(argument)
     if parameters.fields:

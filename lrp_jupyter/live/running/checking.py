@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from functools import lru_cache
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
+from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.tasks import STATUSES
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language import checks
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.robot_members import RobotMember, RobotMembers, parameters_of
+
+_NUMBERS = ("number", "int", "uint", "float", "byte", "char")  # how the types of numbers begin
 
 
 def check(
@@ -80,11 +83,10 @@ def members_of(bridge: Bridge) -> RobotMembers:
 def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
     member = node.describe()
     if isinstance(node, RobotMethod):
-        fields = set()
-        for field in member.arguments or (() if member.kind == "task" else member.fields):
-            name = field.name.rpartition(".")[2]
-            fields |= {name, *(f"{name}_{inner.name.rpartition('.')[2]}" for inner in field.fields)}
-        yield RobotMember(node.path, parameters=parameters_of(member.signature, fields), acts=node.command)
+        fields = dict(_names_in(member.arguments or (() if member.kind == "task" else member.fields)))
+        unlike = {name for name, kind in fields.items() if not kind.startswith(_NUMBERS)}
+        parameters = parameters_of(member.signature, fields, unlike)
+        yield RobotMember(node.path, parameters=parameters, acts=node.command)
     else:
         yield RobotMember(member.name, member.type, accompanies=bool(node.of))
     if member.kind == "task":
@@ -92,6 +94,14 @@ def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
             yield RobotMember(
                 field.name, field.type, values=STATUSES if field.name.endswith(".status") else ()
             )
+
+
+def _names_in(fields: Iterable[Member], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the names under which the fields of a message are arguments, with the types."""
+    for field in fields:
+        name = prefix + field.name.rpartition(".")[2]
+        yield name, _NUMBERS[0] if field.fields else field.type  # a part may have a number's short form
+        yield from _names_in(field.fields, f"{name}_")
 
 
 def members_of_world(world: str) -> RobotMembers | None:
