@@ -17,7 +17,7 @@ from lrp_jupyter.sim import svg_shapes as shapes
 from lrp_jupyter.sim.floor import Mark
 from lrp_jupyter.sim.sim_robot import SimRobot
 from lrp_jupyter.sim.simulation import STEPS_PER_SECOND, Simulation
-from lrp_jupyter.sim.svg import framed, joined, scaled, speech_of, zone_name
+from lrp_jupyter.sim.svg import framed, in_metres, joined, scaled, speech_of, zone_name
 from lrp_jupyter.sim.svg_shapes import num
 from lrp_jupyter.sim.world import Point
 
@@ -196,7 +196,10 @@ class _Film:
             *(self._moved(thing.place, thing.turn, self._while_there(thing)) for thing in solids),
             *(self._robot(senses) for senses in self.robots),
         ]
-        names = [zone_name(name, zone, tall, scale) for name, zone in world.zones.items()]
+        over = [
+            *(zone_name(name, zone, tall, scale) for name, zone in world.zones.items()),
+            *(in_metres(self._speech(senses), tall, scale) for senses in self.robots if senses.said),
+        ]
         title = f"{world.name or 'World'} · {self.begin:.1f} to {self.end:.1f} s"
         bar = self._animate("width", _Series([self.begin, self.end], [(0.0,), (width - 2.0,)]), num)
         caption = (
@@ -206,7 +209,7 @@ class _Film:
         sentence = (
             f"World {world.name or 'without a name'} from {self.begin:.1f} to {self.end:.1f} s, animated"
         )
-        return framed(world, width, sentence, inside, names, caption)
+        return framed(world, width, sentence, inside, over, caption)
 
     def _robot(self, senses: _Senses) -> str:
         robot = senses.robot
@@ -229,8 +232,11 @@ class _Film:
         drawn = shapes.robot(spec, robot.index, "".join(rays), "".join(above))
         names = self.simulation.world.robot_names
         label = shapes.name_of(names[robot.index], spec, robot.index) if len(names) > 1 else ""
-        label += "".join(_group(self._visible(seen), speech) for speech, seen in senses.said)
         return self._moved(senses.place, senses.turn, drawn, label)
+
+    def _speech(self, senses: _Senses) -> str:
+        said = "".join(_group(self._visible(seen), speech) for speech, seen in senses.said)
+        return self._placed(senses.place, said)
 
     def _ray(self, senses: _Senses, index: int) -> str:
         """Draw a ray, hidden while it hits nothing."""
@@ -288,9 +294,11 @@ class _Film:
         return f' stroke-dasharray="{whole} {whole}"', points, self._animate("stroke-dashoffset", left, num)
 
     def _moved(self, place: _Series, turn: _Series, drawn: str, upright: str = "") -> str:
-        place, turn = place.simplified(WITHIN), turn.simplified(TURNED)
-        inner = self._transform("rotate", turn, lambda angle: f"{angle:.1f}", drawn)
-        return self._transform("translate", place, lambda x, y: f"{x:.3f} {y:.3f}", inner + upright)
+        inner = self._transform("rotate", turn.simplified(TURNED), lambda angle: f"{angle:.1f}", drawn)
+        return self._placed(place, inner + upright)
+
+    def _placed(self, place: _Series, drawn: str) -> str:
+        return self._transform("translate", place.simplified(WITHIN), lambda x, y: f"{x:.3f} {y:.3f}", drawn)
 
     def _transform(self, kind: str, series: _Series, write: Callable[..., str], drawn: str) -> str:
         moving = self._animate("transform", series, write, kind=kind)

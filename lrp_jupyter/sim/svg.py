@@ -63,7 +63,7 @@ def svg(
         *(zone_name(name, zone, tall, scale) for name, zone in simulation.world.zones.items()),
         *(_value(robot, tall, scale) for robot in simulation.robots),
         *(_way_name(name, way[-1], number, tall, scale) for number, (name, way) in enumerate(ways.items())),
-        *(_in_metres(drawn, tall, scale) for drawn in _speeches(simulation)),
+        *(in_metres(drawn, tall, scale) for drawn in _speeches(simulation)),
     ]
     below = _caption(simulation, tall) if caption else ""
     return framed(simulation.world, width, _sentence(simulation), inside, over, below)
@@ -94,7 +94,7 @@ def framed(
         f"<style>{_STYLE}</style>",
         f'<clipPath id="{clip}"><rect {frame}/></clipPath>',
         f'<g clip-path="url(#{clip})">',
-        _in_metres("\n".join((floor, *inside)), tall, scale),
+        in_metres("\n".join((floor, *inside)), tall, scale),
         *over,
         "</g>",
         f'<rect class="lrp-world-edge" {frame}/>',
@@ -105,7 +105,7 @@ def framed(
     return "\n".join(part for part in parts if part)
 
 
-def _in_metres(drawn: str, tall: float, scale: float) -> str:
+def in_metres(drawn: str, tall: float, scale: float) -> str:
     """Draw something in metres, with y up, into a picture of this height and scale."""
     return f'<g transform="translate(1 {num(tall - 1)}) scale({num(scale)} {num(-scale)})">\n{drawn}\n</g>'
 

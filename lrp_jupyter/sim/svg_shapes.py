@@ -141,7 +141,7 @@ def name_of(text: str, spec: RobotSpec, index: int) -> str:
 def speech(text: str, robot: RobotSpec, index: int, place: Point, size: Point) -> str:
     """Write what a robot says beside it, where a world of this size has room; upright, as :func:`name_of`."""
     px, lines = max(0.07, robot.radius) / 10, wrap(text, _LINE, max_lines=_LINES, placeholder=" …")
-    wide, tall = 5.8 * max(map(len, lines), default=0) + 10, 12 * len(lines) + 6
+    wide, tall = 6.2 * max(map(len, lines), default=0) + 10, 12 * len(lines) + 6
     (x, y), away = place, robot.radius / px + 8
     half = min(wide * px, size[0]) / 2
     shift = (min(size[0] - half, max(half, x)) - x) / px

@@ -246,6 +246,14 @@ def test_what_the_robot_says_is_there_while_it_says_it():
     ]  # fmt: skip
 
 
+def test_what_the_robot_says_covers_the_names_of_zones():
+    simulation = Simulation("line")
+    simulation.apply(Say("Hello"))
+    simulation.step(100)
+    picture = of_all(simulation)
+    assert picture.index(">near<") < picture.index(">Hello<")
+
+
 def test_a_part_of_a_run_begins_with_what_was_there():
     simulation = Simulation("empty")
     simulation.pen()
