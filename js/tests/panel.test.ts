@@ -59,6 +59,26 @@ describe("the fields of a panel", () => {
     expect(press.mock.calls).toEqual([["pick", "/odom"]]);
   });
 
+  it("are gone to when a row of a table is picked for them", async () => {
+    const [store, act] = [new Store(), vi.fn(async () => null)];
+    const topics: Table = {
+      key: "topics",
+      title: "Topics",
+      columns: ["topic"],
+      keys: ["/odom"],
+      rows: [["/odom"]],
+      buttons: [{ key: "pick", label: "Pick" }],
+    };
+    store.state.panel = { ...panel(field("variable"), field("topic", { press: "pick" })), tables: [topics] };
+    const shown = bridgePanel({ store, act, root: document.body } as unknown as Lab);
+    document.body.append(shown);
+    await new Promise((over) => requestAnimationFrame(over));
+    shown.querySelector<HTMLElement>('[data-lrp-action="panel-pick"]')!.click();
+    await vi.waitFor(() => expect((document.activeElement as HTMLElement).dataset.field).toBe("topic"));
+    expect(act).toHaveBeenCalledWith(expect.objectContaining({ key: "pick", row: "/odom" }));
+    shown.remove();
+  });
+
   it("keep what was chosen in a list, while the choices are the same", () => {
     const mode = (value: string, ...choices: string[]) =>
       panel(field("mode", { kind: "choice", choices, value }));

@@ -10,6 +10,8 @@ export interface Inputs {
   refresh(panel: Panel): void;
   /** Clear the texts that the bridge does not keep: they were for a button that has been pressed. */
   clear(): void;
+  /** Go to the field that a button fills in. */
+  show(key: string): void;
 }
 
 /** All values filled in, by key. */
@@ -57,6 +59,10 @@ export function inputs(panel: Panel, press: (key: string, row: string) => void):
       for (const [key, input] of controls)
         if (input instanceof HTMLInputElement && input.type !== "checkbox" && !received.get(key))
           input.value = "";
+    },
+    show(key) {
+      const filled = panel.fields.find(({ press }) => press === key);
+      if (filled) controls.get(filled.key)?.focus();
     },
   };
 }

@@ -64,6 +64,10 @@ function build(panel: Panel, lab: Lab, body: HTMLElement): Parts {
   const pressed = async (key: string) => {
     if (!(await press(key))) filled.clear();
   };
+  const chosen = async (key: string, row: string) => {
+    await press(key, row);
+    filled.show(key);
+  };
   const others = panel.buttons.filter(({ key }) => key !== "stop");
   const form = h(
     "div",
@@ -72,7 +76,7 @@ function build(panel: Panel, lab: Lab, body: HTMLElement): Parts {
     h("div", { class: "lrp-row" }, ...others.map((one) => pressable(one, () => void pressed(one.key)))),
   );
   const tables: DrawnTable[] = panel.tables.map((table) =>
-    tableOf(table, (one, row) => pressable(one, () => void press(one.key, row))),
+    tableOf(table, (one, row) => pressable(one, () => void chosen(one.key, row))),
   );
   const [first, ...more] = tables;
   return {
