@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { EditorState } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
-import { beforeEach, describe, expect, it, vi } from "vitest";
+import { beforeEach, describe, expect, it, onTestFinished, vi } from "vitest";
 import { Pen } from "../src/editor/pen";
 import { Acts } from "../src/graph/acts";
 import { lrp } from "../src/language/lrp";
@@ -13,6 +13,7 @@ import type { MenuItem } from "../src/ui/menu";
 function actsOn(doc: string): Acts {
   const clock = vi.spyOn(Date, "now").mockReturnValueOnce(0).mockReturnValue(1000);
   const view = new EditorView({ state: EditorState.create({ doc, extensions: [lrp()] }) });
+  onTestFinished(() => view.destroy());
   clock.mockRestore();
   const lab = { store: new Store() } as unknown as Lab;
   lab.store.set("machine", "finger");

@@ -2,7 +2,7 @@
 import { redo, undo } from "@codemirror/commands";
 import { EditorState } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
-import { beforeEach, describe, expect, it } from "vitest";
+import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { Pen, renameOf, renames, sharedEffects } from "../src/editor/pen";
 import { steps } from "../src/editor/steps";
 import { lrp } from "../src/language/lrp";
@@ -24,6 +24,8 @@ const at = (line: number, column: number, length = 0) => ({
   end_line: line,
   end_column: column + length,
 });
+
+afterEach(() => view.destroy()); // it parses in the background
 
 beforeEach(() => {
   [asked, sent, answer] = [[], [], []];

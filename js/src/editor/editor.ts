@@ -118,7 +118,7 @@ export class Editor implements Typist {
     });
     store.watch(["breakpoints", "instance"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());
-    store.watch(["lit", "fired", "variables", "instances", "events", "program", "settings"], () =>
+    store.watch(["lit", "fired", "variables", "instances", "events", "members", "program", "settings"], () =>
       this.update(),
     );
   }

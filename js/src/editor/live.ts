@@ -3,6 +3,7 @@
  * variables and events faintly at the right of their lines.
  */
 
+import { syntaxTree } from "@codemirror/language";
 import {
   type EditorState,
   type Extension,
@@ -16,7 +17,7 @@ import type { Outline } from "../language/outline";
 import { history } from "../parts/history";
 import { valuesOf } from "../session/instances";
 import { besideGraph, type LabState } from "../session/state";
-import { ofEvent, ofVariable } from "../timeline/spark";
+import { ofEvent, ofVariable, type Subject } from "../timeline/spark";
 import { shortened } from "../ui/cut";
 import { h, reconcile, setAttribute, setText } from "../ui/dom";
 import { readable } from "../ui/numbers";
@@ -28,6 +29,9 @@ import { wholeOutline, wholeOutlineOf } from "./whole";
 export const liveChanged = StateEffect.define<null>();
 
 const LONGEST = 60;
+const HISTORY: Record<string, (path: string) => Subject> = { event: ofEvent, variable: ofVariable };
+const CALL = /\brobot\.(\w+)(?=\s*\()/g;
+const FAILED = /^(aborted|rejected|lost)/;
 
 class ValueWidget extends WidgetType {
   constructor(private readonly values: readonly Value[]) {
@@ -51,9 +55,11 @@ class ValueWidget extends WidgetType {
       dom.firstElementChild!,
       this.values,
       ({ kind, path }) => `${kind} ${path}`,
-      ({ kind, path }) => h("span", history(kind === "event" ? ofEvent(path) : ofVariable(path))),
-      (part, { name, text, stale }) => {
+      ({ kind, path }) => h("span", HISTORY[kind] ? history(HISTORY[kind](path)) : {}),
+      (part, { kind, name, text, stale, failed }) => {
         setAttribute(part, "data-stale", stale);
+        setAttribute(part, "data-failed", failed);
+        setAttribute(part, "title", kind === "task" && text);
         setText(part, named ? `${name} = ${text}` : text);
       },
     );
@@ -111,17 +117,22 @@ function decorate(editor: EditorState, found: Outline, lab: LabState, values: bo
   return Decoration.set(marks, true);
 }
 
-/** What is shown at the end of a line; an event that is not tested now has its last value. */
+/** What is shown at the end of a line; an event that is not tested now has its last value, and a task may have failed. */
 interface Value {
   kind: string;
   path: string;
   name: string;
   text: string;
-  stale: boolean;
+  stale?: boolean;
+  failed?: boolean;
 }
 
 function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<number, Value[]> {
   const lines = new Map<number, Value[]>();
+  const add = (at: number, ...values: Value[]) => {
+    const line = editor.doc.lineAt(at).number;
+    lines.set(line, [...(lines.get(line) ?? []), ...values]);
+  };
   const tested = testedEvents(lab);
   for (const { kind, path, name, to } of outline.items) {
     const shown = shownValues(kind, path, lab);
@@ -131,10 +142,27 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
       const stale = kind === "event" && !tested.has(at);
       return { kind, path: place ? at : path, name: part, text: shortened(readable(text), LONGEST), stale };
     });
-    const line = editor.doc.lineAt(to).number;
-    lines.set(line, [...(lines.get(line) ?? []), ...values]);
+    add(to, ...values);
   }
+  for (const [at, task] of tasksOf(editor, outline, lab)) add(at, task);
   return lines;
+}
+
+/** What has become of the tasks that the active states ask for, and where they do. */
+function* tasksOf(editor: EditorState, outline: Outline, lab: LabState): Iterable<[number, Value]> {
+  const { lit } = besideGraph(lab);
+  const tasks = lab.bridge.members.filter(({ kind, name }) => kind === "task" && lab.members[name]);
+  if (!tasks.length) return;
+  for (const { index, 1: path } of editor.doc.toString().matchAll(CALL)) {
+    const text = tasks.some(({ name }) => name === path) && lab.members[path!];
+    const state = outline.around(index, "state");
+    if (!text || !state || !lit.includes(state.path) || !isName(editor, index)) continue;
+    yield [index, { kind: "task", path: path!, name: path!, text, failed: FAILED.test(text) }];
+  }
+}
+
+function isName(editor: EditorState, offset: number): boolean {
+  return syntaxTree(editor).resolveInner(offset, 1).name === "VariableName";
 }
 
 /** The value of a variable, or the last one of an event, in each instance of its machine that is meant. */
