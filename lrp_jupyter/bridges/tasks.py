@@ -408,8 +408,11 @@ class Tasks:
     def _tell(self, told: _Told) -> None:
         with self._changing:
             earlier = self._moment.told
-            if told.status == "active":  # the newest feedback counts
-                earlier = tuple(each for each in earlier if each[:3] != told[:3])
+            same = next((each for each in earlier if each[:3] == told[:3]), None)
+            if told.status == "active" and same is not None:  # the newest feedback counts
+                earlier = tuple(each for each in earlier if each is not same)
+                feedback, result = _newer(told.feedback, same.feedback), _newer(told.result, same.result)
+                told = told._replace(feedback=feedback, result=result)
             self._moment = self._moment._replace(told=(*earlier, told))
 
     def _forget(self, name: str) -> None:
@@ -445,8 +448,8 @@ class Tasks:
         before = asked.state
         return TaskState(
             told.status,
-            before.feedback if told.feedback is None else told.feedback,
-            before.result if told.result is None else told.result,
+            _newer(told.feedback, before.feedback),
+            _newer(told.result, before.result),
             told.reason,
             before.at if told.status == before.status else self.now,
         )
@@ -555,6 +558,10 @@ class Tasks:
         elif task.replaced is not None:  # it goes on: what would have ended it will not begin
             replaced, task.replaced = task.replaced, None
             self._end(member, replaced)
+
+
+def _newer(value: object, before: object) -> object:
+    return before if value is None else value
 
 
 def arguments_of(command: Command) -> dict[str, Any]:

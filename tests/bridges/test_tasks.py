@@ -63,6 +63,19 @@ def test_asked_for_in_every_tick_it_is_one_task_until_the_state_is_left_and_then
     assert bot.log == ["go 1", "go 1"]
 
 
+def test_of_several_reports_in_a_tick_the_newest_feedback_and_the_newest_result_count():
+    bot = Courier()
+    session = session_of(GOING, bot)
+    session.run(0.1)
+    task = bot.next()
+    task.update(feedback=1)
+    task.update(feedback=2, result="half")
+    task.update(reason="It goes round a table.")
+    session.run(0.1)
+    go = bot.robot.go
+    assert (go.status, go.feedback, go.result, go.reason) == ("active", 2, "half", "It goes round a table.")
+
+
 def test_another_goal_replaces_the_one_under_way():
     bot = Courier()
     session = session_of(GOING, bot)
