@@ -147,8 +147,7 @@ class SimBridge(Bridge, SimulatedWorld):
         return simulation
 
     def _note(self, what: object) -> None:
-        if not isinstance(what, Cancel):
-            self.outside(what, True)
+        self.outside(what, True)
 
     # -- the robot --------------------------------------------------------------------------------
 

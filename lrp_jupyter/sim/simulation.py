@@ -104,6 +104,7 @@ class Simulation:
         self._clock = StepCount()
         self._random = Random(self.world.seed)
         self._queue: deque[Input] = deque()
+        self._cancels: deque[Cancel] = deque()  # they come before what the program does next
         self.drained: Callable[[Input], object] | None = None  # called with each queued input when applied
         self._inputs = 0
         self._base = 0
@@ -244,6 +245,7 @@ class Simulation:
         """
         if not isinstance(what, ByProgram):
             self._drain()
+        self._drain_cancels()
         self._apply_new(check_input(what, self.world))
 
     def replay(self, what: Input) -> None:
@@ -254,14 +256,25 @@ class Simulation:
     def submit(self, what: Input) -> None:
         """Queue an input, which is applied before the next step or latch. Any thread.
 
+        A `Cancel` is applied before the next command, too: what it ends does not go on into that.
+
         Raises
         ------
         ValueError
             As :meth:`apply`; raised at once.
         """
-        self._queue.append(check_input(what, self.world))
+        checked = check_input(what, self.world)
+        if isinstance(checked, Cancel):
+            self._cancels.append(checked)
+        else:
+            self._queue.append(checked)
+
+    def _drain_cancels(self) -> None:
+        while self._cancels:
+            self._apply_now(self._cancels.popleft())
 
     def _drain(self) -> None:
+        self._drain_cancels()
         while self._queue:
             with suppress(ValueError):  # an edit has removed what it is about since it was queued
                 what = check_input(self._queue.popleft(), self.world)

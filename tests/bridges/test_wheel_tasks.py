@@ -258,6 +258,24 @@ def test_a_rewind_and_a_fork_go_on_exactly_as_the_run_did_from_every_tick():
     assert seen(session) == present
 
 
+def test_what_was_left_ends_before_the_next_one_begins_whoever_looks_at_the_world_in_between(tmp_path):
+    text = "(machine m (state a (running [robot.drive_by(2)])) (state b)) (spawn m a)"
+    poses = []
+    for looks in (False, True):
+        path = str(tmp_path / f"{looks}.lrplog")
+        session = session_of(text, room())
+        with session.record(path):
+            session.run(1.0)
+            session.transition_to("b")
+            if looks:
+                assert session.bridge.moment()
+            session.bridge.robot.drive_by(0.2)
+            session.run(0.5)
+        poses.append(session.bridge.simulated.pose)
+        assert reproduce(read_recording(path)).difference is None
+    assert poses[0] == poses[1]
+
+
 def test_a_recorded_run_is_repeated_with_its_stops_and_hands(tmp_path):
     path = str(tmp_path / "run.lrplog")
     session = session_of(SQUARE, room(noise=NOISY))
