@@ -336,6 +336,8 @@ class Tasks:
             if None not in others and others[0] != others[1]:
                 first = "/".join(others[0] or ())
                 raise BridgeError(f"`robot.{name}` is under way for `{first}`, which asked for it first.")
+            if not is_old:  # of another visit or person: it is not that one with another goal
+                self._cancel(name)
         state = TaskState("lost", reason=lost, at=now) if lost else TaskState("active", at=now)
         number = self._moment.asked + 1
         asked = Asked(number, arguments, asker, stays, now, state, is_void=bool(lost))

@@ -93,6 +93,33 @@ def test_the_same_words_in_the_next_state_begin_where_the_robot_is():
     assert turned > 0.4
 
 
+def test_what_was_under_way_for_another_visit_or_a_person_is_not_corrected_but_ends():
+    text = """
+    (machine m
+      (state a (running [robot.drive_by(2)])) (state b) (state c (running [robot.drive_by(0.2)]))
+      (ontime 1500 a -> b (effect [robot.drive_by(0.2)]))
+      (on [robot.drive_by.succeeded] b -> c))
+    (spawn m a)
+    """
+    session = session_of(text, room())
+    session.run(1.5)
+    ways = [session.bridge.simulated.pose[0]]
+    for until in ("b", "c"):
+        session.run(until=lambda frame, state=until: frame.active[0][-1] == state, limit=10)
+    ways.append(session.bridge.simulated.pose[0])
+    by_hand = session_of(
+        "(machine m (state a) (state c (running [robot.drive_by(0.2)]))) (spawn m a)", room()
+    )
+    by_hand.run(0.1)
+    by_hand.bridge.robot.drive_by(2)
+    by_hand.run(1.4)
+    by_hand.transition_to("c")
+    by_hand.run(4.0)
+    ways.append(by_hand.bridge.simulated.pose[0])
+    assert ways[0] > 1.2
+    assert ways[1:] == pytest.approx([ways[0] + 0.2] * 2, abs=0.03)
+
+
 def test_feedback_says_what_is_left_and_a_number_that_is_dragged_plans_again_without_a_stop():
     session = session_of(SQUARE, room())
     session.run(1.0)
