@@ -117,10 +117,10 @@ def begun(what: Errands, pose: Pose, step: int, before: Errand | None = None) ->
     return Errand(what, origin, leg, step, until, pose, step)
 
 
-def spoken(what: Say, step: int) -> Speech | None:
-    """Return what a robot says from a step on; None for no text."""
-    until = step + round(STEPS * (_SAYING + _LETTER * len(what.text)))
-    return Speech(what, until) if what.text.strip() else None
+def spoken(what: Say, step: int) -> Speech:
+    """Return what a robot says from a step on; no text takes no time."""
+    seconds = _SAYING + _LETTER * len(what.text) if what.text.strip() else 0.0
+    return Speech(what, step + round(STEPS * seconds))
 
 
 def guided(errand: Errand, pose: Pose, command: Command, step: int) -> tuple[Errand, Command]:

@@ -240,6 +240,17 @@ def test_too_high_a_speed_is_limited_and_that_is_shown():
     assert "`drive_by`: speed 3 limited to 0.5." in [notice.text for notice in session.bridge.safety.notices]
 
 
+@pytest.mark.parametrize("text", ["", " "])
+def test_nothing_is_said_at_once_and_ends_what_was_said_before(text):
+    asking = '(var text := ["Hello"]) (machine m (state a (running [robot.say(text)]))) (spawn m a)'
+    session = session_of(asking, room())
+    session.run(0.3)
+    session.set_variable("text", repr(text))
+    session.run(0.2)
+    assert session.bridge.robot.say.succeeded
+    assert session.frame.robot.robots[0].says == ""
+
+
 def test_a_reset_of_the_world_ends_it():
     session = session_of(SQUARE, room())
     session.run(0.5)

@@ -100,7 +100,7 @@ class EV3Bridge(Bridge):
         self.serial, self.port = serial, port
         self._beacon_port, self._patience = beacon_port, patience
         self._latched: BrickState | None = None  # the reading of this tick
-        self._speech: tuple[Task, Speech | None] | None = None  # the text on the display, until it is read
+        self._speech: tuple[Task, Speech] | None = None  # the text on the display, until it is read
         self.motors = tuple(Motor(self, i) for i in range(4))
         self.sensors = tuple(Sensor(self, i) for i in range(4))
         self.link = self._new_link()
@@ -226,7 +226,7 @@ class EV3Bridge(Bridge):
         self._driver.go_on()
         if self._speech is not None:
             task, speech = self._speech
-            if speech is None or self._driver.now() >= speech.until:
+            if self._driver.now() >= speech.until:
                 self._speech = None
                 task.update("succeeded")
 
