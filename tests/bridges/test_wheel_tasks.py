@@ -296,6 +296,19 @@ def test_a_rewind_and_a_fork_go_on_exactly_as_the_run_did_from_every_tick():
     assert seen(session) == present
 
 
+def test_after_a_rewind_what_is_asked_for_by_hand_is_of_the_time_to_which_it_went():
+    session = session_of(SQUARE, room())
+    session.run(2.0)
+    session.rewind(10)
+    session.bridge.robot.say("Hello")
+    session.run(0.5)
+    assert session.bridge.robot.say.since == pytest.approx(0.5)
+    state = session.at(session.frame.tick).readings["say"]
+    fork = session.fork(at=session.frame.tick - 1)
+    fork.run(0.1)
+    assert fork.frame.readings["say"] == state
+
+
 def test_what_was_left_ends_before_the_next_one_begins_whoever_looks_at_the_world_in_between(tmp_path):
     text = "(machine m (state a (running [robot.drive_by(2)])) (state b)) (spawn m a)"
     poses = []

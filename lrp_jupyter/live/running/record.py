@@ -299,6 +299,7 @@ class Record:
             timing.jump(time, due=time)
         interpreter.rewind(ticks)
         bridge.safety.forget(interpreter.tick)
+        bridge.safety.now = interpreter.now
         undone = self.inputs.undo(interpreter.tick, _is_of_the_world)
         self.names.undo(entry.what for entry in undone if isinstance(entry.what, ChangeNames))
         self.checkpoints.cut(interpreter.tick)
