@@ -17,6 +17,7 @@ from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, overload
 from weakref import WeakValueDictionary
 
+from lrp_jupyter.bridges.argument_values import kept
 from lrp_jupyter.bridges.guarding.guard import UNGUARDED, Guard, Stopper
 from lrp_jupyter.bridges.guarding.safety import CommandRecord, Origin, Safety
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotCommanded, RobotStopped
@@ -577,7 +578,7 @@ class Interface:
             safety.notice("limited", sentence, f"{method.path} {name} {origin.line}", origin)
         if guard.is_on:
             guard.check()
-        arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
+        arguments = command.as_dict() if isinstance(command, Message) else kept(dict(command.arguments))
         judged = arguments_of(command)
         moves = method.sets_in_motion and not _stands(method.path, judged)
         speeds = method.velocity and moves

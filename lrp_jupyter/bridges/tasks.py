@@ -16,12 +16,14 @@ from __future__ import annotations
 import inspect
 import threading
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import partial
 from time import monotonic
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol
 
+from lrp_jupyter.bridges.argument_values import are_same, kept
 from lrp_jupyter.bridges.guarding.safety import Safety
 from lrp_jupyter.bridges.member_tree import Nodes, RobotMethod
 from lrp_jupyter.bridges.members import Member, MemberError
@@ -326,7 +328,7 @@ class Tasks:
         name, now, before = member.path, self.now, self._moment.requests.get(member.path)
         stays = int(asker.action == "effect")
         is_old = before is not None and before.asker.machine == asker.machine and before.stays == stays
-        if before is not None and is_old and before.arguments == arguments:
+        if before is not None and is_old and are_same(before.arguments, arguments):
             goes_on = before.state.active or (asker.machine is not None and not before.is_void)
             if goes_on:
                 self._put(name, replace(before, asker=asker, at=now))
@@ -340,7 +342,11 @@ class Tasks:
                 self._cancel(name)
         state = TaskState("lost", reason=lost, at=now) if lost else TaskState("active", at=now)
         number = self._moment.asked + 1
-        asked = Asked(number, arguments, asker, stays, now, state, is_void=bool(lost))
+        if isinstance(command, Message):
+            command = copy(command)
+        else:
+            command = inspect.BoundArguments(command.signature, kept(command.arguments))
+        asked = Asked(number, arguments_of(command), asker, stays, now, state, is_void=bool(lost))
         if lost:
             self._cancel(name)
             self._put(name, asked, number)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from threading import Event, Thread
 
+import numpy as np
 import pytest
 from support.robots import Courier
 
@@ -88,6 +89,36 @@ def test_another_goal_replaces_the_one_under_way():
     session.run(0.2)
     assert (active(session), bot.robot.go.status) == ("going", "active")
     assert bot.log == ["go 1", "cancel go 1", "go 2"]
+
+
+PLACES = ("[1, [2]]", "np.array([1, 2])", "{0: {2}}")
+
+
+@pytest.mark.parametrize("place", [*PLACES, "float('nan')"])
+def test_equal_values_are_one_task(place):
+    bot = Courier()
+    text = f"(machine m (state s (running [robot.go({place})]))) (spawn m s)"
+    session = session_of(text, bot, namespace={"np": np})
+    session.run(0.3)
+    assert bot.next().is_wanted
+    assert len(bot.log) == 1
+    assert not session.issues
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_value_that_is_changed_in_place_is_another_goal(place):
+    bot = Courier()
+    text = f"(var place := [{place}]) (machine m (state s (running [robot.go(place)]))) (spawn m s)"
+    session = session_of(text, bot, namespace={"np": np})
+    session.run(0.1)
+    bot.next()
+    value = session.interpreter.variables["place"]
+    before = str(value)
+    value[0] = 7
+    session.run(0.1)
+    bot.next()
+    assert bot.log == [f"go {before}", f"cancel go {before}", f"go {value}"]
+    assert not session.issues
 
 
 def test_a_cancel_may_wait_for_the_thread_that_tells_how_it_went():

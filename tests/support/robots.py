@@ -185,7 +185,7 @@ class Courier(Bridge, offered=False):
 
     def go(self, task: Task, place: object = 0) -> None:
         """Begin to go to a place; a place that does not exist is refused."""
-        if place == "nowhere":
+        if str(place) == "nowhere":
             raise BridgeError("There is no such place.")
         self._places[task.number] = place
         self.log.append(f"{task.name} {place}")

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, NamedTuple
 
+from lrp_jupyter.bridges.argument_values import are_same
 from lrp_jupyter.bridges.guarding.bounded import failure_of
 from lrp_jupyter.bridges.interventions import CommandsHeld
 from lrp_jupyter.errors import BridgeError
@@ -116,7 +117,7 @@ class CommandRecord:
         """Return whether it is the same as the one before, from the same line."""
         return (
             self.name == last.name
-            and self.arguments == last.arguments
+            and are_same(self.arguments, last.arguments)
             and self.sent is last.sent
             and self.limited == last.limited
             and self.origin[1:] == last.origin[1:]
