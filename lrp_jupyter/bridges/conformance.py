@@ -534,7 +534,7 @@ class BridgeConformance:
     def test_a_stop_cancels_a_task(self) -> None:
         """A task that is asked for begins, a stop cancels it in bounded time, and then it is not active."""
         with self._opened() as bridge:
-            tasks = [task for task in commands(bridge) if isinstance(task, RobotTask) and task.cancel]
+            tasks = [task for task in commands(bridge) if isinstance(task, RobotTask) and task.work.cancel]
             if not tasks:
                 return
             if not self.moves:

@@ -26,7 +26,7 @@ from lrp_jupyter.bridges.member_tree import Limits, Nodes, RobotMethod, RobotVar
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message, stands
 from lrp_jupyter.bridges.robot import Robot
-from lrp_jupyter.bridges.tasks import RobotTask, Task, Tasks, arguments_of
+from lrp_jupyter.bridges.tasks import RobotTask, Task, Tasks, TaskWork, arguments_of
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, sentence_of
 
 _STALE_AFTER = 1.0  # s; at walking pace a robot moves half a metre in it
@@ -308,6 +308,7 @@ class Interface:
         *,
         message: type[Message] | None = None,
         limits: Limits | None = None,
+        check: Callable[..., object] | None = None,
         moves: bool = True,
         replaces: bool = False,
         mover: str | None = None,
@@ -333,6 +334,9 @@ class Interface:
         doc : str
         message, limits
             As for `add_method`.
+        check : callable, optional
+            Called first, with all arguments by name: what it raises, a ValueError with a sentence, is an
+            error at the line of the program, and nothing is asked for.
         moves : bool
             Whether something moves by it: then it is not begun while data are stale, and the guard process
             stops the robot if this program dies meanwhile.
@@ -350,8 +354,8 @@ class Interface:
         """
         text = doc or _doc_of(start)
         task = RobotTask(self, name, partial(start, None), text, message, True, False, limits or {})
-        task.tasks, task.start, task.cancel = self.requested, start, cancel
-        task.moves, task.replaces, task.takes_over = moves, replaces, mover
+        task.tasks = self.requested
+        task.work = TaskWork(start, cancel, check, moves, replaces, mover)
         self.nodes.add(task)
 
     def remove_member(self, name: str) -> None:
@@ -465,7 +469,7 @@ class Interface:
             With the defaults of those that were not given.
         """
         if isinstance(method, RobotTask):
-            return method.moves
+            return method.work.moves
         return not (method.velocity and _stands(method.path, arguments))
 
     def lapse(self, what: Callable[[], str]) -> None:
@@ -584,7 +588,7 @@ class Interface:
         speeds = method.velocity and moves
         stops = safety.stops
         task = method if isinstance(method, RobotTask) else None
-        hindrance = safety.hindrance(speeds or (task is not None and task.moves))
+        hindrance = safety.hindrance(speeds or (task is not None and task.work.moves))
         limited = tuple(clamped.values())
         safety.record(CommandRecord(method.path, arguments, safety.now, hindrance is None, limited, origin))
         self.outside(RobotCommanded(method.path, arguments), False)
@@ -613,8 +617,8 @@ class Interface:
             # what did not return was no command: nothing is known of the robot that was not known before
             if guard.is_on:
                 safety.drive(method.path, drives and (task is None or task.active))
-            if task is not None and task.takes_over is not None:
-                safety.moving(method.path, False, task.takes_over)
+            if task is not None and task.work.mover is not None:
+                safety.moving(method.path, False, task.work.mover)
             if method.sets_in_motion:
                 safety.moving(method.path, moves, method.mover, method.velocity)
             return result

@@ -101,16 +101,18 @@ def spy_tasks(tasks: Iterable[RobotTask]) -> tuple[list[Task], list[Task]]:
     cancelled: list[Task] = []
     for each in tasks:
 
-        def start(task: Task, *given: Any, begin: Callable[..., object] = each.start, **named: Any) -> object:
+        def start(
+            task: Task, *given: Any, begin: Callable[..., object] = each.work.start, **named: Any
+        ) -> object:
             begun.append(task)
             return begin(task, *given, **named)
 
-        def cancel(task: Task, end: Callable[[Task], object] | None = each.cancel) -> None:
+        def cancel(task: Task, end: Callable[[Task], object] | None = each.work.cancel) -> None:
             cancelled.append(task)
             if end is not None:
                 end(task)
 
-        each.start, each.cancel = start, cancel
+        each.work = each.work._replace(start=start, cancel=cancel)
     return begun, cancelled
 
 
@@ -138,7 +140,7 @@ def drive_a_little(bridge: Bridge) -> None:
 def ask_a_little(bridge: Bridge) -> None:
     """Ask for the first task of a robot that can be cancelled and takes one number, a small one."""
     for task in commands(bridge):
-        if isinstance(task, RobotTask) and task.cancel is not None and task.message is None:
+        if isinstance(task, RobotTask) and task.work.cancel is not None and task.message is None:
             needed = [each.name for each in task.parameters if each.default is each.empty]
             if len(needed) == 1:
                 task(_SLOW)

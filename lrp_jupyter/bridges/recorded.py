@@ -50,7 +50,7 @@ class RecordedBridge(Bridge, offered=False):
                     doc=node.doc,
                     message=node.message,
                     limits=node.limits,
-                    moves=node.moves,
+                    moves=node.work.moves,
                 )
                 self.nodes.table[node.path].stand_in(node)  # type: ignore[attr-defined]
             else:

@@ -195,17 +195,24 @@ class TaskOwner(Protocol):
         """Whether the past of its robot can be restored."""
 
 
-class RobotTask(RobotMethod):
-    """A member that asks the robot for a task, and shows what has become of it."""
-
-    __slots__ = ("cancel", "moves", "replaces", "start", "takes_over", "tasks")
+class TaskWork(NamedTuple):
+    """What a bridge does for a task; see `Interface.add_task`."""
 
     start: Callable[..., object]
     cancel: Callable[[Task], object] | None
-    tasks: Tasks
+    check: Callable[..., object] | None
     moves: bool
     replaces: bool
-    takes_over: str | None
+    mover: str | None
+
+
+class RobotTask(RobotMethod):
+    """A member that asks the robot for a task, and shows what has become of it."""
+
+    __slots__ = ("tasks", "work")
+
+    tasks: Tasks
+    work: TaskWork
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # copy, pickle and notebooks ask for these
@@ -245,12 +252,23 @@ class RobotTask(RobotMethod):
         """Take the arguments that another task takes."""
         self._parameters, self.signature = other._parameters, other.signature
 
+    def clamp(self, command: Command) -> dict[str, str]:
+        """Clamp a command as a method does, unless the bridge refuses what was given."""
+        given = arguments_of(command)
+        clamped = super().clamp(command)
+        if self.work.check is not None:
+            try:
+                self.work.check(**given)
+            except ValueError as error:
+                raise BridgeError(f"`robot.{self.path}`: {error}") from None
+        return clamped
+
     def begin(self, task: Task, command: Command) -> None:
         """Have the robot begin a task."""
         if isinstance(command, Message):
-            self.start(task, command)
+            self.work.start(task, command)
         else:
-            self.start(task, *command.args, **command.kwargs)
+            self.work.start(task, *command.args, **command.kwargs)
 
     def describe(self) -> Member:
         """Return the description, with what can be read of it and its present values."""
@@ -306,7 +324,9 @@ class Tasks:
             for name, asked in moment.requests.items():
                 member = self._owner.nodes.table.get(name)
                 if asked.state.active and isinstance(member, RobotTask):
-                    self._under_way[name] = member, Task(self, name, asked.number, None)
+                    task = Task(self, name, asked.number, None)
+                    task.has_begun = True
+                    self._under_way[name] = member, task
 
     @property
     def states(self) -> dict[str, TaskState]:
@@ -355,20 +375,16 @@ class Tasks:
 
     def _start(self, member: RobotTask, command: Command, asked: Asked) -> None:
         name, old = member.path, self._under_way.get(member.path)
-        if old is not None and not member.replaces:
+        if old is not None and not member.work.replaces:
             self._cancel(name)
             old = None
         task = Task(self, name, asked.number, None if old is None else old[1])
-        if self._owner.has_world:
-            try:
-                member.begin(task, command)
-            except BaseException:  # what it refuses, the program has asked for in vain
-                self._drop(name)
-                raise
         with self._changing:
             self._put(name, asked, asked.number)
             self._under_way = {**self._under_way, name: (member, task)}
-        if not self._owner.has_world:
+        if self._owner.has_world:
+            self._begin(member, task, command, None)
+        else:
             begin = partial(self._begin, member, task, command, self._threads.get(name))
             self._threads[name] = task.thread = threading.Thread(
                 target=begin, name=f"task {name}", daemon=True
@@ -381,14 +397,23 @@ class Tasks:
         if earlier is not None:  # of this member: what it begins, or its second end, comes before this
             earlier.join()
         with self._changing:
-            task.has_begun = task.is_wanted or member.cancel is None  # a call is made, whoever waits for it
+            task.has_begun = (
+                task.is_wanted or member.work.cancel is None
+            )  # a call is made, whoever waits for it
         try:
             if task.has_begun:
                 member.begin(task, command)
         except BaseException as error:  # of a library
             task.update("aborted", reason=ended(sentence_of(error)))
-        if not (task.is_wanted or task.is_over):  # the robot may have heard the end before the beginning
-            self._end_or_say(member, task)
+            if task.is_over:
+                task.has_begun = False
+            if self._owner.has_world and not isinstance(error, Exception):
+                raise  # it is the interpreter's thread that is interrupted
+        finally:
+            # the robot may have heard the end before the beginning, and goes on with what is not replaced
+            if not (task.has_begun and (task.is_wanted or task.is_over)):
+                self._end_or_say(member, task)
+            task.replaced = None
 
     def _put(self, name: str, asked: Asked, count: int | None = None) -> None:
         with self._changing:
@@ -497,7 +522,7 @@ class Tasks:
         """Wait, for a moment, until what cannot be cancelled has reached the robot: the run ends."""
         until = monotonic() + _CALLING
         for member, task in tuple(self._under_way.values()):
-            if member.cancel is None and task.thread is not None:
+            if member.work.cancel is None and task.thread is not None:
                 task.thread.join(max(0.0, until - monotonic()))
 
     def drop(self) -> None:
@@ -537,7 +562,7 @@ class Tasks:
 
     def moving(self) -> tuple[str, ...]:
         """Return the tasks under way by which something moves."""
-        return tuple(name for name, (member, _) in self._under_way.items() if member.moves)
+        return tuple(name for name, (member, _) in self._under_way.items() if member.work.moves)
 
     def _drop(self, name: str) -> None:
         self._cancel(name)
@@ -559,10 +584,10 @@ class Tasks:
             self._owner.safety.notice("fault", f"`robot.{task.name}` may go on: {sentence_of(error)}")
 
     def _end(self, member: RobotTask, task: Task) -> None:
-        if member.cancel is None:
+        if member.work.cancel is None:
             return
-        if task.has_begun or self._owner.has_world:
-            member.cancel(task)
+        if task.has_begun:
+            member.work.cancel(task)
         elif task.replaced is not None:  # it goes on: what would have ended it will not begin
             replaced, task.replaced = task.replaced, None
             self._end(member, replaced)

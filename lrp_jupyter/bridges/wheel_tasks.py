@@ -10,7 +10,6 @@ from functools import partial
 
 from lrp_jupyter.bridges.interface import Interface
 from lrp_jupyter.bridges.tasks import Task
-from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.world_inputs import FARTHEST, ByItself, DriveBy, DriveTo, Say, TurnBy, checked
 
 ERRANDS: Mapping[type, str] = {DriveBy: "drive_by", TurnBy: "turn_by", DriveTo: "drive_to", Say: "say"}
@@ -32,27 +31,27 @@ def add_errands(
     `limits`: its greatest speeds: ``linear`` in m/s, ``angular`` in rad/s.
     `robot`, `prefix`: its number in its world, and what its members begin with.
     """
-
-    def start(task: Task, what: ByItself) -> None:
-        try:
-            checked_errand = checked(what, (limits["linear"], limits["angular"]))
-        except ValueError as error:
-            raise BridgeError(f"`robot.{task.name}`: {error}") from None
-        begin(task, checked_errand)
+    most = limits["linear"], limits["angular"]
 
     def drive_by(task: Task, metres: float, speed: float = 0.2) -> None:
-        start(task, DriveBy(metres, speed, robot, task.number, _corrected(task)))
+        begin(task, DriveBy(metres, speed, robot, task.number, _corrected(task)))
 
     def turn_by(task: Task, radians: float, speed: float = 1.0) -> None:
-        start(task, TurnBy(radians, speed, robot, task.number, _corrected(task)))
+        begin(task, TurnBy(radians, speed, robot, task.number, _corrected(task)))
 
     def drive_to(task: Task, x: float, y: float, speed: float = 0.2) -> None:
-        start(task, DriveTo(x, y, speed, robot, task.number))
+        begin(task, DriveTo(x, y, speed, robot, task.number))
 
     def say(task: Task, text: object = "") -> None:
-        start(task, Say(str(text), robot, task.number))
+        begin(task, Say(str(text), robot, task.number))
 
-    add = partial(bridge.add_task, cancel=cancel, replaces=True, mover=prefix)
+    def check_speed(speed: float, **_way: float) -> None:
+        checked(DriveBy(0.0, speed), most)
+
+    def check_text(text: object) -> None:
+        checked(Say(str(text)), most)
+
+    add = partial(bridge.add_task, cancel=cancel, check=check_speed, replaces=True, mover=prefix)
     way, turning = {"speed": limits["linear"]}, {"speed": limits["angular"]}
     doc = "drive straight on, in m, backwards if negative; `speed` in m/s"
     add(f"{prefix}drive_by", drive_by, doc=doc, limits={"metres": FARTHEST, **way})
@@ -60,7 +59,7 @@ def add_errands(
     add(f"{prefix}turn_by", turn_by, doc=doc, limits={"radians": FARTHEST, **turning})
     doc = "turn to a point of `odom` and drive there, in m; `speed` in m/s"
     add(f"{prefix}drive_to", drive_to, doc=doc, limits={"x": FARTHEST, "y": FARTHEST, **way})
-    bridge.add_task(f"{prefix}say", say, cancel, saying, moves=False, replaces=True)
+    bridge.add_task(f"{prefix}say", say, cancel, saying, check=check_text, moves=False, replaces=True)
 
 
 def _corrected(task: Task) -> int:

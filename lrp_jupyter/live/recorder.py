@@ -153,7 +153,7 @@ def _member(node: RobotVariable | RobotMethod) -> Line:
     return {
         "name": node.path,
         **(
-            {"kind": "task", "moves": node.moves}
+            {"kind": "task", "moves": node.work.moves}
             if isinstance(node, RobotTask)
             else {"kind": "method", "command": node.command, "velocity": node.velocity}
         ),

@@ -6,7 +6,7 @@ from threading import Event, Thread
 
 import numpy as np
 import pytest
-from support.robots import Courier
+from support.robots import Clockwork, Courier
 
 from lrp_jupyter.bridges.bridge import Task
 from lrp_jupyter.errors import BridgeError
@@ -433,6 +433,45 @@ def test_what_start_raises_aborts_it_with_the_sentence():
     over = session.run(until=lambda frame: frame.active[0][-1] == "lost", limit=60)
     assert over
     assert not session.issues
+
+
+def test_what_ends_while_it_begins_has_ended_also_in_a_world_of_the_bridges_own():
+    class Refuses(Clockwork, offered=False):
+        def start(self, task: Task, *arguments: object) -> None:
+            if arguments == (2,):
+                raise ValueError("There is no place 2.")
+            task.update("rejected", reason="It is busy.")
+
+    text = """
+    (machine m
+      (state a (running [robot.go(1)])) (state b (running [robot.go(2)])) (state c)
+      (on [robot.go.status == "rejected" and robot.go.reason == "It is busy."] a -> b)
+      (on [robot.go.status == "aborted" and "There is no place 2." in robot.go.reason] b -> c))
+    (spawn m a)
+    """
+    session = Session(text, bridge=Refuses(go=1.0))
+    session.run(0.3)
+    assert active(session) == "c"
+    assert not session.issues
+
+
+def test_what_a_goal_should_replace_ends_if_that_cannot_be_begun():
+    class Refuses(Courier, offered=False):
+        def go(self, task: Task, place: object = 0) -> None:
+            if place == 2:
+                raise BridgeError("There is no place 2.")
+            super().go(task, place)
+
+    bot = Refuses()
+    session = session_of(GOING.replace("robot.go(", "robot.lap("), bot)
+    session.run(0.1)
+    first = bot.next()
+    session.set_variable("place", 2)
+    session.run(0.1)
+    session.run(until=lambda _: bot.robot.lap.failed, seconds=60)
+    assert bot.log == ["lap 1", "cancel lap 1"]
+    assert bot.robot.lap.reason == "There is no place 2."
+    assert not first.is_wanted
 
 
 def test_two_machines_cannot_have_one_task_at_the_same_time():

@@ -222,7 +222,8 @@ def test_what_cannot_be_done_is_said_at_the_line_that_asks():
         'robot.turn_by(float("nan"))': "`turn_by(radians=…)` must be a finite number, not nan.",
         "robot.drive_to(1)": "`robot.drive_to(x, y, speed=0.2)`: missing a required argument: 'y'.",
         "robot.drive_by(1, spede=1)": "got an unexpected keyword argument 'spede'. Did you mean `speed`?",
-        "robot.drive_by(1, speed=-0.1)": "`robot.drive_by`: `speed` must be greater than 0, not -0.1",
+        "robot.drive_by(1, speed=-2)": "`robot.drive_by`: `speed` must be greater than 0, not -2:",
+        "robot.drive_by.cancel()": "`robot.drive_by` has no `cancel`; it has `status`, `active`,",
         'robot.say("x" * 300)': "`robot.say`: A text has at most 200 characters, not 300.",
     }
     for call, sentence in wrong.items():

@@ -191,13 +191,16 @@ def test_a_wheel_without_a_motor_is_the_reason_that_it_was_aborted(bridge, brick
     assert task.reason == "`motorC`: Nothing is plugged into port C."
 
 
-def test_a_wrong_number_is_refused_at_once_and_a_direction_that_is_none_is_a_reason(bridge, drive):
+def test_a_wrong_number_is_refused_at_once_as_in_the_simulator(bridge, drive):
+    robot = bridge.robot
     with pytest.raises(BridgeError, match=r"^`drive_by\(metres=…\)` must be a finite number, not nan\.$"):
-        bridge.robot.drive_by(math.nan)
-    task = ask(bridge, "drive_by", 1, speed=-0.2)
+        robot.drive_by(math.nan)
+    with pytest.raises(BridgeError, match=r"^`robot.turn_by`: `speed` must be greater than 0, not -0\.2: "):
+        robot.turn_by(1, speed=-0.2)
+    with pytest.raises(BridgeError, match=r"^`robot.say`: A text has at most 200 characters, not 300\.$"):
+        robot.say("x" * 300)
     drive(0.1)
-    assert task.status == "aborted"
-    assert "`speed` must be greater than 0, not -0.2" in task.reason
+    assert [task.status for task in (robot.drive_by, robot.turn_by, robot.say)] == [None] * 3
 
 
 def test_a_text_is_on_the_display_until_it_is_read_or_no_longer_wanted(bridge, brick, drive):
