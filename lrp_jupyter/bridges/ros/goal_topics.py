@@ -23,7 +23,7 @@ from statistics import median
 from typing import Any
 
 from lrp_jupyter.bridges.ros.link import Transport
-from lrp_jupyter.bridges.ros.ros_request import RosRequest
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.tasks import TaskStatus
 from lrp_jupyter.errors import BridgeError, ended
 
@@ -44,7 +44,7 @@ _TRIES = 6  # … so often
 _RESULT = 1.0  # seconds that a result may come after the status that says that there is one
 _SILENT = 3.0  # seconds without a status after which a server is dead or hangs …
 _PERIODS = 8  # … or as many of its usual periods, if these are more
-_FORGOTTEN = 60.0  # seconds for which a goal that was cancelled before it was known is remembered
+_FORGOTTEN = 60.0  # seconds for which a goal that the server does not know is remembered
 
 
 def actions_in(topics: Mapping[str, str]) -> dict[str, str]:
@@ -62,7 +62,7 @@ def topics_of(action: str) -> tuple[str, ...]:
     return tuple(f"{action}/{last}" for last in _TOPICS)
 
 
-class GoalTopics:
+class GoalTopics(TaskClient):
     """The client's side of one action.
 
     Owner: messages arrive on any thread, `look` is called on the link's; a lock serializes them.
@@ -210,8 +210,8 @@ class GoalTopics:
             if goal.ended_at is not None:
                 if now - goal.ended_at > _RESULT:
                     yield goal, (goal.end, goal.text or f"{server} has sent no result.")
-            elif not goal.is_known:
-                if goal.is_cancelled and now - goal.asked_at > _FORGOTTEN:
+            elif not goal.is_known:  # it was cancelled or could not be sent, or `ask` still tries
+                if now - goal.asked_at > _FORGOTTEN:
                     yield goal, ("cancelled", "")
             elif not self._is_heard(now):
                 yield goal, ("lost", f"{server} has fallen silent: it is dead, or hangs.")

@@ -19,7 +19,7 @@ from lrp_jupyter.bridges.link import Link
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, messages_of
-from lrp_jupyter.bridges.ros.ros_request import RosRequest
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction
 from lrp_jupyter.bridges.ros.types import RosMessage, Types
 from lrp_jupyter.errors import BridgeError, LRPError, did_you_mean, ended
@@ -45,10 +45,10 @@ class RefusedError(BridgeError):
 class Transport(ABC):
     """A way to communicate with ROS: one connection at a time.
 
-    All methods are called on the link's thread and may block, for a bounded time; `send` and `cancel` are
-    called on any thread and must not block, `ask` on a thread of its own. A failure raises `BridgeError`, and
-    `RefusedError` where only one topic is affected. What a back end cannot know (who else commands, the round
-    trip, a hint) or do (actions and services) has a default.
+    All methods are called on the link's thread and may block, for a bounded time; `send` is called on any
+    thread and must not block. A failure raises `BridgeError`, and `RefusedError` where only one topic is
+    affected. What a back end cannot know (who else commands, the round trip, a hint) or do (actions and
+    services) has a default.
     """
 
     place: str = ""  # address of the robot, for messages
@@ -111,7 +111,7 @@ class Transport(ABC):
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Subscribe or advertise, or find an action or service; return the handle for the others.
+        """Subscribe or advertise; return the handle for the others.
 
         `receive`: to be called with each raw message and, if it is an earlier one, when that arrived, in
             seconds of `time.monotonic`.
@@ -133,13 +133,9 @@ class Transport(ABC):
     def hear(self, handle: object, every: bool) -> None:
         """Have every message of a subscription delivered from now on, or only the last ones."""
 
-    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
-        """Send a goal or a call, and have the request told how it goes."""
+    def client(self, direction: Direction, name: str, type_: str) -> TaskClient:
+        """Join an action or a service."""
         raise NotImplementedError  # where `has_tasks` is False
-
-    def cancel(self, handle: object, request: RosRequest | None) -> None:
-        """Cancel what an action was asked for; None: all its goals, of whatever client; urgent as a stop."""
-        raise NotImplementedError
 
     def tend(self, in_need: bool) -> float:
         """Look after what is joined; return the seconds until the next comparison, fewer if `in_need`."""
@@ -208,15 +204,15 @@ class TopicLink(Link):
 
     def ask(self, channel: Channel, message: RosMessage, request: RosRequest) -> None:
         """Ask for a goal or a call; it may take a moment. BridgeError: it was not sent."""
-        handle = self._handle(channel, urgent=False)
+        client = self._handle(channel, urgent=False)
         channel.sent(message)
-        self.transport.ask(handle, message.as_dict(), request)
+        client.ask(message.as_dict(), request)
 
     def cancel(self, channel: Channel, request: RosRequest | None) -> None:
         """Cancel a goal at once, or (None) all goals; BridgeError: that was not sent."""
-        self.transport.cancel(self._handle(channel, urgent=True), request)
+        self._handle(channel, urgent=True).cancel(request)
 
-    def _handle(self, channel: Channel, urgent: bool) -> object:
+    def _handle(self, channel: Channel, urgent: bool) -> Any:
         handle = channel.handle
         if handle is None or not (urgent or (self.connected and not channel.problem)):
             raise self._not_sent(channel)
@@ -261,6 +257,9 @@ class TopicLink(Link):
                 self._leave(channel)
                 channel.problem = str(error)
         self.connected = True
+        for channel in self._channels:
+            if isinstance(channel.handle, TaskClient):
+                channel.handle.look()
         self._look_around()
         self._report_change(*self._summary())
         for channel in self._channels:  # last: who waited for the answer finds the status that belongs to it
@@ -307,7 +306,7 @@ class TopicLink(Link):
             return
         if channel.handle is not None:
             if channel.type == type_:
-                channel.waiting = self.transport.hint(channel.handle)
+                channel.waiting = self._hint(channel.handle)
                 if wire.direction == "subscription":
                     self.transport.hear(channel.handle, channel.backlog is not None)
                 return
@@ -331,12 +330,18 @@ class TopicLink(Link):
         self._learned(channel)
         channel.stamps = Stamps(self.transport.clock)
         channel.live = True  # before joining: a latched message arrives while we do
-        every = channel.backlog is not None
-        handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive, every)
+        if wire.direction in TASKS:
+            handle: object = self.transport.client(wire.direction, wire.topic, type_)
+        else:
+            every = channel.backlog is not None
+            handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive, every)
         if channel.owes_stop:
             self._pay_stop(channel, handle)
-        channel.problem, channel.waiting = "", self.transport.hint(handle)
+        channel.problem, channel.waiting = "", self._hint(handle)
         channel.handle = handle
+
+    def _hint(self, handle: object) -> str:
+        return handle.hint() if isinstance(handle, TaskClient) else self.transport.hint(handle)
 
     def _live_type(self, channel: Channel) -> str | None:
         """Return the type of what is live there; empty: there is nothing; None while it is asked for."""
@@ -380,11 +385,11 @@ class TopicLink(Link):
                 return f"`{name}` is {'an' if kind == 'action' else 'a'} {kind}. Connect it as one"
         return f"`{name}` does not exist yet, and its type is not known.{did_you_mean(name, offered)}"
 
-    def _pay_stop(self, channel: Channel, handle: object) -> None:
+    def _pay_stop(self, channel: Channel, handle: Any) -> None:
         """Stop at last what may have gone on while the robot was lost."""
         channel.owes_stop = channel.has_moved = False
         for request in channel.unfinished:
-            self.transport.cancel(handle, request)
+            handle.cancel(request)
         stop = channel.stop_message()
         if stop is not None:
             self.transport.send(handle, stop.as_dict(), True)
@@ -412,7 +417,9 @@ class TopicLink(Link):
     def _leave(self, channel: Channel) -> None:
         handle, channel.handle = channel.handle, None
         channel.forget()
-        if handle is not None:
+        if isinstance(handle, TaskClient):
+            handle.leave()
+        elif handle is not None:
             self.transport.leave(handle)
 
     def lose(self, sentence: str) -> float:

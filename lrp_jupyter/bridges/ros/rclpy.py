@@ -15,6 +15,7 @@ import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
+from weakref import WeakSet
 
 from lrp_jupyter.bridges.latched_values import MOST
 from lrp_jupyter.bridges.ros.definitions import (
@@ -28,8 +29,8 @@ from lrp_jupyter.bridges.ros.definitions import (
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.rclpy_tasks import RclpyAction, RclpyService
-from lrp_jupyter.bridges.ros.ros_request import RosRequest
-from lrp_jupyter.bridges.ros.setup import TASKS, Direction
+from lrp_jupyter.bridges.ros.ros_request import TaskClient
+from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError, sentence_of
 
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
@@ -51,7 +52,7 @@ class RclpyTransport(Transport):
         self._thread: threading.Thread | None = None
         self._failure = ""  # why no more messages are delivered
         self._subscriptions: list[_Subscription] = []
-        self._clients: list[RclpyAction | RclpyService] = []
+        self._clients = WeakSet[TaskClient]()
 
     def connect(self) -> None:
         """Create the node; other nodes are found while it exists."""
@@ -90,8 +91,8 @@ class RclpyTransport(Transport):
         if thread is not None and thread is not threading.current_thread():
             thread.join(_JOIN)
         for client in self._clients:
-            self._leave_client(client)
-        node, self._node, self._subscriptions, self._clients = self._node, None, [], []
+            client.leave()
+        node, self._node, self._subscriptions = self._node, None, []
         if node is not None:
             node.destroy_node()
         context, self._context = self._context, None
@@ -138,10 +139,7 @@ class RclpyTransport(Transport):
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Create a subscription that asks for what is offered, a reliable publisher, or a client."""
-        if direction in TASKS:
-            self._clients.append(self._client(topic, type_, direction))
-            return self._clients[-1]
+        """Create a subscription that asks for what is offered, or a reliable publisher."""
         qos, kind = _import("rclpy.qos"), _class_of(type_)
         if direction == "publisher":
             return self._node.create_publisher(kind, topic, qos.QoSProfile(depth=_QUEUE))
@@ -150,34 +148,20 @@ class RclpyTransport(Transport):
         self._subscriptions.append(made)
         return made
 
-    def _client(self, name: str, type_: str, direction: Direction) -> RclpyAction | RclpyService:
-        kind = _whole_class(type_, direction)
+    def client(self, direction: Direction, name: str, type_: str) -> TaskClient:
+        """Create a client of an action or a service."""
+        node, kind = self._node, _whole_class(type_, direction)
+        client: TaskClient
         if direction == "service":
-            return RclpyService(name, kind, self._node.create_client(kind, name), _fill)
-        client = _import("rclpy.action").ActionClient(self._node, kind, name)
-        canceller = self._node.create_client(
-            _whole_class("action_msgs/CancelGoal", "service"), f"{name}/_action/cancel_goal"
-        )
-        return RclpyAction(name, kind, client, canceller, _fill)
-
-    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
-        """Send a goal, or call a service."""
-        assert isinstance(handle, (RclpyAction, RclpyService))
-        handle.ask(values, request)
-
-    def cancel(self, handle: object, request: RosRequest | None) -> None:
-        """Cancel a goal, or all of an action."""
-        assert isinstance(handle, RclpyAction)
-        handle.cancel(request)
-
-    def hint(self, handle: object) -> str:
-        """Return that no node serves an action or a service."""
-        return handle.hint() if isinstance(handle, (RclpyAction, RclpyService)) else ""
+            client = RclpyService(node, name, kind, _fill)
+        else:
+            cancelling = _whole_class("action_msgs/CancelGoal", "service")
+            client = RclpyAction(node, name, kind, _fill, cancelling)
+        self._clients.add(client)
+        return client
 
     def tend(self, in_need: bool) -> float:
-        """Subscribe again where the publishers of a topic now offer something else; find what was lost."""
-        for client in self._clients:
-            client.look()
+        """Subscribe again where the publishers of a topic now offer something else."""
         for each in self._subscriptions:
             self._adapt(each)
         return super().tend(in_need)
@@ -209,23 +193,11 @@ class RclpyTransport(Transport):
 
     def leave(self, handle: Any) -> None:
         """End a subscription or a publisher; on a node that is gone it went with it."""
-        if isinstance(handle, (RclpyAction, RclpyService)):
-            self._clients = [each for each in self._clients if each is not handle]
-            self._leave_client(handle)
-        elif handle in self._subscriptions:
+        if handle in self._subscriptions:
             self._subscriptions.remove(handle)
             self._node.destroy_subscription(handle.entity)
         elif self._node is not None and not isinstance(handle, _Subscription):
             self._node.destroy_publisher(handle)
-
-    def _leave_client(self, handle: RclpyAction | RclpyService) -> None:
-        if self._node is None:
-            return
-        if isinstance(handle, RclpyAction):
-            handle.client.destroy()
-            self._node.destroy_client(handle.canceller)
-        else:
-            self._node.destroy_client(handle.client)
 
     def send(self, handle: Any, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish. A header without a stamp gets the time of this node."""

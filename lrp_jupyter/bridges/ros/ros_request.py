@@ -1,10 +1,11 @@
-"""What the robot is asked for: a goal of an action, or a call of a service."""
+"""What the robot is asked for, a goal of an action or a call of a service; and who asks for it."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from typing import Any
 from uuid import uuid4
 
 from lrp_jupyter.bridges.tasks import TaskStatus
@@ -22,25 +23,19 @@ def own_words(why: str) -> str:
     return ended(found[1] if found else why)
 
 
-class Listener(Protocol):
-    """Who has asked: told of every news, on any thread; None as feedback or result says nothing of it."""
-
-    def __call__(
-        self, status: TaskStatus, feedback: Any = None, result: Any = None, reason: str = ""
-    ) -> None:
-        """Note what is said."""
-
-
 class RosRequest:
     """One goal or call, from the moment in which it is asked for until the robot has said how it ended.
 
     Owner: any thread may `tell`; the first end counts, and what comes after it is not passed on.
 
-    `listener`: told of the news, with messages as they arrived.
+    `listener`: called with status, feedback, result and reason at each news, with messages as they arrived;
+        None as one of them says nothing of it.
     `is_wanted`: returns False as soon as it is to be cancelled.
     """
 
-    def __init__(self, listener: Listener, is_wanted: Callable[[], bool]) -> None:
+    def __init__(
+        self, listener: Callable[[TaskStatus, Any, Any, str], object], is_wanted: Callable[[], bool]
+    ) -> None:
         self.id = f"lrp-{uuid4().hex}"
         self.status: TaskStatus = "active"
         self.is_wanted = is_wanted
@@ -57,3 +52,27 @@ class RosRequest:
             return
         self.status = status
         self._listener(status, feedback, result, reason)
+
+
+class TaskClient(ABC):
+    """The client's side of one action or service, as long as it is joined.
+
+    `ask` is called on a thread of its own; `cancel` on any, and it must not block; the others on the link's.
+    """
+
+    @abstractmethod
+    def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
+        """Send a goal or a call, and have the request told how it goes; BridgeError: it cannot be sent."""
+
+    @abstractmethod
+    def hint(self) -> str:
+        """Return that nothing serves it, in a sentence, or an empty text."""
+
+    def cancel(self, request: RosRequest | None) -> None:  # noqa: B027  (a call cannot be cancelled)
+        """Cancel a goal, or (None) all goals, of whatever client; urgent as a stop."""
+
+    def look(self) -> None:  # noqa: B027  (where what was lost is told)
+        """Find what was lost; called again and again."""
+
+    def leave(self) -> None:  # noqa: B027  (where nothing was joined)
+        """End what was joined; idempotent."""

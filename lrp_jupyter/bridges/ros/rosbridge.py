@@ -13,6 +13,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.message import moves
@@ -29,10 +30,10 @@ from lrp_jupyter.bridges.ros.frames import knows_cbor
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, Transport
-from lrp_jupyter.bridges.ros.ros_request import RosRequest
+from lrp_jupyter.bridges.ros.ros_request import TaskClient
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
-from lrp_jupyter.bridges.ros.server_calls import ServerCall
-from lrp_jupyter.bridges.ros.setup import TASKS, Direction
+from lrp_jupyter.bridges.ros.server_calls import ServerTask
+from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.bridges.ros.websocket import Socket, require_websockets
 from lrp_jupyter.errors import BridgeError, did_you_mean, ended
@@ -40,7 +41,6 @@ from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 _QUIET = 1.0  # seconds without a message after which a new publisher is worth another subscription …
 _UNPACKED = 3.0  # … and after which arrays are asked for as text
 _ECHO = 10.0  # seconds after which an own command no longer comes back
-_END = 0.5  # seconds that ending what is under way on another connection may take
 _FIGHT = 5.0  # seconds for which another client counts as one that commands
 
 
@@ -55,8 +55,6 @@ class RosbridgeTransport(Transport):
         self._rosapi = Rosapi(url, self.clock, warn, lambda: self.changed())
         self._inputs: dict[str, _Input] = {}
         self._outputs: dict[str, str] = {}  # the types of what was advertised
-        self._actions: list[GoalTopics] = []
-        self._calls: list[ServerCall] = []
         self._echoes: dict[str, _Echo] = {}
         self._definitions: dict[str, Definition] = dict(KNOWN)
         self._packs: bool | None = None  # whether the server packs arrays; None: not seen yet
@@ -75,15 +73,10 @@ class RosbridgeTransport(Transport):
         self._socket = socket
 
     def disconnect(self) -> None:
-        """Close the websockets."""
+        """Close the websocket."""
         socket, self._socket = self._socket, None
         if socket is not None:
             socket.close()
-        calls, self._calls, self._actions = self._calls, [], []
-        for call in calls:
-            call.end()
-        for call in calls:
-            call.has_ended(within=_END)
 
     def trouble(self) -> str:
         """Return a sentence if the server hangs."""
@@ -104,6 +97,13 @@ class RosbridgeTransport(Transport):
             raise BridgeError(
                 f"The connection to `{self.place}` is lost. {ended(why) if why else ''}".rstrip()
             )
+        return socket
+
+    def _socket_for(self, urgent: bool) -> Socket:
+        """Return the connection; BridgeError: it is lost, or hangs, when only what is urgent is sent."""
+        socket = self._open_socket()
+        if socket.is_stale and not urgent:
+            raise BridgeError(self.trouble())
         return socket
 
     # -- topics -----------------------------------------------------------------------------------
@@ -138,16 +138,8 @@ class RosbridgeTransport(Transport):
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Subscribe or advertise, or find an action or a service.
-
-        A topic is subscribed to once, however many variables read it.
-        """
+        """Subscribe or advertise; a topic is subscribed to once, however many variables read it."""
         socket, number = self._open_socket(), next(self._ids)
-        if direction in TASKS:
-            if direction == "action" and not self._rosapi.is_ros2:
-                self._actions.append(GoalTopics(self, topic, type_))
-                return self._actions[-1]
-            return _Asked(direction, topic, type_)
         if direction == "publisher":
             request = {"op": "advertise", "id": f"p{number}", "topic": topic, "type": self._spelled(type_)}
             socket.put(json.dumps(request))
@@ -179,11 +171,7 @@ class RosbridgeTransport(Transport):
 
     def leave(self, handle: object) -> None:
         """Unsubscribe or unadvertise; nothing to do on a connection that is gone."""
-        if isinstance(handle, GoalTopics):
-            self._actions = [each for each in self._actions if each is not handle]
-            handle.leave()
-        if not isinstance(handle, _Handle):
-            return
+        assert isinstance(handle, _Handle)
         socket, topic, number = handle.socket, handle.topic, handle.number
         if socket is not self._socket:
             return
@@ -202,9 +190,7 @@ class RosbridgeTransport(Transport):
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish; to a server that hangs only what is urgent."""
         assert isinstance(handle, _Handle)
-        socket, topic = self._open_socket(), handle.topic
-        if socket.is_stale and not urgent:
-            raise BridgeError(self.trouble())
+        socket, topic = self._socket_for(urgent), handle.topic
         text = json.dumps({"op": "publish", "id": f"p{handle.number}", "topic": topic, "msg": values})
         echo = self._echoes.get(topic)
         if echo is not None:
@@ -226,58 +212,19 @@ class RosbridgeTransport(Transport):
         """Return what rosapi says of the type of an action or service; None while it is being asked."""
         return self.offers(direction).get(name, "") or self._rosapi.type_of(direction, name)
 
-    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
-        """Send a goal, or call a service; to a server that hangs, neither."""
-        if self._open_socket().is_stale:
-            raise BridgeError(self.trouble())
-        if isinstance(handle, GoalTopics):
-            handle.ask(values, request)
-            return
-        assert isinstance(handle, _Asked)
-        if missing := self._missing(handle):
-            request.tell("lost", reason=missing)
-            return
-        question: dict[str, Any] = {"op": "call_service", "id": request.id, "service": handle.name}
-        if handle.direction == "action":
-            spelled = handle.type.replace("/", "/action/", 1)
-            question = {"op": "send_action_goal", "id": request.id, "action": handle.name}
-            question |= {"action_type": spelled, "feedback": True}
-        self._calls.append(ServerCall(self.place, {**question, "args": values}, request))
+    def client(self, direction: Direction, name: str, type_: str) -> TaskClient:
+        """Join the topics of an action of ROS 1, or be ready to ask the server."""
+        if direction == "action" and not self._rosapi.is_ros2:
+            return GoalTopics(self, name, type_)
+        missing = partial(self._missing, direction, name)
+        return ServerTask(self.place, direction, name, type_, missing, self._socket_for)
 
-    def cancel(self, handle: object, request: RosRequest | None) -> None:
-        """Cancel a goal, or all of an action."""
-        if isinstance(handle, GoalTopics):
-            handle.cancel(request)
-            return
-        assert isinstance(handle, _Asked)
-        if request is not None:
-            self._open_socket().put(_cancel(handle.name, request))
-            return
-        self._open_socket()
-        number = f"c{next(self._ids)}"
-        nothing: dict[str, Any] = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
-        question = {"op": "call_service", "id": number, "service": f"{handle.name}/_action/cancel_goal"}
-        self._calls.append(ServerCall(self.place, {**question, "args": {"goal_info": nothing}}))
-
-    def _missing(self, handle: _Asked) -> str:
+    def _missing(self, direction: Direction, name: str) -> str:
         """Return that no node serves an action or a service, as far as that is known, in a sentence."""
-        live = self.offers(handle.direction)
-        if handle.name in live or not self._rosapi.has_listed(handle.direction):
+        live = self.offers(direction)
+        if name in live or not self._rosapi.has_listed(direction):
             return ""
-        return f"No node offers the {handle.direction} `{handle.name}`.{did_you_mean(handle.name, live)}"
-
-    def _tend_calls(self) -> None:
-        """Forget those that are over; repeat a cancel; find goals whose server is gone."""
-        for call in tuple(self._calls):  # other threads add to them
-            if call.is_over:
-                self._calls.remove(call)
-            request, action = call.request, call.question.get("action")
-            if call.is_over or request is None or action is None:
-                continue
-            if missing := self._missing(_Asked("action", action, "")):
-                request.tell("lost", reason=missing)
-            if not request.is_wanted() or request.status == "lost":
-                self._open_socket().put(_cancel(action, request))
+        return f"No node offers the {direction} `{name}`.{did_you_mean(name, live)}"
 
     def _receive(self, message: Mapping[str, Any]) -> None:
         """Process a message of the server; on the socket's thread."""
@@ -298,9 +245,6 @@ class RosbridgeTransport(Transport):
     def tend(self, in_need: bool) -> float:
         """Adapt the subscriptions to the pace of the program, and to publishers that came later."""
         rosapi, now = self._rosapi, time.monotonic()
-        for goals in self._actions:
-            goals.look()
-        self._tend_calls()
         quiet = [
             each
             for each in self._inputs.values()
@@ -348,11 +292,7 @@ class RosbridgeTransport(Transport):
         self._open_socket().put(text)
 
     def hint(self, handle: object) -> str:
-        """Return what may be wrong where a topic has a publisher, but no message came; or no node serves."""
-        if isinstance(handle, GoalTopics):
-            return handle.hint()
-        if isinstance(handle, _Asked):
-            return self._missing(handle)
+        """Return what may be wrong where a topic has a publisher, but no message came."""
         assert isinstance(handle, _Handle)
         one = self._inputs.get(handle.topic) if handle.direction == "subscription" else None
         publishers = self._rosapi.publishers.get(handle.topic, ())
@@ -387,14 +327,6 @@ class _Handle(NamedTuple):
     number: int
     socket: Socket
     every: bool
-
-
-class _Asked(NamedTuple):
-    """A service, or an action of ROS 2: nothing is joined before it is asked for."""
-
-    direction: Direction
-    name: str
-    type: str
 
 
 class _Input:
@@ -445,10 +377,6 @@ def _is_in(ours: object, theirs: object) -> bool:
     if isinstance(ours, Mapping):
         return isinstance(theirs, Mapping) and all(_is_in(ours[key], theirs.get(key)) for key in ours)
     return ours == theirs
-
-
-def _cancel(action: str, request: RosRequest) -> str:
-    return json.dumps({"op": "cancel_action_goal", "id": request.id, "action": action})
 
 
 def _unsubscription(topic: str) -> str:

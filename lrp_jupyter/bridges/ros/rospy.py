@@ -33,7 +33,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 )
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
-from lrp_jupyter.bridges.ros.ros_request import RosRequest, own_words
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
 
@@ -58,7 +58,6 @@ class RospyTransport(Transport):
         self._every: dict[Any, bool] = {}  # of which subscribers every message counts
         self._topics: Mapping[str, str] = {}  # as the master knew them a moment ago, …
         self._system: Any = ([], [], [])  # … with who publishes, subscribes and serves
-        self._actions: list[GoalTopics] = []
         self._service_types: dict[str, str] = {}
 
     def connect(self) -> None:
@@ -136,14 +135,7 @@ class RospyTransport(Transport):
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
     ) -> object:
-        """Create a subscriber or a publisher, or the client's side of an action or a service."""
-        if direction == "action":
-            _class_of(f"{type_}ActionGoal")  # before anything is joined
-            goals = GoalTopics(self, topic, type_)
-            self._actions.append(goals)
-            return goals
-        if direction == "service":
-            return RospyService(topic, _class_of(f"{type_}_Request", whole=True), self._is_offered)
+        """Create a subscriber or a publisher."""
         rospy, kind = _rospy(), _class_of(type_)
         try:
             if direction == "publisher":
@@ -155,6 +147,13 @@ class RospyTransport(Transport):
             return subscriber
         except (rospy.ROSException, ValueError) as error:
             raise RefusedError(f"`{topic}`: {error}") from error
+
+    def client(self, direction: Direction, name: str, type_: str) -> TaskClient:
+        """Join the topics of an action, or be ready to call a service."""
+        if direction == "service":
+            return RospyService(name, _class_of(f"{type_}_Request", whole=True), self._is_offered)
+        _class_of(f"{type_}ActionGoal")  # before anything is joined
+        return GoalTopics(self, name, type_)
 
     def hear(self, handle: object, every: bool) -> None:
         """Keep all messages that arrive at once, or the last one; rospy decides that for a topic."""
@@ -179,33 +178,9 @@ class RospyTransport(Transport):
 
     def leave(self, handle: object) -> None:
         """Unregister."""
-        if isinstance(handle, (GoalTopics, RospyService)):
-            self._actions = [each for each in self._actions if each is not handle]
-            handle.leave()
-            return
         self._every.pop(handle, None)
         unregister: Callable[[], None] = handle.unregister  # type: ignore[attr-defined]
         unregister()
-
-    def ask(self, handle: object, values: Mapping[str, Any], request: RosRequest) -> None:
-        """Send a goal, or call a service."""
-        assert isinstance(handle, (GoalTopics, RospyService))
-        handle.ask(values, request)
-
-    def cancel(self, handle: object, request: RosRequest | None) -> None:
-        """Cancel a goal, or all of an action."""
-        assert isinstance(handle, GoalTopics)
-        handle.cancel(request)
-
-    def tend(self, in_need: bool) -> float:
-        """Look for goals that were lost."""
-        for goals in self._actions:
-            goals.look()
-        return super().tend(in_need)
-
-    def hint(self, handle: object) -> str:
-        """Return that no node serves an action or a service."""
-        return handle.hint() if isinstance(handle, (GoalTopics, RospyService)) else ""
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
         """Publish. Types were checked when the message was filled: rospy does it only for subscribers."""
@@ -350,7 +325,7 @@ class _Master:
         return value
 
 
-class RospyService:
+class RospyService(TaskClient):
     """A service, each call of which has a thread and a connection of its own: rospy waits without a limit."""
 
     def __init__(self, name: str, kind: Any, is_offered: Callable[[str], bool]) -> None:

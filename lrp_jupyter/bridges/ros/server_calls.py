@@ -14,14 +14,17 @@ from __future__ import annotations
 
 import asyncio
 import json
-import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
-from lrp_jupyter.bridges.ros.ros_request import RosRequest, own_words
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words
+from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
 from lrp_jupyter.bridges.tasks import TaskStatus
-from lrp_jupyter.errors import BridgeError, ended, sentence_of
+from lrp_jupyter.errors import ended, sentence_of
+
+_LOOK = 0.5  # seconds between two looks at a goal
 
 _STATUS: Mapping[object, TaskStatus] = {4: "succeeded", 5: "cancelled", 6: "aborted"}  # of ROS 2
 
@@ -29,75 +32,108 @@ _GONE = ("does not exist", "ROSServiceIOException", "unable to connect", "unavai
 """What is in rosbridge's sentence when a node that serves is not there, or has died."""
 
 
-class ServerCall:
-    """One question to the server, and what comes back, on a websocket and a thread of its own."""
+class ServerTask(TaskClient):
+    """A service, or an action of ROS 2: nothing is joined before it is asked for.
 
-    def __init__(self, url: str, question: Mapping[str, Any], request: RosRequest | None = None) -> None:
-        self.question, self.request = question, request
-        self._url, self._done = url, Bell()
-        self._text = json.dumps(question)
-        self._thread = threading.Thread(target=self._run, name="rosbridge call", daemon=True)
-        self._thread.start()
+    `missing`: returns that nothing serves it, in a sentence, or an empty text.
+    `socket`: returns the connection to the server, for something urgent or not; BridgeError: there is none.
+    """
 
-    @property
-    def is_over(self) -> bool:
-        """Whether the answer is there, or will not come."""
-        return not self._thread.is_alive()
+    def __init__(
+        self,
+        url: str,
+        direction: Direction,
+        name: str,
+        type_: str,
+        missing: Callable[[], str],
+        socket: Callable[[bool], Socket],
+    ) -> None:
+        self._url, self._direction, self._name, self._type = url, direction, name, type_
+        self._missing, self._socket = missing, socket
 
-    def end(self) -> None:
-        """Wait no more for the answer."""
-        self._done.ring()
+    def hint(self) -> str:
+        """Return that nothing serves it, as far as that is known, in a sentence."""
+        return self._missing()
 
-    def has_ended(self, within: float) -> bool:
-        """Wait some seconds for its thread to end; return whether it has."""
-        if self._thread is not threading.current_thread():
-            self._thread.join(within)
-        return self.is_over
+    def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
+        """Send a goal or a call; to a server that hangs, neither."""
+        socket = self._socket(False)
+        if missing := self.hint():
+            request.tell("lost", reason=missing)
+        elif self._direction == "service":
+            socket.run(self._ask(request, op="call_service", service=self._name, args=values))
+        else:
+            spelled = self._type.replace("/", "/action/", 1)
+            goal = {"action": self._name, "action_type": spelled, "feedback": True, "args": values}
+            socket.run(self._ask(request, op="send_action_goal", **goal))
 
-    def _run(self) -> None:
-        why = "the connection ended."
+    def cancel(self, request: RosRequest | None) -> None:
+        """Cancel a goal, or all of the action."""
+        socket = self._socket(True)
+        if request is not None:
+            cancel = {"op": "cancel_action_goal", "id": request.id, "action": self._name}
+            socket.put(json.dumps(cancel))
+            return
+        nothing = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
+        service, unheard = f"{self._name}/_action/cancel_goal", RosRequest(lambda *_: None, lambda: True)
+        socket.run(self._ask(unheard, op="call_service", service=service, args={"goal_info": nothing}))
+
+    # -- in the event loop of the connection ------------------------------------------------------
+
+    async def _ask(self, request: RosRequest, **question: object) -> None:
+        """Ask on a websocket of its own, and pass on what comes back, until the answer."""
+        answered, why = Bell(), ""
+        socket = Socket(self._url, partial(_receive, request, answered), changed=lambda: None)
         try:
-            why = asyncio.run(self._live()) or why
-        except BridgeError as error:
-            why = str(error)
+            connection = await socket.connect()
+            if request.is_wanted():
+                socket.put(json.dumps({**question, "id": request.id}))
+                looks = [self._look(request)] if question["op"] == "send_action_goal" else []
+                await socket.serve(connection, answered.wait(), *looks)
+            else:
+                await connection.close()
         except Exception as error:
             why = sentence_of(error)
-        if self.request is not None and not self.request.is_over:
-            self.request.tell("lost", reason=f"`{self._url}` has not answered: {ended(why)}")
+        finally:
+            if not request.is_over:
+                why = why or socket.ended or "the connection ended."
+                request.tell("lost", reason=f"`{self._url}` has not answered: {ended(why)}")
 
-    async def _live(self) -> str:
-        socket = Socket(self._url, self._receive, lambda: None)
-        connection = await socket.connect()
-        if self.request is None or self.request.is_wanted():
-            socket.put(self._text)
-            await socket.serve(connection, self._done.wait())
-        else:
-            await connection.close()
-        return socket.ended
+    async def _look(self, request: RosRequest) -> None:
+        """Repeat a cancel, and find a goal whose server is gone."""
+        while True:
+            await asyncio.sleep(_LOOK)
+            if missing := self.hint():
+                request.tell("lost", reason=missing)
+            if not request.is_wanted() or request.status == "lost":
+                self.cancel(request)
 
-    def _receive(self, message: Mapping[str, Any]) -> None:
-        operation, request = message.get("op"), self.request
-        if operation == "status" and message.get("level") == "error" and request is not None:
-            request.tell("aborted", reason=ended(str(message.get("msg"))))
-        elif message.get("id") != self.question["id"]:
-            return
-        elif operation == "action_feedback" and request is not None:
-            request.tell("active", feedback=message.get("values"))
-            return
-        elif operation in ("service_response", "action_result") and request is not None:
-            self._tell(request, message)
-        self._done.ring()
 
-    def _tell(self, request: RosRequest, message: Mapping[str, Any]) -> None:
-        values, is_action = message.get("values"), message.get("op") == "action_result"
-        if message.get("result") is False:
-            why = own_words(str(values or "It gives no reason."))
-            status: TaskStatus = "lost" if any(sign in why for sign in _GONE) else "aborted"
-            status = "rejected" if "rejected" in why else status
-            request.tell(status, reason=why)
-            return
-        number = message.get("status") if is_action else 4
-        if number is None and isinstance(values, Mapping):  # rosbridge before 2.1
-            number, values = values.get("status"), values.get("result")
-        unnamed: TaskStatus = "aborted" if request.is_wanted() else "cancelled"
-        request.tell(_STATUS.get(number, unnamed), result=values)
+def _receive(request: RosRequest, answered: Bell, message: Mapping[str, Any]) -> None:
+    operation = message.get("op")
+    if operation == "status" and message.get("level") == "error":
+        request.tell("aborted", reason=ended(str(message.get("msg"))))
+    elif message.get("id") != request.id:
+        return
+    elif operation == "action_feedback":
+        request.tell("active", feedback=message.get("values"))
+        return
+    elif operation in ("service_response", "action_result"):
+        _tell(request, message)
+    answered.ring()
+
+
+def _tell(request: RosRequest, message: Mapping[str, Any]) -> None:
+    """Pass on an answer."""
+    values, is_action = message.get("values"), message.get("op") == "action_result"
+    if message.get("result") is False:
+        why = own_words(str(values or "It gives no reason."))
+        status: TaskStatus = "lost" if any(sign in why for sign in _GONE) else "aborted"
+        status = "rejected" if "rejected" in why else status
+        request.tell(status, reason=why)
+        return
+    number = message.get("status") if is_action else 4
+    if number is None and isinstance(values, Mapping):  # rosbridge before 2.1
+        number, values = values.get("status"), values.get("result")
+    unnamed: TaskStatus = "aborted" if request.is_wanted() else "cancelled"
+    request.tell(_STATUS.get(number, unnamed), result=values)

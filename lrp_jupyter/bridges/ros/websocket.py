@@ -118,6 +118,14 @@ class Socket:
         self._outbox.append((math.inf if urgent else time.monotonic(), topic, text))
         self._posted.ring()
 
+    def run(self, work: Coroutine[Any, Any, None]) -> None:
+        """Have something run in its loop beside the rest; it is cancelled at the end. From any thread."""
+        try:
+            asyncio.run_coroutine_threadsafe(work, self._loop)
+        except RuntimeError:  # the loop has ended
+            work.close()
+            raise BridgeError(f"The connection to `{self._url}` is lost.") from None
+
     # -- in its loop ------------------------------------------------------------------------------
 
     def _run(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
@@ -130,9 +138,12 @@ class Socket:
         self._changed()
 
     async def _live(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        connection = await self.connect()
+        connection, self._loop = await self.connect(), asyncio.get_running_loop()
         self._opened.set_result(None)
         await self.serve(connection, beside())
+        others = asyncio.all_tasks() - {asyncio.current_task()}
+        if self._is_closing and others:
+            await asyncio.wait(others, timeout=_FLUSH)
 
     async def connect(self) -> ClientConnection:
         """Return the connection for `serve`."""

@@ -259,7 +259,7 @@ def test_a_goal_that_is_rejected_or_has_no_server_says_so(asked: RosBridge, grap
     graph.accepts = True
     drive(asked, graph, 2.0)
     del graph.actions["/navigate"]
-    until(lambda: latched(asked) == ("lost", "No server of the action `/navigate` is there."))
+    until(lambda: latched(asked) == ("lost", "No node offers the action `/navigate`."))
     asked.robot.drive_to(pose_pose_position_x=3.0)
     until(lambda: latched(asked)[0] == "lost")
     assert len(graph.goals) == 2
