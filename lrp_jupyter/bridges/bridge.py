@@ -378,8 +378,10 @@ class Bridge(Interface, ABC):
         self.readings, self.unstopped = {}, False
         self.safety.tick(now, period)
         try:
-            self.sense(now)
-            self.fed.latch()
+            try:
+                self.sense(now)
+            finally:
+                self.fed.latch()
             if states := self.requested.latch():
                 self.readings |= states
             if self.nodes.timed or self._late is not None:
@@ -423,7 +425,6 @@ class Bridge(Interface, ABC):
                 self._find_again()
         self.requested.end_tick()
         self.latch = 0  # between ticks a person reads what is there now
-        self.fed.release()
         for mover, sentence in self.safety.commands_overdue(now).items():
             self.safety.notice("command watchdog", sentence)
             self.stop_mover(mover)

@@ -21,7 +21,7 @@ from lrp_jupyter.bridges.argument_values import kept
 from lrp_jupyter.bridges.guarding.guard import UNGUARDED, Guard, Stopper
 from lrp_jupyter.bridges.guarding.safety import CommandRecord, Origin, Safety
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotCommanded, RobotStopped
-from lrp_jupyter.bridges.latched_values import MOST, Backlog, FedValues
+from lrp_jupyter.bridges.latched_values import MOST, Arrivals, FedValues
 from lrp_jupyter.bridges.member_tree import Limits, Nodes, RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message, stands
@@ -80,7 +80,11 @@ class Interface:
     """Whether the last `stop_all` has failed: it is tried again until it does not, or a tick comes."""
 
     nodes = part(lambda bridge: Nodes(lambda path: Robot(bridge, f"{path}.")))
-    fed = part(lambda bridge: FedValues(None if bridge.time_step is None else lambda: bridge.safety.now))
+    fed = part(
+        lambda bridge: FedValues(
+            None if bridge.time_step is None else lambda: bridge.safety.now, lambda: bool(bridge.latch)
+        )
+    )
     safety = part(lambda bridge: Safety(armed=not type(bridge).hardware))
     robot = part(Robot)
     requested = part(Tasks)
@@ -183,17 +187,17 @@ class Interface:
         self.messages_taken = frozenset(readings)
         self.fed.hear([f"{each.removesuffix('.new')}.data" for each in self.messages_taken])
 
-    def _new_messages(self, path: str, backlog: Callable[[str], Backlog | None]) -> tuple[object, ...]:
-        """Return the messages of a reading in this tick; `backlog` returns those that are kept of it."""
-        name, kept = companion_path(path, "new"), backlog(path)
-        if kept is None:  # a function of the notebook asks, and no block of the program
+    def _new_messages(self, path: str, arrivals: Arrivals[Any]) -> tuple[Any, ...]:
+        """Return the messages of a reading in this tick."""
+        name = companion_path(path, "new")
+        if not arrivals.is_heard:  # a function of the notebook asks, and no block of the program
             self.take_messages(self.messages_taken | {name})
             return ()
-        if self.latch and kept.dropped:
-            lost = "1 message was" if kept.dropped == 1 else f"{kept.dropped:,} messages were"
+        if self.latch and arrivals.dropped:
+            lost = "1 message was" if arrivals.dropped == 1 else f"{arrivals.dropped:,} messages were"
             text = f"`robot.{name}`: {lost} dropped, since a tick takes at most the last {MOST:,}."
             self.safety.notice("dropped", text, name, renews=True)
-        return kept.messages()
+        return arrivals.messages(bool(self.latch))
 
     def feed(
         self,
@@ -256,7 +260,7 @@ class Interface:
     ) -> None:
         getter, age = self.fed.getter(name), partial(self.fed.age, name)
         reading = RobotVariable(self, name, getter, doc, unit, kind, age, stale_after)
-        new = partial(self._new_messages, name, self.fed.backlog) if name.endswith(".data") else None
+        new = partial(self._new_messages, name, self.fed.of(name)) if name.endswith(".data") else None
         self._add_reading(reading, new)
 
     def add_method(

@@ -1,7 +1,6 @@
-"""The values that a bridge was fed, with their ages, latched tick by tick; and messages until the next tick.
+"""What arrives by itself, latched tick by tick: the newest value of a reading, and all since the last tick.
 
-Owner: any thread feeds; the interpreter's thread latches. A value is replaced by one assignment, so no
-reader waits for a writer.
+Owner: any thread puts and reads; the interpreter's thread latches. No reader waits for a writer.
 """
 
 from __future__ import annotations
@@ -9,129 +8,147 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection
 from functools import partial
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 MOST = 1000
 """Messages of a reading that a tick takes; of more, the last ones."""
 
+T = TypeVar("T")
 
-class Backlog:
-    """The messages of one reading since the last tick, oldest first.
 
-    Kept only while the program takes them: nothing is paid for what is not used.
+class Arrival(NamedTuple, Generic[T]):
+    """A value, and when it was measured, by the clock of its bridge."""
 
-    `dropped`: how many were dropped before the last tick, since there were more than it takes.
+    value: T
+    time: float
+
+
+class Arrivals(Generic[T]):
+    """What arrives for one reading.
+
+    Every message is kept only while the program takes them: nothing is paid for what is not used.
+
+    `last`: the newest; None before the first.
+    `dropped`: how many messages were dropped before the last tick, since there were more than it takes.
     """
 
-    def __init__(self, first: Iterable[object] = ()) -> None:
+    def __init__(self, lock: threading.RLock | None = None) -> None:
+        self.last: Arrival[T] | None = None
         self.dropped = 0
-        self._lock = threading.Lock()
-        self._waiting = deque(first, MOST)
+        self._lock = lock or threading.RLock()
+        self._latched: tuple[Arrival[T] | None, tuple[T, ...]] = None, ()
+        self._old: Arrival[T] | None = None  # that the last tick saw, or that is no news for another reason
+        self._waiting: deque[T] | None = None  # for the next tick; None: messages are not kept
         self._overflow = 0
-        self._latched: tuple[object, ...] | None = None  # None between ticks
 
-    def put(self, message: object) -> None:
-        """Add a message; on any thread."""
+    def put(self, value: T, at: float, is_news: bool = True) -> None:
+        """Replace the value, measured at a time; one that is no news is no message."""
         with self._lock:
-            self._overflow += len(self._waiting) == MOST
-            self._waiting.append(message)
+            self.last = Arrival(value, at)
+            if not is_news:
+                self._old = self.last
+            elif self._waiting is not None:
+                self._overflow += len(self._waiting) == MOST
+                self._waiting.append(value)
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether every message is kept."""
+        return self._waiting is not None
+
+    def hear(self, every: bool) -> None:
+        """Keep every message from now on, or only the newest value."""
+        with self._lock:
+            if not every:
+                self._waiting = None
+            elif self._waiting is None:
+                last = self.last
+                self._waiting = deque(() if last is None or last is self._old else (last.value,), MOST)
 
     def latch(self) -> None:
-        """Take what has come since the last tick."""
-        empty: deque[object] = deque(maxlen=MOST)
+        """Hold what there is for the tick that begins: it sees one world."""
         with self._lock:
-            waiting, self._waiting = self._waiting, empty
+            self._latched, self._old = (self.last, tuple(self._waiting or ())), self.last
             self.dropped, self._overflow = self._overflow, 0
-        self._latched = tuple(waiting)
+            if self._waiting:
+                self._waiting.clear()
 
-    def release(self) -> None:
-        """Let readers see what waits for the next tick."""
-        self._latched = None
+    def seen(self, in_tick: bool) -> Arrival[T] | None:
+        """Return the value of the tick; between ticks, the newest."""
+        return self._latched[0] if in_tick else self.last
 
-    def messages(self) -> tuple[object, ...]:
-        """Return those of this tick; between ticks, those that wait for the next one."""
-        if self._latched is not None:
-            return self._latched
+    def messages(self, in_tick: bool) -> tuple[T, ...]:
+        """Return those of the tick; between ticks, those that wait for the next one."""
+        if in_tick:
+            return self._latched[1]
         with self._lock:
-            return tuple(self._waiting)
+            return tuple(self._waiting or ())
 
-
-class _Fed(NamedTuple):
-    value: object
-    since: float  # when it was measured, by the clock
+    def clear(self) -> None:
+        """Forget all values."""
+        with self._lock:
+            self.last, self._latched = None, (None, ())
+            if self._waiting:
+                self._waiting.clear()
 
 
 class FedValues:
-    """The newest value of every variable that is fed, by its path.
+    """What every variable was fed, by its path.
 
     `clock`: returns the seconds that ages are measured in: by default `time.monotonic`; for a bridge with a
         clock, the time of its world. Tests set it.
+    `in_tick`: returns whether a tick is under way.
     """
 
-    def __init__(self, clock: Callable[[], float] | None = None) -> None:
+    def __init__(self, clock: Callable[[], float] | None, in_tick: Callable[[], bool]) -> None:
         self.clock = time.monotonic if clock is None else clock
         self.wall_clock: Callable[[], float] = time.time  # what stamps are compared with; tests set it
         self.count = 0  # values that have arrived
-        self._latest: dict[str, _Fed] = {}
-        self._latched: dict[str, _Fed] | None = None  # None between ticks
-        self._last: dict[str, _Fed] = {}  # what the last tick saw
-        self._backlogs: dict[str, Backlog] = {}
+        self._in_tick = in_tick
+        self._lock = threading.RLock()  # of all, so that a tick sees nothing that is newer than the rest
+        self._all: dict[str, Arrivals[object]] = {}
         self._getters: dict[str, Callable[[], object]] = {}
 
     def getter(self, path: str) -> Callable[[], object]:
         """Return the function that returns the value of a variable; always the same one."""
         return self._getters.setdefault(path, partial(self.value, path))
 
+    def of(self, path: str) -> Arrivals[object]:
+        """Return what arrives for a variable; always the same object."""
+        with self._lock:
+            return self._all.setdefault(path, Arrivals(self._lock))
+
     def put(self, path: str, value: object, stamp: float | None) -> None:
         """Replace a value; `stamp` is when it was measured, by the wall clock, if that is known."""
         late = 0.0 if stamp is None else max(0.0, self.wall_clock() - stamp)
-        self._latest[path] = _Fed(value, self.clock() - late)
+        self.of(path).put(value, self.clock() - late)
         self.count += 1
-        backlog = self._backlogs.get(path)
-        if backlog is not None:
-            backlog.put(value)
 
-    def hear(self, paths: Iterable[str]) -> None:
+    def hear(self, paths: Collection[str]) -> None:
         """Keep every message of these variables from now on, and no others."""
-        known, latest = self._backlogs, self._latest
-        fresh = {path: fed.value for path, fed in latest.items() if fed is not self._last.get(path)}
-        self._backlogs = {
-            path: known.get(path) or Backlog([fresh[path]] if path in fresh else []) for path in paths
-        }
-
-    def backlog(self, path: str) -> Backlog | None:
-        """Return the messages of a variable, if they are kept."""
-        return self._backlogs.get(path)
+        for path in {*self._all, *paths}:
+            self.of(path).hear(path in paths)
 
     def latch(self) -> None:
-        """Hold the present values until `release`: a tick sees one world."""
-        self._latched = self._last = self._latest.copy()
-        for backlog in self._backlogs.values():
-            backlog.latch()
-
-    def release(self) -> None:
-        """Let readers see what is newest again."""
-        self._latched = None
-        for backlog in self._backlogs.values():
-            backlog.release()
+        """Hold what there is for the tick that begins."""
+        with self._lock:
+            for each in self._all.values():
+                each.latch()
 
     def value(self, path: str) -> object:
         """Return a value; None before the first."""
-        fed = self._seen(path)
-        return None if fed is None else fed.value
+        seen = self.of(path).seen(self._in_tick())
+        return None if seen is None else seen.value
 
     def age(self, path: str) -> float | None:
         """Return the seconds since a value was measured; None before the first."""
-        fed = self._seen(path)
-        return None if fed is None else max(0.0, self.clock() - fed.since)
+        seen = self.of(path).seen(self._in_tick())
+        return None if seen is None else max(0.0, self.clock() - seen.time)
 
     def clear(self) -> None:
         """Forget all values."""
-        self._latest, self._latched, self._last = {}, None, {}
-        self._backlogs = {path: Backlog() for path in self._backlogs}
-
-    def _seen(self, path: str) -> _Fed | None:
-        latched = self._latched
-        return (self._latest if latched is None else latched).get(path)
+        with self._lock:
+            for each in self._all.values():
+                each.clear()

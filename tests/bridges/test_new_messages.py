@@ -91,7 +91,7 @@ def test_an_edit_that_names_it_is_enough_and_nothing_is_kept_for_a_program_that_
     session.edit(QUEUE.replace("robot.light.new", "()"))
     session.run(0.1)
     bridge.feed("light.data", 1)
-    assert bridge.fed.backlog("light.data") is None
+    assert not bridge.fed.of("light.data").is_heard
     session.edit(QUEUE)
     bridge.feed("light.data", 2)
     session.run(0.1)

@@ -263,12 +263,11 @@ class RosBridge(Bridge):
                     f"the last message on {wire.topic}",
                     "",
                     channel.form.kind if channel.form is not None else channel.type,
-                    channel.age,
+                    lambda: channel.age(bool(self.latch)),
                     wire.stale_after,
                 )
-                new = partial(self._new_messages, wire.variable, lambda _: channel.backlog)
-                self._add_reading(reading, new, channel.own)
-                channel.hear(companion_path(wire.variable, "new") in self.messages_taken)
+                self._add_reading(reading, partial(self._contents, channel), channel.own)
+                channel.arrivals.hear(companion_path(wire.variable, "new") in self.messages_taken)
             elif wire.direction in TASKS:
                 is_action = wire.direction == "action"
                 self.add_task(
@@ -298,12 +297,16 @@ class RosBridge(Bridge):
             self.remove_member(variable)
 
     def _read(self, channel: Channel) -> ReceivedMessage:
-        arrival = channel.latched if self.latch else channel.latest
+        arrival = channel.arrivals.seen(bool(self.latch))
         if arrival is not None:
             return arrival.value
         if channel.problem:
             raise BridgeError(f"`robot.{channel.wire.variable}`: {channel.problem}")
         raise NoDataYet(f"`robot.{channel.wire.variable}` has no data yet.")
+
+    def _contents(self, channel: Channel) -> tuple[object, ...]:
+        messages = self._new_messages(channel.wire.variable, channel.arrivals)
+        return tuple(channel.content(message) for message in messages)
 
     def _send(self, channel: Channel, message: Message) -> None:
         link = self.wiring.link
@@ -431,13 +434,12 @@ class RosBridge(Bridge):
         if link is not None and link.connected:
             link.transport.pace = self._pace.seconds
         for channel in self.wiring.channels:
-            channel.latch()
+            channel.arrivals.latch()
 
     def act(self, now: float) -> None:
         """Mark the end of the tick, and publish what the set-up says is published in each."""
         self._in_tick = 0
         for channel in self.wiring.channels:
-            channel.release()
             if channel.wire.at_tick is not None and self.safety.armed:
                 self.wiring.say_in_tick(channel)
 
@@ -445,7 +447,7 @@ class RosBridge(Bridge):
         """Have the robot send every message on these topics; on others, the last one is enough."""
         super().take_messages(readings)
         for channel in self.wiring.channels:
-            channel.hear(companion_path(channel.wire.variable, "new") in self.messages_taken)
+            channel.arrivals.hear(companion_path(channel.wire.variable, "new") in self.messages_taken)
         if (link := self.wiring.link) is not None:
             link.hurry()
 

@@ -1,7 +1,7 @@
 """One variable of the robot and its topic, while the bridge is open.
 
-Owner: `latest` belongs to the thread on which messages arrive; what the connection decides (`problem`,
-`waiting`, `handle`, …) to the thread of the link. Each is replaced by one assignment; any thread may read it.
+Owner: messages arrive on one thread; what the connection decides (`problem`, `waiting`, `handle`, …)
+belongs to the thread of the link. Each is replaced by one assignment; any thread may read it.
 """
 
 from __future__ import annotations
@@ -9,22 +9,15 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from typing import Any, NamedTuple
+from typing import Any
 
-from lrp_jupyter.bridges.latched_values import Backlog
+from lrp_jupyter.bridges.latched_values import Arrival, Arrivals
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
 _SILENT = 2.0  # seconds without a message after which a topic that had a rate is silent
-
-
-class Arrival(NamedTuple):
-    """A message and when it was made, by `time.monotonic`: its time stamp or, without one, its arrival."""
-
-    value: ReceivedMessage
-    time: float
 
 
 class Channel:
@@ -38,10 +31,7 @@ class Channel:
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
         self.requests: dict[object, RosRequest] = {}  # by their tasks, until the robot has ended them
         self.outcome = ""  # what has become of the last of them, for the panel
-        self.latest: Arrival | None = None  # None again after the connection was lost
-        self.latched: Arrival | None = None  # in this tick …
-        self.seen: Arrival | None = None  # … or in the last one; or it is no news for another reason
-        self.backlog: Backlog | None = None  # where the program takes every message
+        self.arrivals = Arrivals[ReceivedMessage]()  # the times are those of `time.monotonic`
         self.live = False
         self.problem = ""  # why it cannot be connected, or is no longer connected
         self.waiting = "it is being connected"  # what is missing: the topic, its type, or messages
@@ -53,7 +43,6 @@ class Channel:
         self.has_moved = False  # whether a nonzero velocity was sent: on a loss, a stop may not have arrived
         self.owes_stop = False  # as soon as there is a connection again
         self.answered = threading.Event()
-        self._arriving = threading.Lock()
         self.last_sent: RosMessage | None = None
         self._times: deque[float] = deque(maxlen=20)
 
@@ -88,40 +77,23 @@ class Channel:
         return None if self.message is None or fields is None else self.message(**fields)
 
     @property
+    def latest(self) -> Arrival[ReceivedMessage] | None:
+        """The last message; None again after the connection was lost."""
+        return self.arrivals.last
+
+    @property
     def expects(self) -> bool:
         """Whether it is a subscription without a message so far."""
         return self.wire.direction == "subscription" and self.latest is None
-
-    def hear(self, every: bool) -> None:
-        """Keep every message until the next tick from now on, or only the last one."""
-        with self._arriving:  # or the last message might be there twice, or not at all
-            latest = self.latest
-            if not every:
-                self.backlog = None
-            elif self.backlog is None:
-                first = () if latest is None or latest is self.seen else (self._content(latest.value),)
-                self.backlog = Backlog(first)
 
     @property
     def own(self) -> tuple[str, ...]:
         """The fields of its messages; none while their type is not known."""
         return self.form.kind.__slots__ if self.form is not None else ()
 
-    def _content(self, message: ReceivedMessage) -> object:
+    def content(self, message: ReceivedMessage) -> object:
         """Return a message, or its only field if that is ``data``."""
         return message.data if self.own == ("data",) else message
-
-    def latch(self) -> None:
-        """Hold the last message, and those since the last tick, until `release`."""
-        self.latched = self.seen = self.latest
-        if self.backlog is not None:
-            self.backlog.latch()
-
-    def release(self) -> None:
-        """Let readers see what is newest again."""
-        self.latched = None
-        if self.backlog is not None:
-            self.backlog.release()
 
     def receive(self, raw: Any, at: float | None = None) -> None:
         """Receive a raw message from the network; always on the same thread.
@@ -140,12 +112,7 @@ class Channel:
         self.problem = ""
         self.is_unclear = self.is_unclear or form.unclear.count > unclear
         self._times.append(time.monotonic() if at is None else at)
-        with self._arriving:
-            self.latest = Arrival(value, self.stamps.made_at(raw, self._times[-1]))
-            if at is not None:
-                self.seen = self.latest
-            elif self.backlog is not None:
-                self.backlog.put(self._content(value))
+        self.arrivals.put(value, self.stamps.made_at(raw, self._times[-1]), is_news=at is None)
 
     def sent(self, message: RosMessage) -> None:
         """Record a message that was sent, which may be a stop."""
@@ -155,17 +122,17 @@ class Channel:
     def forget(self) -> None:
         """Return to "no data yet"."""
         self.live = False
-        self.latest = None
+        self.arrivals.last = None
         self._times.clear()
 
-    def age(self) -> float | None:
+    def age(self, in_tick: bool = False) -> float | None:
         """Return the seconds since the last message was made or sent; None before the first.
 
-        In a tick, it is the message that the tick sees.
+        `in_tick`: it is the message that the tick sees.
         """
-        latest, times = self.latched or self.latest, self._times
-        if latest is not None:
-            return time.monotonic() - latest.time
+        seen, times = self.arrivals.seen(in_tick), self._times
+        if seen is not None:
+            return time.monotonic() - seen.time
         return time.monotonic() - times[-1] if times else None
 
     def rate(self) -> float:

@@ -308,7 +308,7 @@ class TopicLink(Link):
             if channel.type == type_:
                 channel.waiting = self._hint(channel.handle)
                 if wire.direction == "subscription":
-                    self.transport.hear(channel.handle, channel.backlog is not None)
+                    self.transport.hear(channel.handle, channel.arrivals.is_heard)
                 return
             self._leave(channel)
         if not type_:
@@ -333,7 +333,7 @@ class TopicLink(Link):
         if wire.direction in TASKS:
             handle: object = self.transport.client(wire.direction, wire.topic, type_)
         else:
-            every = channel.backlog is not None
+            every = channel.arrivals.is_heard
             handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive, every)
         if channel.owes_stop:
             self._pay_stop(channel, handle)
