@@ -51,6 +51,11 @@ class TaskState(NamedTuple):
     reason: str = ""
     at: float = 0.0
 
+    def after(self, told: TaskState) -> TaskState:
+        """Return it when another state was told, in which None as feedback or result is nothing new."""
+        feedback = self.feedback if told.feedback is None else told.feedback
+        return told._replace(feedback=feedback, result=self.result if told.result is None else told.result)
+
     @property
     def active(self) -> bool:
         """Whether it goes on."""
@@ -116,14 +121,10 @@ class Asked:
 
 
 class _Told(NamedTuple):
-    """What is to be latched about a request."""
+    """What is to be latched about the request with a number."""
 
-    name: str
     number: int
-    status: TaskStatus
-    feedback: Any = None
-    result: Any = None
-    reason: str = ""
+    state: TaskState
     is_void: bool = False
 
 
@@ -132,7 +133,7 @@ class TasksMoment(NamedTuple):
 
     requests: Mapping[str, Asked] = MappingProxyType({})
     asked: int = 0
-    told: tuple[_Told, ...] = ()
+    told: Mapping[str, _Told] = MappingProxyType({})
 
 
 class Task:
@@ -181,7 +182,7 @@ class Task:
         """
         if status not in STATUSES:
             raise ValueError(f"A task has no status {status!r}.{did_you_mean(str(status), STATUSES)}")
-        self._tasks.tell(self, status, feedback, result, reason)
+        self._tasks.tell(self, TaskState(status, feedback, result, reason))
 
 
 class TaskOwner(Protocol):
@@ -369,7 +370,7 @@ class Tasks:
         asked = Asked(number, arguments_of(command), asker, stays, now, state, is_void=bool(lost))
         if lost:
             self._cancel(name)
-            self._put(name, asked, number)
+            self._put(name, asked)
         else:
             self._start(member, command, asked)
 
@@ -380,7 +381,7 @@ class Tasks:
             old = None
         task = Task(self, name, asked.number, None if old is None else old[1])
         with self._changing:
-            self._put(name, asked, asked.number)
+            self._put(name, asked)
             self._under_way = {**self._under_way, name: (member, task)}
         if self._owner.has_world:
             self._begin(member, task, command, None)
@@ -415,12 +416,10 @@ class Tasks:
                 self._end_or_say(member, task)
             task.replaced = None
 
-    def _put(self, name: str, asked: Asked, count: int | None = None) -> None:
+    def _put(self, name: str, asked: Asked) -> None:
         with self._changing:
-            requests = {**self._moment.requests, name: asked}
-            self._moment = self._moment._replace(
-                requests=requests, asked=self._moment.asked if count is None else count
-            )
+            requests, count = {**self._moment.requests, name: asked}, max(self._moment.asked, asked.number)
+            self._moment = self._moment._replace(requests=requests, asked=count)
 
     # -- what becomes of it -----------------------------------------------------------------------
 
@@ -429,24 +428,23 @@ class Tasks:
         under_way = self._under_way.get(task.name)
         return under_way is not None and under_way[1] is task
 
-    def tell(self, task: Task, status: TaskStatus, feedback: object, result: object, reason: str) -> None:
+    def tell(self, task: Task, state: TaskState) -> None:
         """Note what is known of a task; from any thread."""
         with self._changing:
             if self.is_wanted(task):
-                if status != "active":
+                if not state.active:
                     task.is_over = True
                     self._forget(task.name)
-                self._tell(_Told(task.name, task.number, status, feedback, result, reason))
+                self._tell(task.name, _Told(task.number, state))
 
-    def _tell(self, told: _Told) -> None:
+    def _tell(self, name: str, told: _Told) -> None:
         with self._changing:
-            earlier = self._moment.told
-            same = next((each for each in earlier if each[:3] == told[:3]), None)
-            if told.status == "active" and same is not None:  # the newest feedback counts
-                earlier = tuple(each for each in earlier if each is not same)
-                feedback, result = _newer(told.feedback, same.feedback), _newer(told.result, same.result)
-                told = told._replace(feedback=feedback, result=result)
-            self._moment = self._moment._replace(told=(*earlier, told))
+            before = self._moment.told.get(name)
+            if before is not None and before.number == told.number:
+                if not before.state.active:  # the first end counts
+                    return
+                told = told._replace(state=before.state.after(told.state))
+            self._moment = self._moment._replace(told={**self._moment.told, name: told})
 
     def _forget(self, name: str) -> None:
         with self._changing:  # and never while the robot is told: what it answers waits for this lock
@@ -458,15 +456,14 @@ class Tasks:
         if not (self._moment.requests or self._moment.told):
             return {}
         with self._changing:
-            told = self._moment.told
-            self._moment = self._moment._replace(told=())
-        before = self._moment.requests
-        for each in told:
-            asked = self._moment.requests.get(each.name)
-            if asked is not None and asked.number == each.number and asked.state.active:
-                self._put(
-                    each.name, replace(asked, state=self._state_after(asked, each), is_void=each.is_void)
-                )
+            before, _, told = self._moment
+            self._moment = self._moment._replace(told={})
+        for name, (number, state, is_void) in told.items():
+            asked = before.get(name)
+            if asked is not None and asked.number == number and asked.state.active:
+                at = asked.state.at if state.active else self.now
+                state = asked.state.after(state)._replace(at=at)
+                self._put(name, replace(asked, state=state, is_void=is_void))
         if self.recorded is not None:
             for name, asked in self._moment.requests.items():
                 if (recorded := self.recorded(name)) is not None:
@@ -476,16 +473,6 @@ class Tasks:
             if state.status != before[name].state.status:
                 self.changed(name, state)
         return states
-
-    def _state_after(self, asked: Asked, told: _Told) -> TaskState:
-        before = asked.state
-        return TaskState(
-            told.status,
-            _newer(told.feedback, before.feedback),
-            _newer(told.result, before.result),
-            told.reason,
-            before.at if told.status == before.status else self.now,
-        )
 
     # -- the end of requests ----------------------------------------------------------------------
 
@@ -509,14 +496,14 @@ class Tasks:
         for name, asked in self._moment.requests.items():
             if asked.asker.action == "running" and asked.state.active and asked.at != self.now:
                 self._cancel(name)
-                reason = "It is no longer asked for."
-                self._tell(_Told(name, asked.number, "cancelled", reason=reason, is_void=True))
+                state = TaskState("cancelled", reason="It is no longer asked for.")
+                self._tell(name, _Told(asked.number, state, is_void=True))
 
     def report(self, name: str, number: int, state: TaskState) -> None:
         """Note what a world of the bridge's own knows of the request with a number."""
         with self._changing:
             if (under_way := self._under_way.get(name)) is not None and under_way[1].number == number:
-                under_way[1].update(state.status or "active", state.feedback, state.result, state.reason)
+                self.tell(under_way[1], state)
 
     def finish_calls(self) -> None:
         """Wait, for a moment, until what cannot be cancelled has reached the robot: the run ends."""
@@ -535,15 +522,15 @@ class Tasks:
 
         Raises what `cancel` raises, when all are cancelled.
         """
-        why = self._owner.safety.lost
-        failures = []
+        why, failures = self._owner.safety.lost, []
+        over = (
+            TaskState("lost", reason=why) if why else TaskState("cancelled", reason="The robot was stopped.")
+        )
         with self._changing:
             under_way, self._under_way = self._under_way, {}
             for name, asked in self._moment.requests.items():
                 if asked.state.active:
-                    status: TaskStatus = "lost" if why else "cancelled"
-                    reason = why or "The robot was stopped."
-                    self._tell(_Told(name, asked.number, status, reason=reason, is_void=True))
+                    self._tell(name, _Told(asked.number, over, is_void=True))
         for member, task in under_way.values():
             try:
                 self._end(member, task)
@@ -592,9 +579,6 @@ class Tasks:
             replaced, task.replaced = task.replaced, None
             self._end(member, replaced)
 
-
-def _newer(value: object, before: object) -> object:
-    return before if value is None else value
 
 
 def arguments_of(command: Command) -> dict[str, Any]:

@@ -45,9 +45,11 @@ def test_asked_for_in_every_tick_it_is_one_task_until_the_state_is_left_and_then
     first = bot.next()
     assert bot.log == ["go 1"]
     first.update(feedback=0.5)
+    first.update(reason="It is slow.")  # says nothing new of the feedback
     session.run(0.1)
     go = bot.robot.go
-    assert (go.status, go.active, go.feedback, go.result, go.reason) == ("active", True, 0.5, None, "")
+    assert (go.status, go.active, go.feedback, go.result) == ("active", True, 0.5, None)
+    assert go.reason == "It is slow."
     assert go.since == pytest.approx(0.5)
     first.update("succeeded", result="done")
     session.run(0.1)
