@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from types import TracebackType
-from typing import NoReturn, Protocol
+from typing import NoReturn, Protocol, Self
 
 from lrp_jupyter.bridges.guarding.safety import Safety
 from lrp_jupyter.bridges.members import Member, MemberError, age_text, describe_value, signature_text
@@ -261,10 +261,13 @@ class RobotMethod(NotAValue):
         except Exception as error:
             raise BridgeError(f"`robot.{self.path}` failed: {_sentence(error)}") from error
 
-    def stand_in(self, other: RobotMethod) -> None:
-        """Take the arguments that another method takes, and perform nothing."""
-        self._parameters, self.signature = other._parameters, other.signature
-        self._redirected = lambda _: None
+    def inert(self, bridge: MemberOwner) -> Self:
+        """Return the same method of another bridge, which performs nothing."""
+        made = object.__new__(type(self))
+        for name in (name for kind in type(self).__mro__ for name in getattr(kind, "__slots__", ())):
+            object.__setattr__(made, name, getattr(self, name))
+        made._bridge, made._redirected = bridge, lambda _: None
+        return made
 
     def redirect(self, receive: Callable[[Message | inspect.BoundArguments], object]) -> None:
         """Redirect all later commands to `receive` instead of the robot (for tests)."""

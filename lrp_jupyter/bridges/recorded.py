@@ -43,28 +43,11 @@ class RecordedBridge(Bridge, offered=False):
                     self, node.path, read, node.doc, node.unit, node.type, None, None, node.of
                 )
                 (self.nodes.accompany if node.of else self._add_reading)(reading)
-            elif isinstance(node, RobotTask):
-                self.add_task(
-                    node.path,
-                    _nothing,
-                    doc=node.doc,
-                    message=node.message,
-                    limits=node.limits,
-                    moves=node.work.moves,
-                )
-                self.nodes.table[node.path].stand_in(node)  # type: ignore[attr-defined]
             else:
-                self.add_method(
-                    node.path,
-                    lambda: None,
-                    node.doc,
-                    message=node.message,
-                    command=node.command,
-                    velocity=node.velocity,
-                    limits=node.limits,
-                    mover=node.mover,
-                )
-                self.nodes.table[node.path].stand_in(node)  # type: ignore[attr-defined]
+                made = node.inert(self)
+                if isinstance(made, RobotTask):
+                    made.tasks = self.requested
+                self.nodes.add(made)
 
     def open_interface(self) -> None:
         """Connect nothing."""
@@ -84,10 +67,6 @@ class RecordedBridge(Bridge, offered=False):
         return value
 
 
-def _nothing(*_arguments: object, **_named: object) -> None:
-    """Begin nothing."""
-
-
 def recorded_members(
     descriptions: Iterable[Mapping[str, Any]], value_of: Callable[[Any], object]
 ) -> Iterator[RobotVariable | RobotMethod]:
@@ -100,25 +79,19 @@ def recorded_members(
                 source, each["name"], lambda: None, each["doc"], each["unit"], None, None, None, of
             )
             (source.nodes.accompany if of else source._add_reading)(reading)
-        elif each["kind"] == "task":
-            source.add_task(
-                each["name"],
-                _function((_TASK, *each.get("parameters", _ANY)), value_of),
-                doc=each["doc"],
-                message=_message(each["message"], value_of) if each["message"] else None,
-                limits={name: tuple(limit) for name, limit in each["limits"].items()},
-                moves=each["moves"],
-            )
+            continue
+        name, parameters = each["name"], each.get("parameters", _ANY)
+        takes: dict[str, Any] = {
+            "doc": each["doc"],
+            "message": _message(each["message"], value_of) if each["message"] else None,
+            "limits": {name: tuple(limit) for name, limit in each["limits"].items()},
+        }
+        if each["kind"] == "task":
+            function = _function((_TASK, *parameters), value_of)
+            source.add_task(name, function, moves=each["moves"], **takes)
         else:
-            source.add_method(
-                each["name"],
-                _function(each.get("parameters", _ANY), value_of),
-                each["doc"],
-                message=_message(each["message"], value_of) if each["message"] else None,
-                command=each["command"],
-                velocity=each["velocity"],
-                limits={name: tuple(limit) for name, limit in each["limits"].items()},
-            )
+            function = _function(parameters, value_of)
+            source.add_method(name, function, command=each["command"], velocity=each["velocity"], **takes)
     yield from source.nodes.members()
 
 

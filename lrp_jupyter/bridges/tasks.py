@@ -21,11 +21,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 from time import monotonic
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol, Self
 
 from lrp_jupyter.bridges.argument_values import are_same, kept
 from lrp_jupyter.bridges.guarding.safety import Safety
-from lrp_jupyter.bridges.member_tree import Nodes, RobotMethod
+from lrp_jupyter.bridges.member_tree import MemberOwner, Nodes, RobotMethod
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.errors import BridgeError, did_you_mean, ended, sentence_of
@@ -249,9 +249,11 @@ class RobotTask(RobotMethod):
         self.tasks.ask(self, command)
         return None
 
-    def stand_in(self, other: RobotMethod) -> None:
-        """Take the arguments that another task takes."""
-        self._parameters, self.signature = other._parameters, other.signature
+    def inert(self, bridge: MemberOwner) -> Self:
+        """Return the same task of another bridge, which can be asked for and never begins."""
+        made = super().inert(bridge)
+        made.work, made._redirected = self.work._replace(start=lambda *_, **__: None, cancel=None), None
+        return made
 
     def clamp(self, command: Command) -> dict[str, str]:
         """Clamp a command as a method does, unless the bridge refuses what was given."""
@@ -578,7 +580,6 @@ class Tasks:
         elif task.replaced is not None:  # it goes on: what would have ended it will not begin
             replaced, task.replaced = task.replaced, None
             self._end(member, replaced)
-
 
 
 def arguments_of(command: Command) -> dict[str, Any]:
