@@ -330,7 +330,8 @@ class Interface:
             Called with a `Task` and the program's arguments or, where `message` is given, with a `Task` and
             one message; on a thread of its own, so that it may wait, or, if the bridge has a world of its
             own, on the interpreter's thread. The task is active until `Task.update` says otherwise. What it
-            raises aborts the task.
+            raises aborts the task. The next request of the same member begins when it has returned; one that
+            has waited for ten seconds is aborted.
         cancel : callable, optional
             Called with the `Task` when it is not wanted any more, on any thread: it ends it on the robot's
             side and does not wait. If `start` has not returned then, it is called again when that has. None:

@@ -78,6 +78,7 @@ class TaskState(NamedTuple):
 
 _NOTHING = TaskState()
 _CALLING = 0.5  # wall seconds that the calls of the last actions of a run may take together
+_PATIENCE = 10.0  # wall seconds that a request waits for the one before it to begin
 _MEMBERS = {
     "status": ("str", "None, active, succeeded, aborted, rejected, cancelled or lost"),
     "active": ("bool", "whether it goes on"),
@@ -303,9 +304,10 @@ class Tasks:
     def __init__(self, owner: TaskOwner) -> None:
         self._owner = owner
         self._changing = threading.RLock()
+        self._changed = threading.Condition(self._changing)  # what is wanted, or whose turn it is to begin
         self._moment = TasksMoment()
         self._under_way: dict[str, tuple[RobotTask, Task]] = {}
-        self._threads: dict[str, threading.Thread] = {}  # that began the last task of each member
+        self._turns: dict[str, list[Task]] = {}  # of each member: the one that begins, then those that wait
         self.asker: Callable[[], Asker] = Asker
         self.changed: Callable[[str, TaskState], object] = lambda name, state: None
         self.recorded: Callable[[str], TaskState | None] | None = None
@@ -324,6 +326,7 @@ class Tasks:
     def moment(self, moment: TasksMoment) -> None:
         with self._changing:
             self._moment, self._under_way = moment, {}
+            self._changed.notify_all()
             for name, asked in moment.requests.items():
                 member = self._owner.nodes.table.get(name)
                 if asked.state.active and isinstance(member, RobotTask):
@@ -385,27 +388,29 @@ class Tasks:
         with self._changing:
             self._put(name, asked)
             self._under_way = {**self._under_way, name: (member, task)}
+            self._turns.setdefault(name, []).append(task)
+            self._changed.notify_all()
+        begin = partial(self._begin, member, task, command)
         if self._owner.has_world:
-            self._begin(member, task, command, None)
+            begin()
         else:
-            begin = partial(self._begin, member, task, command, self._threads.get(name))
-            self._threads[name] = task.thread = threading.Thread(
-                target=begin, name=f"task {name}", daemon=True
-            )
+            task.thread = threading.Thread(target=begin, name=f"task {name}", daemon=True)
             task.thread.start()
 
-    def _begin(
-        self, member: RobotTask, task: Task, command: Command, earlier: threading.Thread | None
-    ) -> None:
-        if earlier is not None:  # of this member: what it begins, or its second end, comes before this
-            earlier.join()
-        with self._changing:
-            task.has_begun = (
-                task.is_wanted or member.work.cancel is None
-            )  # a call is made, whoever waits for it
+    def _begin(self, member: RobotTask, task: Task, command: Command) -> None:
+        is_call, turns = member.work.cancel is None, self._turns[task.name]
+
+        def is_due() -> bool:  # a call is made, whoever waits for it
+            return is_call or task.is_wanted
+
+        with self._changed:  # what the one before begins, or its second end, comes before this
+            self._changed.wait_for(lambda: turns[0] is task or not is_due(), _PATIENCE)
+            task.has_begun, is_late = is_due() and turns[0] is task, is_due() and turns[0] is not task
         try:
             if task.has_begun:
                 member.begin(task, command)
+            elif is_late:
+                raise BridgeError(f"The bridge was still beginning the one before it after {_PATIENCE:g} s.")
         except BaseException as error:  # of a library
             task.update("aborted", reason=ended(sentence_of(error)))
             if task.is_over:
@@ -417,6 +422,9 @@ class Tasks:
             if not (task.has_begun and (task.is_wanted or task.is_over)):
                 self._end_or_say(member, task)
             task.replaced = None
+            with self._changed:
+                turns.remove(task)
+                self._changed.notify_all()
 
     def _put(self, name: str, asked: Asked) -> None:
         with self._changing:
@@ -451,6 +459,7 @@ class Tasks:
     def _forget(self, name: str) -> None:
         with self._changing:  # and never while the robot is told: what it answers waits for this lock
             self._under_way = {other: each for other, each in self._under_way.items() if other != name}
+            self._changed.notify_all()
         self._owner.safety.drive(name, False)
 
     def latch(self) -> Mapping[str, TaskState]:
@@ -530,6 +539,7 @@ class Tasks:
         )
         with self._changing:
             under_way, self._under_way = self._under_way, {}
+            self._changed.notify_all()
             for name, asked in self._moment.requests.items():
                 if asked.state.active:
                     self._tell(name, _Told(asked.number, over, is_void=True))

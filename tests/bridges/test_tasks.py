@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from threading import Event, Thread
+from threading import enumerate as enumerate_threads
 
 import numpy as np
 import pytest
 from support.robots import Clockwork, Courier
+from support.waiting import until
 
+from lrp_jupyter.bridges import tasks
 from lrp_jupyter.bridges.bridge import Task
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live.recording import read_recording
@@ -455,6 +458,43 @@ def test_what_ends_while_it_begins_has_ended_also_in_a_world_of_the_bridges_own(
     session.run(0.3)
     assert active(session) == "c"
     assert not session.issues
+
+
+def test_a_start_that_does_not_return_holds_up_later_requests_for_a_while_and_not_for_ever(monkeypatch):
+    class Hangs(Courier, offered=False):
+        returns = Event()
+
+        def go(self, task: Task, place: object = 0) -> None:
+            super().go(task, place)
+            assert place != 1 or self.returns.wait(60)
+
+    def threads() -> int:
+        return sum(thread.name == "task go" for thread in enumerate_threads())
+
+    bot = Hangs()
+    session = session_of(GOING, bot)
+    session.run(0.1)
+    bot.next()
+    for place in range(2, 30):
+        session.set_variable("place", place)
+        session.run(0.1)
+    until(lambda: threads() == 2)  # only the last one waits
+    assert bot.robot.go.active
+    monkeypatch.setattr(tasks, "_PATIENCE", 0.0)
+    session.set_variable("place", 30)
+    session.run(0.1)
+    until(lambda: threads() == 1)
+    session.run(0.2)
+    assert active(session) == "lost"
+    assert "aborted at 3 s: The bridge was still beginning the one before it after 0 s." in str(
+        session.why("lost")
+    )
+    bot.returns.set()
+    until(lambda: threads() == 0)
+    session.reset()
+    session.run(0.1)
+    bot.next()
+    assert [each for each in bot.log if each != "stop"] == ["go 1", "cancel go 1", "go 1"]
 
 
 def test_what_a_goal_should_replace_ends_if_that_cannot_be_begun():
