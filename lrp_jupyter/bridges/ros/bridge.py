@@ -42,7 +42,7 @@ from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
-from lrp_jupyter.bridges.ros.setup import TASKS, Direction, Wire, check_type, setup_as_dict
+from lrp_jupyter.bridges.ros.setup import KINDS, TASKS, Direction, Wire, check_type, setup_as_dict
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.bridges.tasks import RobotTask, TaskStatus
@@ -509,17 +509,13 @@ class RosBridge(Bridge):
     @property
     def topics(self) -> Mapping[str, str]:
         """The live topics with their types, as they were a moment ago."""
-        link = self.wiring.link
-        return link.topics if link is not None else {}
+        return self.live.get("topic", {})
 
     @property
-    def offers(self) -> Mapping[Direction, Mapping[str, str]]:
-        """The live actions and services, with their types as far as they are known."""
+    def live(self) -> Mapping[str, Mapping[str, str]]:
+        """What is live, with types as far as they are known: ``topic``, ``action`` and ``service``."""
         link = self.wiring.link
-        return link.offers if link is not None else {}
-
-    def _live(self, direction: Direction) -> Mapping[str, str]:
-        return self.offers.get(direction, {}) if direction in TASKS else self.topics
+        return link.live if link is not None else {}
 
     @property
     def round_trip(self) -> float | None:
@@ -548,8 +544,7 @@ class RosBridge(Bridge):
             setup=self.wiring.path,
             draft=self._draft,
             channels=self.wiring.channels,
-            topics=self.topics,
-            offers=self.offers,
+            live=self.live,
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
@@ -561,7 +556,7 @@ class RosBridge(Bridge):
         variable = fields.get("variable", "").strip()
         if key in _BUTTONS:
             direction = _BUTTONS[key]
-            type_ = check_type(fields.get("type", ""), self._live(direction).values())
+            type_ = check_type(fields.get("type", ""), self.live.get(KINDS[direction], {}).values())
             late = fields.get("stale_after", "").strip()
             if late and direction != "subscription":
                 raise BridgeError(
@@ -572,8 +567,8 @@ class RosBridge(Bridge):
             self.connect(wire, wait=False)
             self._draft = Draft()
         elif key == "pick":
-            types = [self._live(direction).get(row, "") for direction in _BUTTONS.values()]
-            self._draft = Draft(variable or row.rpartition("/")[2], row, next(filter(None, types), ""))
+            types = filter(None, (names.get(row) for names in self.live.values()))
+            self._draft = Draft(variable or row.rpartition("/")[2], row, next(types, ""))
         elif key == "remove":
             self.remove(row)
         elif key == "save":

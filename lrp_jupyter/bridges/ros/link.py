@@ -20,7 +20,7 @@ from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, messages_of
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
-from lrp_jupyter.bridges.ros.setup import TASKS, Direction
+from lrp_jupyter.bridges.ros.setup import TASKS, Direction, article
 from lrp_jupyter.bridges.ros.types import RosMessage, Types
 from lrp_jupyter.errors import BridgeError, LRPError, did_you_mean, ended
 
@@ -176,8 +176,7 @@ class TopicLink(Link):
         self.place = place
         self._transport: Transport | None = None
         self.types = Types()
-        self.topics: Mapping[str, str] = {}
-        self.offers: Mapping[Direction, Mapping[str, str]] = {}  # the live actions and services
+        self.live: Mapping[str, Mapping[str, str]] = {}  # topics, actions and services with types, by kind
         self.connected = False
         self._wanted, self._report, self._learned, self._warn = channels, report, learned, warn
         self._is_slow = False
@@ -244,8 +243,8 @@ class TopicLink(Link):
         if trouble:
             self._report_change(ConnectionState.STALE, trouble)
             return self.transport.period
-        self.topics = self.transport.topics()
-        self.offers = {direction: self.transport.offers(direction) for direction in TASKS}
+        topics = self.transport.topics()
+        self.live = {"topic": topics, **{task: self.transport.offers(task) for task in TASKS}}
         before, self._channels = self._channels, self._wanted()
         for channel in before:
             if channel not in self._channels:
@@ -345,7 +344,7 @@ class TopicLink(Link):
 
     def _live_type(self, channel: Channel) -> str | None:
         """Return the type of what is live there; empty: there is nothing; None while it is asked for."""
-        wire, offered = channel.wire, self.offers.get(channel.wire.direction, self.topics)
+        wire, offered = channel.wire, self.live[channel.wire.kind]
         live: str | None = offered.get(wire.topic, "")
         if wire.direction in TASKS:
             if not self.transport.has_tasks:
@@ -363,7 +362,7 @@ class TopicLink(Link):
 
     def _is_taken(self, channel: Channel, live: str, type_: str) -> bool:
         """Return whether it is being asked who uses a name; RefusedError: it is used with another type."""
-        name, is_topic = channel.wire.topic, channel.wire.direction not in self.offers
+        name, is_topic = channel.wire.topic, channel.wire.kind == "topic"
         taken = self.transport.taken(name) if is_topic else True
         channel.is_asked_for = taken is None
         if taken is None:
@@ -376,14 +375,14 @@ class TopicLink(Link):
 
     def _missing(self, channel: Channel) -> str:
         """Return why the type of what a channel is wired to cannot be found."""
-        name, direction = channel.wire.topic, channel.wire.direction
-        offered = self.offers.get(direction, self.topics)
-        if name in offered:
-            return f"the robot does not tell the type of the {direction} `{name}`. Name it"
-        for kind, names in (("topic", self.topics), *self.offers.items()):
-            if name in names and names is not offered:
-                return f"`{name}` is {'an' if kind == 'action' else 'a'} {kind}. Connect it as one"
-        return f"`{name}` does not exist yet, and its type is not known.{did_you_mean(name, offered)}"
+        name, wanted = channel.wire.topic, channel.wire.kind
+        for kind in (wanted, *self.live):
+            if name in self.live[kind]:
+                if kind == wanted:
+                    return f"the robot does not tell the type of the {kind} `{name}`. Name it"
+                return f"`{name}` is {article(kind)} {kind}. Connect it as one"
+        hint = did_you_mean(name, self.live[wanted])
+        return f"`{name}` does not exist yet, and its type is not known.{hint}"
 
     def _pay_stop(self, channel: Channel, handle: Any) -> None:
         """Stop at last what may have gone on while the robot was lost."""
@@ -405,11 +404,10 @@ class TopicLink(Link):
             self._described.add(type_)
         if not self.types.knows(type_):
             self._described.discard(type_)
-            direction = channel.wire.direction
-            is_task = direction in TASKS
-            known = set() if is_task else set(self.types.names())
-            known |= set(map(canonical, (self.offers[direction] if is_task else self.topics).values()))
-            kind = direction if is_task else "message"
+            kind = channel.wire.kind
+            known = set(map(canonical, self.live[kind].values()))
+            if kind == "topic":
+                kind, known = "message", known | set(self.types.names())
             hint = did_you_mean(channel.type, known - {channel.type, ""})
             raise RefusedError(f"`{self.transport.place}` knows no {kind} type `{channel.type}`.{hint}")
         return True
@@ -424,7 +422,7 @@ class TopicLink(Link):
 
     def lose(self, sentence: str) -> float:
         """Report that the robot is lost, and forget what is known of it."""
-        self.connected, self.topics = False, {}
+        self.connected, self.live = False, {}
         for channel in self._wanted():
             channel.forget()
             channel.problem, channel.commanders = sentence, ()

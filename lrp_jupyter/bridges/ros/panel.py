@@ -15,7 +15,7 @@ from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Tabl
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.goal_topics import topics_of
 from lrp_jupyter.bridges.ros.link import SLOW
-from lrp_jupyter.bridges.ros.setup import TASKS, Direction
+from lrp_jupyter.bridges.ros.setup import TASKS
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 
 STALE_AFTER = "Too old after"
@@ -41,7 +41,6 @@ class Draft:
     variable: str = ""
     topic: str = ""
     type: str = ""
-    stale_after: str = ""
 
 
 def draw_panel(
@@ -53,20 +52,21 @@ def draw_panel(
     setup: str,
     draft: Draft,
     channels: Iterable[Channel],
-    topics: Mapping[str, str],
-    offers: Mapping[Direction, Mapping[str, str]],
+    live: Mapping[str, Mapping[str, str]],
 ) -> Panel:
     """Return the panel: the channels, the fields for a new one, and what is live with its type."""
     rows = {channel.wire.variable: _row(channel) for channel in channels}
-    inner = {topic for action in offers.get("action", {}) for topic in topics_of(action)}
+    topics = live.get("topic", {})
+    inner = {topic for action in live.get("action", {}) for topic in topics_of(action)}
     names = tuple(name for name in sorted(topics) if name not in inner)
     tasks = tuple(
         (name, kind, type_)
         for kind in TASKS
-        for name, type_ in sorted(offers.get(kind, {}).items())
+        for name, type_ in sorted(live.get(kind, {}).items())
         if not (name.endswith(_OF_EVERY_NODE) or name.startswith("/rosapi/") or "/_" in name)
     )
-    every = (*names, *(name for name, _, _ in tasks))
+    called, pick = tuple(name for name, _, _ in tasks), (Button("pick", "Pick"),)
+    found = Table("tasks", "Actions and services of the robot", ("name", "kind", "type"), called, tasks, pick)
     types = {*topics.values(), *(type_ for _, _, type_ in tasks if type_)}
     return Panel(
         "ROS",
@@ -76,9 +76,9 @@ def draw_panel(
             Field("address", "Address", value=address),
             *(() if round_trip is None else (_trip(round_trip),)),
             Field("variable", "Variable", "text", draft.variable),
-            Field("topic", "Topic, action or service", "text", draft.topic, every, press="pick"),
+            Field("topic", "Topic, action or service", "text", draft.topic, (*names, *called), press="pick"),
             Field("type", "Type", "text", draft.type, tuple(sorted(types))),
-            Field("stale_after", STALE_AFTER, "number", draft.stale_after, unit="s"),
+            Field("stale_after", STALE_AFTER, "number", unit="s"),
             Field("setup", "Set-up file", "text", setup),
         ),
         tables=(
@@ -96,9 +96,9 @@ def draw_panel(
                 ("topic", "type"),
                 names,
                 tuple((name, topics[name]) for name in names),
-                (Button("pick", "Pick"),),
+                pick,
             ),
-            *([_tasks(tasks)] if tasks else []),
+            *([found] if tasks else []),
         ),
         buttons=(
             STOP,
@@ -112,14 +112,6 @@ def draw_panel(
             Question("host", "Address of the robot (`host` or `host:port`)", address),
             Question("setup", "File with a set-up", setup, "Load"),
         ),
-    )
-
-
-def _tasks(live: tuple[tuple[str, str, str], ...]) -> Table:
-    """Return the table of the live actions and services."""
-    columns, names = ("name", "kind", "type"), tuple(name for name, _, _ in live)
-    return Table(
-        "tasks", "Actions and services of the robot", columns, names, live, (Button("pick", "Pick"),)
     )
 
 

@@ -39,6 +39,7 @@ from lrp_jupyter.files import write_file
 
 Direction = Literal["subscription", "publisher", "action", "service"]
 TASKS: tuple[Direction, ...] = ("action", "service")
+KINDS: Mapping[str, str] = {"subscription": "topic", "publisher": "topic", **{task: task for task in TASKS}}
 
 _TOPIC = re.compile(r"/[A-Za-z]\w*(/[A-Za-z_]\w*)*$", re.ASCII)
 _TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*$", re.ASCII)
@@ -48,7 +49,6 @@ _SECTIONS: Mapping[str, Direction] = {
     "actions": "action",
     "services": "service",
 }
-_NAMED = {"action": "action", "service": "service"}  # by what an entry names it, if not by its topic
 _WHEN = {"stop": "at_stop", "tick": "at_tick"}  # what a publisher sends by itself
 _OWN = {"subscription": ("stale_after",), "publisher": ("limits",), "action": ("limits",)}
 
@@ -66,6 +66,11 @@ class Wire:
     at_stop: Mapping[str, Any] | None = None  # the fields that a publisher sends at a stop; None: it does not
     at_tick: Mapping[str, Any] | None = None  # … and in every tick
 
+    @property
+    def kind(self) -> str:
+        """What it is wired to: a ``topic``, an ``action`` or a ``service``."""
+        return KINDS[self.direction]
+
     def __post_init__(self) -> None:
         parts = self.variable.split(".")
         if not all(part.isidentifier() and not keyword.iskeyword(part) and part[0] != "_" for part in parts):
@@ -77,9 +82,8 @@ class Wire:
         if not _TOPIC.match(absolute):
             better = re.sub(r"/+", "/", "/" + re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
             hint = f" Did you mean `{better}`?" if _TOPIC.match(better) else ""
-            kind = _NAMED.get(self.direction, "topic")
             raise BridgeError(
-                f"`{topic}` is not a valid {kind} name. Use letters, digits and `_`, "
+                f"`{topic}` is not a valid {self.kind} name. Use letters, digits and `_`, "
                 f"with `/` between names.{hint}"
             )
         object.__setattr__(self, "topic", absolute)
@@ -90,7 +94,7 @@ class Wire:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything but variable and direction, as JSON."""
-        wire: dict[str, Any] = {_NAMED.get(self.direction, "topic"): self.topic}
+        wire: dict[str, Any] = {self.kind: self.topic}
         if self.type:
             wire["type"] = self.type
         if self.limits:
@@ -98,6 +102,11 @@ class Wire:
         if self.stale_after is not None:
             wire["stale_after"] = self.stale_after
         return wire
+
+
+def article(kind: str) -> str:
+    """Return the article of the name of a kind."""
+    return "an" if kind == "action" else "a"
 
 
 def check_type(type_: str, also: Iterable[str] = ()) -> str:
@@ -137,7 +146,8 @@ def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...
         for variable, entry in entries.items():
             place = f"{where}, `{section}.{variable}`"
             if variable in wires:
-                raise BridgeError(f"{place}: `{variable}` is already {_a(wires[variable].direction)}.")
+                before = wires[variable].direction
+                raise BridgeError(f"{place}: `{variable}` is already {article(before)} {before}.")
             wires[variable] = _wire_from(variable, direction, entry, place)
     publishers = [name for name, wire in wires.items() if wire.direction == "publisher"]
     for when, name in _WHEN.items():
@@ -158,11 +168,11 @@ def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...
 
 
 def _wire_from(variable: str, direction: Direction, entry: object, place: str) -> Wire:
-    named = _NAMED.get(direction, "topic")
+    named = KINDS[direction]
     if isinstance(entry, str):
         entry = {named: entry}
     if not isinstance(entry, Mapping) or not isinstance(entry.get(named), str):
-        raise BridgeError(f"{place}: {'An' if named == 'action' else 'A'} `{named}` is missing.")
+        raise BridgeError(f"{place}: {article(named).capitalize()} `{named}` is missing.")
     _no_others(entry, (named, "type", *_OWN.get(direction, ())), place)
     type_, limits, stale_after = entry.get("type", ""), entry.get("limits", {}), entry.get("stale_after")
     if not isinstance(type_, str):
@@ -171,10 +181,6 @@ def _wire_from(variable: str, direction: Direction, entry: object, place: str) -
         return Wire(variable, direction, entry[named], type_, _limits_from(limits), stale_after)
     except BridgeError as error:
         raise BridgeError(f"{place}: {error}") from None
-
-
-def _a(kind: str) -> str:
-    return f"an {kind}" if kind == "action" else f"a {kind}"
 
 
 def _limits_from(limits: object) -> dict[str, float | tuple[float, float]]:

@@ -10,7 +10,7 @@ import ast
 from collections.abc import Collection, Iterator, Mapping
 from functools import lru_cache
 from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned, whole_name
@@ -47,14 +47,6 @@ _MESSAGES = {
         "`robot`, and use that."
     ),
 }
-
-
-class _Act(NamedTuple):
-    """A place where a block acts, by which module or function; `outside` is the name on which it depends."""
-
-    span: Span
-    acting: str
-    outside: str
 
 
 def check_acting(report: Reporter, names: Resolution) -> None:
@@ -95,7 +87,8 @@ def _acting(name: str) -> str:
 
 
 @lru_cache(maxsize=20_000)
-def _acts(text: str, objects: tuple[tuple[str, str], ...]) -> tuple[_Act, ...]:
+def _acts(text: str, objects: tuple[tuple[str, str], ...]) -> tuple[tuple[Span, str, str], ...]:
+    """Return where a block acts, by which module or function, and the outside name on which that depends."""
     known = dict(objects)
     block = scanned(text, (*_SIGNS, *known))
     if block is None:
@@ -104,7 +97,7 @@ def _acts(text: str, objects: tuple[tuple[str, str], ...]) -> tuple[_Act, ...]:
     for node, whole, outside in _places(block):
         acting = known.get(outside) or _acting(whole)
         if acting and outside not in block.stored:
-            found.append(_Act(block.span(node), acting, outside))
+            found.append((block.span(node), acting, outside))
     return tuple(sorted(found))
 
 

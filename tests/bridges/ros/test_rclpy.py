@@ -198,7 +198,7 @@ def asked(ros: RosBridge, graph: Any) -> RosBridge:
         return stand_in.message_class("lamps/Switch_Response")(said="on")
 
     graph.services["/lamp"] = ("lamps/Switch", switch)
-    until(lambda: "/lamp" in ros.offers.get("service", {}))
+    until(lambda: "/lamp" in ros.live.get("service", {}))
     ros.action("drive_to", "/navigate")
     ros.service("lamp", "/lamp")
     return ros

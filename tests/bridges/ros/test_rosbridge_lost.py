@@ -221,6 +221,7 @@ def test_a_master_that_dies_while_rosapi_does_not_answer_is_noticed(
     server.hangs.clear()
     until(lambda: ros.status.state is ConnectionState.LOST)
     assert "its ROS master does not" in ros.status.sentence
+    assert ros.live == {}, "what was live, actions and services too, is not offered any more"
     graph.master_is_alive = True
     until(lambda: hears(ros, graph))
 

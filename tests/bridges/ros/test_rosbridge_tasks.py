@@ -41,7 +41,7 @@ def ros(make: Make, ros2: Any) -> RosBridge:
     bridge = make()
     bridge.open()
     bridge.arm()
-    until(lambda: bridge.offers.get("action"))
+    until(lambda: bridge.live.get("action"))
     bridge.action("drive_to", "/navigate")
     bridge.publish("move", "/cmd_vel")
     until(lambda: [channel.handle for channel in bridge.wiring.channels if channel.handle][1:])
@@ -210,7 +210,7 @@ def test_a_server_that_cannot_describe_an_action_is_to_be_updated(make: Make, ro
     ros = make()
     ros.open()
     ros.arm()
-    until(lambda: ros.offers.get("action"))
+    until(lambda: ros.live.get("action"))
     with pytest.raises(BridgeError, match=r"does not describe actions\. Update rosbridge"):
         ros.action("drive_to", "/navigate", "nav2_msgs/action/Navigate")
     ros.action("drive_to", "/navigat")
