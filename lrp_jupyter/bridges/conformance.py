@@ -55,7 +55,6 @@ from lrp_jupyter.bridges.probes import (
     read,
     require,
     spy,
-    spy_tasks,
     variables,
     within,
 )
@@ -499,15 +498,18 @@ class BridgeConformance:
                     " `feed` the values, or give `add_variable` an `age` and `stale_after`."
                 )
 
+    def _need_room(self) -> None:
+        if not self.moves:
+            raise NotChecked(
+                "It would move the robot. Give it room, then set `moves = True` or pass `move=True`."
+            )
+
     def test_a_command_reaches_the_robot(self) -> None:
         """A command arrives at the bridge's function and at the robot, and a stop after it."""
         with self._opened() as bridge:
             if not commands(bridge):
                 return
-            if not self.moves:
-                raise NotChecked(
-                    "It would move the robot. Give it room, then set `moves = True` or pass `move=True`."
-                )
+            self._need_room()
             bridge.arm()
             called = [listen(method) for method in commands(bridge)]
             reached = False
@@ -537,16 +539,13 @@ class BridgeConformance:
             tasks = [task for task in commands(bridge) if isinstance(task, RobotTask) and task.work.cancel]
             if not tasks:
                 return
-            if not self.moves:
-                raise NotChecked(
-                    "It would move the robot. Give it room, then set `moves = True` or pass `move=True`."
-                )
+            self._need_room()
             bridge.arm()
-            begun, cancelled = spy_tasks(tasks)
-            asked = self._ticks(bridge, self.stale_within, lambda: bool(begun), self.ask_a_little)
+            begun, cancelled = ([spy(task.work, name) for task in tasks] for name in ("start", "cancel"))
+            asked = self._ticks(bridge, self.stale_within, lambda: any(begun), self.ask_a_little)
             require(asked, "The task that was asked for has not begun.")
             within(self.answer_within, "`stop_all`", bridge.stop_all)
-            require(bool(cancelled), "`stop_all` has not cancelled the task.")
+            require(any(cancelled), "`stop_all` has not cancelled the task.")
             over = self._ticks(
                 bridge, self.answer_within, until=lambda: not any(task.active for task in tasks)
             )

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import threading
 import unittest
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message
-from lrp_jupyter.bridges.tasks import RobotTask, Task
+from lrp_jupyter.bridges.tasks import RobotTask
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 _SLICE = 0.01  # s
@@ -59,8 +59,8 @@ def within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
     return results[0]
 
 
-def spy(bridge: Bridge, *names: str) -> list[str]:
-    """Record the calls of a bridge's methods, in their order, and pass them on."""
+def spy(what: object, *names: str) -> list[str]:
+    """Record the calls of the methods of a bridge, or of a task, in their order, and pass them on."""
     calls: list[str] = []
 
     def noting(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -71,7 +71,7 @@ def spy(bridge: Bridge, *names: str) -> list[str]:
         return note
 
     for name in names:
-        setattr(bridge, name, noting(name, getattr(bridge, name)))
+        setattr(what, name, noting(name, getattr(what, name)))
     return calls
 
 
@@ -93,27 +93,6 @@ def listen(method: RobotMethod) -> list[object]:
 
     method._function = noting
     return results
-
-
-def spy_tasks(tasks: Iterable[RobotTask]) -> tuple[list[Task], list[Task]]:
-    """Record which tasks are begun and which are cancelled, and pass the calls on."""
-    begun: list[Task] = []
-    cancelled: list[Task] = []
-    for each in tasks:
-
-        def start(
-            task: Task, *given: Any, begin: Callable[..., object] = each.work.start, **named: Any
-        ) -> object:
-            begun.append(task)
-            return begin(task, *given, **named)
-
-        def cancel(task: Task, end: Callable[[Task], object] | None = each.work.cancel) -> None:
-            cancelled.append(task)
-            if end is not None:
-                end(task)
-
-        each.work = each.work._replace(start=start, cancel=cancel)
-    return begun, cancelled
 
 
 def drive(bridge: Bridge, method: RobotMethod) -> None:

@@ -197,7 +197,8 @@ class TaskOwner(Protocol):
         """Whether the past of its robot can be restored."""
 
 
-class TaskWork(NamedTuple):
+@dataclass(slots=True)
+class TaskWork:
     """What a bridge does for a task; see `Interface.add_task`."""
 
     start: Callable[..., object]
@@ -253,7 +254,7 @@ class RobotTask(RobotMethod):
     def inert(self, bridge: MemberOwner) -> Self:
         """Return the same task of another bridge, which can be asked for and never begins."""
         made = super().inert(bridge)
-        made.work, made._redirected = self.work._replace(start=lambda *_, **__: None, cancel=None), None
+        made.work, made._redirected = replace(self.work, start=lambda *_, **__: None, cancel=None), None
         return made
 
     def clamp(self, command: Command) -> dict[str, str]:

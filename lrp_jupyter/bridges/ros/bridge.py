@@ -308,10 +308,13 @@ class RosBridge(Bridge):
         messages = self._new_messages(channel.wire.variable, channel.arrivals)
         return tuple(channel.content(message) for message in messages)
 
-    def _send(self, channel: Channel, message: Message) -> None:
-        link = self.wiring.link
-        if link is None:
+    def _link(self) -> TopicLink:
+        if self.wiring.link is None:
             raise BridgeError("The bridge `ros` is closed.")
+        return self.wiring.link
+
+    def _send(self, channel: Channel, message: Message) -> None:
+        link = self._link()
         assert isinstance(message, RosMessage)
         if channel.is_velocity and not channel.has_moved:
             channel.has_moved = moves(message.as_dict())
@@ -319,9 +322,7 @@ class RosBridge(Bridge):
 
     def _begin(self, channel: Channel, task: Task, message: Message) -> None:
         """Ask for a goal, then cancel the one that it replaces: the robot does not stop between them."""
-        link = self.wiring.link
-        if link is None:
-            raise BridgeError("The bridge `ros` is closed.")
+        link = self._link()
         assert isinstance(message, RosMessage)
         is_call = channel.wire.direction == "service"  # it is made, whoever waits for it
         request = RosRequest(partial(self._hear, channel, task), lambda: is_call or task.is_wanted)
@@ -378,8 +379,7 @@ class RosBridge(Bridge):
             goals = [request for request in channel.unfinished if not request.is_wanted()]
             is_everyone = is_guard and channel.wire.direction == "action"
             try:
-                self.wiring.stand_still(channel)
-                self.wiring.cancel(channel, (None,) if is_everyone else goals)
+                self.wiring.stop(channel, (None,) if is_everyone else goals)
             except BridgeError as error:
                 if channel.may_move or is_guard:  # a guard stops what others have moved
                     failures.append(str(error))

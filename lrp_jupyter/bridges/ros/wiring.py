@@ -102,11 +102,19 @@ class Wiring:
         if link is not None:
             link.close()
 
-    def stand_still(self, channel: Channel) -> None:
-        """Publish a velocity of zero, or what the set-up names for a stop; BridgeError: it was not sent."""
-        link = self.link
-        if link is not None and (channel.is_velocity or channel.wire.at_stop is not None):
+    def stop(self, channel: Channel, goals: Iterable[RosRequest | None]) -> None:
+        """Publish a velocity of zero, or what the set-up names for a stop, and cancel goals.
+
+        `goals`: None among them: those of every client.
+
+        Raises BridgeError: it was not sent.
+        """
+        if (link := self.link) is None:
+            return
+        if channel.is_velocity or channel.wire.at_stop is not None:
             link.send(channel, channel.stop_message(), urgent=True)
+        for goal in goals:
+            link.cancel(channel, goal)
 
     def say_in_tick(self, channel: Channel) -> None:
         """Publish what is published in every tick, if the robot can be reached."""
@@ -114,13 +122,6 @@ class Wiring:
         if link is not None and (message := channel.tick_message()) is not None:
             with contextlib.suppress(BridgeError):
                 link.send(channel, message)
-
-    def cancel(self, channel: Channel, requests: Iterable[RosRequest | None]) -> None:
-        """Cancel goals of an action; None: those of every client. BridgeError: it was not sent."""
-        link = self.link
-        if link is not None:
-            for request in requests:
-                link.cancel(channel, request)
 
     def wait_for_answers(self, patience: float) -> None:
         """Wait until the robot has answered for every channel, at most `patience` seconds."""
@@ -162,8 +163,7 @@ class Wiring:
         """Stop what a channel has set in motion while the link still has it; it receives nothing more."""
         if channel.may_move:
             with contextlib.suppress(BridgeError):  # it is lost and cannot be stopped from here
-                self.stand_still(channel)
-                self.cancel(channel, channel.unfinished)
+                self.stop(channel, channel.unfinished)
         channel.forget()
 
     def _store(self) -> None:
