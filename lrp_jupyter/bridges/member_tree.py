@@ -34,6 +34,10 @@ class MemberOwner(Protocol):
     def name(self) -> str:
         """Name of the bridge, for messages."""
 
+    @property
+    def has_world(self) -> bool:
+        """Whether its robot is in a world whose past can be restored."""
+
     def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
         """Pass a command through the safety and, if it allows, perform it."""
 

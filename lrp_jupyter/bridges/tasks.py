@@ -21,11 +21,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 from time import monotonic
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple, Protocol, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from lrp_jupyter.bridges.argument_values import are_same, kept
-from lrp_jupyter.bridges.guarding.safety import Safety
-from lrp_jupyter.bridges.member_tree import MemberOwner, Nodes, RobotMethod
+from lrp_jupyter.bridges.member_tree import MemberOwner, RobotMethod
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.errors import BridgeError, did_you_mean, ended, sentence_of
@@ -186,17 +185,6 @@ class Task:
         self._tasks.tell(self, TaskState(status, feedback, result, reason))
 
 
-class TaskOwner(Protocol):
-    """What tasks need to know of their bridge."""
-
-    safety: Safety
-    nodes: Nodes
-
-    @property
-    def has_world(self) -> bool:
-        """Whether the past of its robot can be restored."""
-
-
 @dataclass(slots=True)
 class TaskWork:
     """What a bridge does for a task; see `Interface.add_task`."""
@@ -302,7 +290,7 @@ class Tasks:
     `recorded`: returns what was recorded of a task for the tick that begins; None: nothing is recorded.
     """
 
-    def __init__(self, owner: TaskOwner) -> None:
+    def __init__(self, owner: MemberOwner) -> None:
         self._owner = owner
         self._changing = threading.RLock()
         self._changed = threading.Condition(self._changing)  # what is wanted, or whose turn it is to begin

@@ -730,7 +730,7 @@ class Interpreter:
         self._advance(now)
         was_paused, self.paused = self.paused, True
         if not was_paused:
-            self._between(self._run.plan.onpause)
+            self._between(self._run.plan.hooks["onpause"])
             self._run.emit("paused", ())
         self._done(None if was_paused else Commanded("paused", reason))
 
@@ -739,21 +739,21 @@ class Interpreter:
         self._advance(now)
         was_paused, self.paused = self.paused, False
         if was_paused:
-            self._between(self._run.plan.onresume)
+            self._between(self._run.plan.hooks["onresume"])
             self._run.emit("resumed", ())
         self._done(Commanded("resumed") if was_paused else None)
 
     @property
     def must_end(self) -> bool:
         """Whether :meth:`end` would run an action."""
-        return bool(self._run.plan.onend and self._run.roots and not self.ended)
+        return bool(self._run.plan.hooks["onend"] and self._run.roots and not self.ended)
 
     def end(self, now: float | None = None) -> None:
         """Run the ``onend`` actions, once in each run, if anything is active."""
         self._advance(now)
         is_over, self.ended = not self.must_end, True
         if not is_over:
-            self._between(self._run.plan.onend)
+            self._between(self._run.plan.hooks["onend"])
             self._run.emit("ended", ())
         self._done(None if is_over else Commanded("ended"))
 

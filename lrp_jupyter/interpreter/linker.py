@@ -171,9 +171,7 @@ class Plan:
     events: dict[str, EventPlan] = field(default_factory=dict)
     machines: dict[Path, MachinePlan] = field(default_factory=dict)
     spawns: tuple[SpawnPlan, ...] = ()
-    onpause: tuple[BlockPlan, ...] = ()
-    onresume: tuple[BlockPlan, ...] = ()
-    onend: tuple[BlockPlan, ...] = ()
+    hooks: Mapping[str, tuple[BlockPlan, ...]] = field(default_factory=dict)
     duplicates: tuple[Site, ...] = ()
     dangling: set[tuple[Element, IssueKind]] = field(default_factory=set)
     places: dict[Element, int] = field(default_factory=dict)
@@ -249,9 +247,7 @@ class _Linker:
         for scope, machine in self.machines.items():
             self._fill(scope, machine)
         plan.spawns = tuple(self.spawns.get((), {}).values())
-        plan.onpause = self._blocks(Element("onpause", ()))
-        plan.onresume = self._blocks(Element("onresume", ()))
-        plan.onend = self._blocks(Element("onend", ()))
+        plan.hooks = {kind: self._blocks(Element(kind, ())) for kind in names.hooks}
         # When copied all at once, the code of the blocks is contiguous in memory instead of scattered among
         # leftovers of the compiler: a ring of 1,000 states runs a third faster.
         for block in self.blocks:

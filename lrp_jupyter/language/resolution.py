@@ -294,7 +294,7 @@ class Resolution:
     def __init__(self, program: Program) -> None:
         self.scopes: tuple[Scope, ...] = ()
         self._spawns = program.spawns
-        self._hooks = program.hooks
+        self.hooks = program.hooks
         repeats: list[Repeat] = []
         self.top = Scope(())
         _define(self.top, program, repeats)
@@ -421,7 +421,7 @@ class Resolution:
                 for kind, items in state.actions.items():
                     if items:
                         _actions(found, Element(kind, inside), items, scope)
-        for hook, blocks in self._hooks.items():
+        for hook, blocks in self.hooks.items():
             _actions(found, Element(hook, ()), blocks, self.top)
         for spawning in self.spawns:
             for element, setting in spawning.settings.items():
@@ -448,7 +448,7 @@ class Resolution:
         for spawning in self.spawns:
             yield spawning.element
             yield from spawning.settings
-        yield from (Element(kind, ()) for kind in self._hooks)
+        yield from (Element(kind, ()) for kind in self.hooks)
 
     def places(self, machine: Path) -> tuple[Path, ...]:
         """Return the paths as spawned that a machine, by path of definition, can have; at most :data:`MOST`.

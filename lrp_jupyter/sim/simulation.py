@@ -108,7 +108,6 @@ class Simulation:
         self.drained: Callable[[Input], object] | None = None  # called with each queued input when applied
         self._inputs = 0
         self._base = 0
-        self._guided: list[SimRobot] = []
         self._log = InputLog()
         self._space = fresh_space(self._clock)
         self.is_closed = False
@@ -166,7 +165,8 @@ class Simulation:
     def _advance(self, count: int) -> None:
         """Make `count` steps between which nothing but physics happens."""
         clock, make_step, writing = self._clock, self._space.step, self._writing
-        halted = not self._guided and all(robot.body.target == (0.0, 0.0) for robot in self.robots)
+        guided = [robot for robot in self.robots if robot.is_on_errand]
+        halted = not guided and all(robot.body.target == (0.0, 0.0) for robot in self.robots)
         if not halted:
             self._rest.disturb()
         for left in range(count, 0, -1):
@@ -176,10 +176,9 @@ class Simulation:
                 return
             for thing in self._moving:
                 thing.go(clock.steps + 1 - self._base)
-            if self._guided:
-                for robot in self._guided:
+            for robot in guided:
+                if robot.is_on_errand:
                     robot.guide(clock.steps + 1)
-                self._guided = self._on_errands()
             make_step(STEP)
             clock.steps += 1
             for robot in writing:
@@ -301,7 +300,6 @@ class Simulation:
             case DriveBy() | TurnBy() | DriveTo():
                 robot = self.robots[what.robot]
                 robot.memory.errand = begun(what, robot.reckoned, self.steps, robot.memory.errand)
-                self._guided = self._on_errands()
             case Cancel():
                 self._cancel(what)
             case Say():
@@ -350,7 +348,6 @@ class Simulation:
         robot.steer()
         if (errand := robot.memory.errand) is not None and errand.is_active:
             robot.memory.errand = errand.ended("aborted", ENDED)
-            self._guided = self._on_errands()
 
     def _cancel(self, cancel: Cancel) -> None:
         robot = self.robots[cancel.robot]
@@ -365,9 +362,6 @@ class Simulation:
         robot.memory.pen = Paint(pen.width / 2, pen.grey, True) if pen.down else None
         robot.memory.pen_at = robot.pose[:2]
         self._writing = self._pens_down()
-
-    def _on_errands(self) -> list[SimRobot]:
-        return [robot for robot in self.robots if robot.is_on_errand]
 
     def _pens_down(self) -> list[SimRobot]:
         return [robot for robot in self.robots if robot.memory.pen is not None]
@@ -579,7 +573,7 @@ class Simulation:
         for thing, motion in zip(self.solids, solids, strict=True):
             thing.embody(space, motion, self.steps - self._base)
         self._moving = [thing for thing in self.solids if thing.spec.patrol is not None]
-        self._writing, self._guided = self._pens_down(), self._on_errands()
+        self._writing = self._pens_down()
         for robot, motion in zip(self.robots, robots, strict=True):
             robot.embody(space, motion)
         self._rest = Rest(self.robots, self.solids)
