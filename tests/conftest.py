@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 always = settings(deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("same", always, max_examples=40, derandomize=True)
+settings.register_profile("same", always, max_examples=25, derandomize=True)
 settings.register_profile("few", always, max_examples=8, derandomize=True)
 settings.register_profile("long", always, max_examples=150, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
