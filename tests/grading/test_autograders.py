@@ -10,18 +10,17 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-import nbformat
 import pytest
 from e2e.programs import SQUARE
 
 from lrp_jupyter import grade
 
+if find_spec("nbgrader") is None or find_spec("otter") is None:
+    pytest.skip("nbgrader and Otter have an environment of their own", allow_module_level=True)
+nbformat = pytest.importorskip("nbformat")  # slow: only where it is used
+
 pytestmark = [
     pytest.mark.slow,  # each starts kernels
-    pytest.mark.skipif(
-        find_spec("nbgrader") is None or find_spec("otter") is None,
-        reason="there is no nbgrader or no Otter, which have an environment of their own",
-    ),
     pytest.mark.filterwarnings("ignore:Object of type <.*> not in session"),  # nbgrader
 ]
 

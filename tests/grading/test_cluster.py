@@ -16,8 +16,6 @@ from lrp_jupyter.grading.marks import grade_class
 from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.workers import HowRun, run_jobs
 
-distributed = pytest.importorskip("distributed", reason="needs the extra `batch`")
-
 pytestmark = pytest.mark.slow  # each starts processes of its own
 
 DRIVE = "(var v := [0.2]) (machine m (state driving (running [robot.move(linear=v)]))) (spawn m driving)"
@@ -26,8 +24,13 @@ CRASH = DRIVE.replace("robot.move(linear=v)", "import os; os.abort()")
 FIRST = challenge("first move")
 
 
+@pytest.fixture(autouse=True, scope="module")
+def distributed():
+    return pytest.importorskip("distributed", reason="needs the extra `batch`")  # slow: only where it is used
+
+
 @pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
+def cluster(distributed, tmp_path_factory):
     """A cluster of two workers, reachable from this machine only."""
     with distributed.LocalCluster(
         n_workers=2,
@@ -111,7 +114,7 @@ def test_a_scheduler_that_is_not_there_is_a_sentence(monkeypatch):
         grade_all([DRIVE], FIRST, 1, HowRun(scheduler="tcp://127.0.0.1:1"))
 
 
-def test_a_cluster_that_has_no_workers_is_a_sentence(monkeypatch, tmp_path):
+def test_a_cluster_that_has_no_workers_is_a_sentence(distributed, monkeypatch, tmp_path):
     monkeypatch.setattr("lrp_jupyter.grading.cluster._WITHOUT_WORKERS", 1)
     with (
         distributed.LocalCluster(

@@ -1,8 +1,8 @@
 """A notebook that is executed without a page stores pictures instead of widgets."""
 
-import nbformat
+import json
+
 import pytest
-from nbclient import NotebookClient
 
 from lrp_jupyter.widgets.hosts import is_static
 
@@ -15,6 +15,9 @@ PNG = "iVBORw0KGgo"  # how every PNG begins
 
 def executed(tmp_path, *cells):
     """Execute cells as nbconvert does; return the notebook."""
+    import nbformat  # slow: only here
+    from nbclient import NotebookClient
+
     sources = ["%load_ext lrp_jupyter", *cells]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in sources])
     client = NotebookClient(
@@ -46,7 +49,7 @@ def test_a_lab_and_its_parts_are_pictures_and_no_state_of_widgets_is_stored(tmp_
         assert data["text/plain"].strip() == TEXT
     assert data_of(notebook, 3)["text/plain"] == repr(f"{TEXT}\n")
     assert "widgets" not in notebook.metadata
-    assert len(nbformat.writes(notebook)) < 200_000
+    assert len(json.dumps(notebook)) < 200_000
 
 
 def test_a_lab_is_a_widget_where_one_is_wanted_and_a_wrong_wish_is_told_with_the_right_ones(tmp_path):
