@@ -65,7 +65,7 @@ from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.options import no_option
 from lrp_jupyter.bridges.panel import STOP, Field, Panel
 from lrp_jupyter.bridges.robot import Robot, attach
-from lrp_jupyter.bridges.tasks import Task, TasksMoment, TaskState
+from lrp_jupyter.bridges.tasks import Task, TaskState
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = [
@@ -255,11 +255,13 @@ class Bridge(Interface, ABC):
         """Advance the bridge's own world by `seconds`, whole steps of `time_step`."""
 
     def moment(self) -> object:
-        """Return a token for the present moment of the bridge's own world, or of its tasks, for `rewind`."""
-        return self.requested.moment
+        """Return a token for the present moment of the bridge's own world, for `rewind`."""
+        return None
 
     def rewind(self, moment: object) -> None:
         """Rewind the bridge's own world to an earlier moment.
+
+        The tasks of that time, the same `Task` objects, are under way again afterwards.
 
         Raises
         ------
@@ -268,9 +270,6 @@ class Bridge(Interface, ABC):
         """
         if self.hardware and self.safety.armed:
             raise BridgeError(f"`{self.name}` is armed: a real robot cannot step back. Disarm it first.")
-        self.requested.drop()
-        if isinstance(moment, TasksMoment) and self.has_world:
-            self.requested.moment = moment
 
     # -- life: called by a session ----------------------------------------------------------------
 

@@ -25,7 +25,7 @@ from lrp_jupyter.bridges.guarding.safety import Motion
 from lrp_jupyter.bridges.interventions import WorldLoaded
 from lrp_jupyter.bridges.member_tree import RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, Twist
-from lrp_jupyter.bridges.tasks import Task, TasksMoment, TaskState
+from lrp_jupyter.bridges.tasks import Task, TaskState
 from lrp_jupyter.bridges.wheel_tasks import ERRANDS, add_errands
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.animation import EVERY, animated
@@ -91,7 +91,6 @@ class _SimMoment(NamedTuple):
     world: WorldMoment
     motion: Motion  # the command watchdog is part of the run too
     stopping: bool
-    tasks: TasksMoment
 
 
 class SimBridge(Bridge, SimulatedWorld):
@@ -326,7 +325,7 @@ class SimBridge(Bridge, SimulatedWorld):
         """Return a token for the present moment of the world, with all queued inputs applied."""
         self.simulation.step(0)
         world, safety = self.simulation.moment, self.safety
-        return _SimMoment(self.simulation, world, safety.motion, self._stopping, self.requested.moment)
+        return _SimMoment(self.simulation, world, safety.motion, self._stopping)
 
     def rewind(self, moment: object) -> None:
         """Rewind the world to a moment, exactly: the same inputs give the same continuation.
@@ -352,7 +351,6 @@ class SimBridge(Bridge, SimulatedWorld):
         self._continue_with(present)
         self.safety.motion = moment.motion
         self._stopping = moment.stopping
-        self.requested.moment = moment.tasks
 
     def has_come_to(self, moment: object) -> bool:
         """See :class:`SimulatedWorld`."""
@@ -380,7 +378,6 @@ class SimBridge(Bridge, SimulatedWorld):
         fork.safety.armed = self.safety.armed
         fork.safety.motion = moment.motion
         fork._stopping = moment.stopping
-        fork.requested.moment = moment.tasks
         return fork
 
     # -- the world, for views ---------------------------------------------------------------------

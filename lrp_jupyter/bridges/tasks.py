@@ -17,7 +17,7 @@ import inspect
 import threading
 from collections.abc import Callable, Mapping
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from time import monotonic
 from types import MappingProxyType
@@ -118,6 +118,7 @@ class Asked:
     at: float
     state: TaskState
     is_void: bool = False
+    task: Task | None = field(default=None, repr=False, compare=False)  # of its bridge, if it was begun
 
 
 class _Told(NamedTuple):
@@ -154,6 +155,10 @@ class Task:
         self.has_begun = False  # whether the robot may know of it
         self.is_over = False  # as its bridge has told
         self.thread: threading.Thread | None = None  # that begins it, where `start` may wait
+
+    def belongs_to(self, tasks: Tasks) -> bool:
+        """Return whether it is one of these, and not of the robot from which a fork came."""
+        return self._tasks is tasks
 
     @property
     def is_wanted(self) -> bool:
@@ -319,9 +324,18 @@ class Tasks:
             for name, asked in moment.requests.items():
                 member = self._owner.nodes.table.get(name)
                 if asked.state.active and isinstance(member, RobotTask):
-                    task = Task(self, name, asked.number, None)
-                    task.has_begun = True
+                    task = asked.task
+                    if task is None or not task.belongs_to(self):
+                        task = Task(self, name, asked.number, None)
+                    task.has_begun, task.is_over = True, False
                     self._under_way[name] = member, task
+
+    def go_back(self, moment: TasksMoment) -> None:
+        """Return to what was known then, if the robot's world has; else cancel and forget everything."""
+        if self._owner.has_world:
+            self.moment = moment
+        else:
+            self.drop()
 
     @property
     def states(self) -> dict[str, TaskState]:
@@ -375,7 +389,7 @@ class Tasks:
             old = None
         task = Task(self, name, asked.number, None if old is None else old[1])
         with self._changing:
-            self._put(name, asked)
+            self._put(name, replace(asked, task=task))
             self._under_way = {**self._under_way, name: (member, task)}
             self._turns.setdefault(name, []).append(task)
             self._changed.notify_all()

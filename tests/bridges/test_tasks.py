@@ -497,6 +497,31 @@ def test_a_start_that_does_not_return_holds_up_later_requests_for_a_while_and_no
     assert [each for each in bot.log if each != "stop"] == ["go 1", "cancel go 1", "go 1"]
 
 
+def test_a_world_of_the_bridges_own_that_goes_back_goes_on_with_the_tasks_of_then():
+    class GoesBack(Clockwork, offered=False):
+        def moment(self) -> object:
+            return self.time, dict(self._due)
+
+        def rewind(self, moment: object) -> None:
+            time, due = moment
+            self.time, self._due = time, dict(due)
+
+    text = """
+    (machine m
+      (state a (onentry [robot.go(1)])) (state b (onentry [robot.go(2)])) (on [robot.go.succeeded] a -> b))
+    (spawn m a)
+    """
+    session = Session(text, bridge=GoesBack(go=1.0))
+    session.run(0.5)
+    for _ in range(2):
+        session.run(0.8)
+        assert active(session) == "b"
+        session.rewind(8)
+        assert active(session) == "a"
+    fork = session.fork(at=session.frame.tick)
+    assert fork.bridge.robot.go.active
+
+
 def test_what_a_goal_should_replace_ends_if_that_cannot_be_begun():
     class Refuses(Courier, offered=False):
         def go(self, task: Task, place: object = 0) -> None:

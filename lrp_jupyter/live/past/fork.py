@@ -58,7 +58,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     now, record = loop.interpreter.tick, loop.record
     if at is None:
         checkpoint = record.checkpoint(loop.status == "running")
-        bridge = _forked(loop.bridge, checkpoint.moment)
+        bridge = _forked(loop.bridge, checkpoint.moment, checkpoint.tasks)
         return ForkStart(checkpoint, (), (), bridge, namespace=record.names.namespace_before(()))
     record.checkpoints.drop(record.inputs.lost)
     after = record.inputs.since(at)
@@ -70,12 +70,12 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
         every = record.checkpoints.all
         known = f"Choose one from {max(every[0].tick, first)} to {now}." if every else "None is."
         raise ValueError(f"Tick {at} is not remembered. {known}")
-    bridge = _forked(loop.bridge, found.moment)
+    bridge = _forked(loop.bridge, found.moment, found.tasks)
     feeds = isinstance(bridge, RecordedBridge)
     moments = [record.moment(tick) for tick in range(found.tick + 1, now + 1)]
     ticks = [
         Ticked(found.tick + number, time, record.readings_of(sensed) if feeds else None)
-        for number, (time, _, sensed) in enumerate(moments, 1)
+        for number, (time, _, sensed, _) in enumerate(moments, 1)
     ]
     inputs = [entry for entry in record.inputs if entry.number > found.inputs]
     whole = list(merged(ticks, inputs))
@@ -90,7 +90,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
 
 def started_again(start: ForkStart) -> ForkStart:
     """Return the parts of another copy from the same moment, where the robot of these still has to be."""
-    return start._replace(bridge=_forked(start.bridge, start.bridge.moment()))
+    return start._replace(bridge=_forked(start.bridge, start.bridge.moment(), start.bridge.requested.moment))
 
 
 def check_repeated(recorded: PastState, copy: Interpreter) -> None:
@@ -111,14 +111,15 @@ def _is_after(entry: Entry, tick: int) -> bool:
     return entry.tick > tick if isinstance(entry, Ticked) else entry.tick >= tick
 
 
-def _forked(bridge: Bridge, moment: object) -> Bridge:
+def _forked(bridge: Bridge, moment: object, tasks: TasksMoment) -> Bridge:
     """Return an open copy of a robot or, if it cannot be copied, a robot that repeats its readings."""
+    fork: Bridge
     if bridge.simulated is not None:
-        return bridge.simulated.fork(moment)
-    fork = NullBridge() if isinstance(bridge, NullBridge) else RecordedBridge(bridge.nodes.members())
-    fork.open()
-    if isinstance(moment, TasksMoment):
-        fork.requested.moment = moment
+        fork = bridge.simulated.fork(moment)
+    else:
+        fork = NullBridge() if isinstance(bridge, NullBridge) else RecordedBridge(bridge.nodes.members())
+        fork.open()
+    fork.requested.moment = tasks
     return fork
 
 

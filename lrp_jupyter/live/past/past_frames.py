@@ -32,7 +32,7 @@ def frame_at(loop: Loop, tick: int) -> Frame:
     state = history.state(tick)
     variables = state.variables
     texts = {path: render(value, of_type) for path, value in variables.items()}  # others may have changed
-    time, moment, sensed = loop.record.moment(tick)
+    time, moment, sensed, _ = loop.record.moment(tick)
     visits, firings = _counts_at(interpreter, tick)
     after = loop.record.moment(tick + 1).world if tick < interpreter.tick else bridge.moment()
     return replace(

@@ -217,7 +217,7 @@ def _samples(loop: Loop, paths: set[Path], after: int, reads: bool) -> Iterator[
     moments = record.moments.last(max(0, loop.interpreter.tick - after))
     return (
         _Sample(tick, time, variables, record.readings_of(sensed) if reads else {}, nodes)
-        for (tick, variables), (time, _, sensed) in zip(followed, moments, strict=False)
+        for (tick, variables), (time, _, sensed, _) in zip(followed, moments, strict=False)
     )
 
 

@@ -14,6 +14,7 @@ from time import perf_counter
 from types import CodeType, NoneType
 from typing import Any, NamedTuple
 
+from lrp_jupyter.bridges.tasks import TasksMoment
 from lrp_jupyter.interpreter.linker import Plan
 from lrp_jupyter.interpreter.snapshot import Snapshot
 
@@ -33,7 +34,7 @@ class SessionCheckpoint(NamedTuple):
 
     `snapshot`: the interpreter, and the objects of the namespace that are copied.
     `inputs`: the number of inputs up to then.
-    `moment`: that of the bridge.
+    `moment`, `tasks`: those of the bridge.
     """
 
     snapshot: Snapshot
@@ -43,6 +44,7 @@ class SessionCheckpoint(NamedTuple):
     running: bool
     inputs: int
     moment: object
+    tasks: TasksMoment
     random: tuple[Any, ...]
     armed: bool
     rewound: bool = False

@@ -36,7 +36,7 @@ from typing import Any, Literal
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.interventions import RobotArmed, RobotStopped
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.bridges.tasks import TaskState
+from lrp_jupyter.bridges.tasks import TasksMoment, TaskState
 from lrp_jupyter.errors import LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.faults import Interrupted
@@ -59,6 +59,7 @@ from lrp_jupyter.live.running.values import ValueTexts, numbers_of
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
 _NO_READINGS: dict[str, object] = {}  # of a run without a robot
+_NO_TASKS = TasksMoment()
 _KEYBOARD = "The run was interrupted from the keyboard."
 _RAISED = "The program raised `KeyboardInterrupt`, as Ctrl-C does."
 
@@ -205,7 +206,7 @@ class Loop:
                 record.note_names()
             if now >= record.pending_at:
                 record.prepare(self.status == "running")
-            record.moments.add(self._sense(now) if self._has_robot else (now, None, _NO_READINGS))
+            record.moments.add(self._sense(now) if self._has_robot else (now, None, _NO_READINGS, _NO_TASKS))
             interpreter.step(now)
             hit = None if self.breakpoints is None else self._hit()
             if self._has_robot:
@@ -226,13 +227,13 @@ class Loop:
         if safety.suspended:
             self.pause(safety.suspended)
 
-    def _sense(self, now: float) -> tuple[float, object, object]:
+    def _sense(self, now: float) -> tuple[float, object, object, TasksMoment]:
         """Begin the tick of the robot; return the parts of its :class:`Moment`."""
         bridge, step = self.bridge, self.timing.step
-        moment = bridge.moment()
+        moment, tasks = bridge.moment(), bridge.requested.moment
         bridge.begin_tick(now, self.timing.period)
         world = None if step is None else bridge.simulated
-        return now, moment, bridge.readings if world is None else world.sensed()
+        return now, moment, bridge.readings if world is None else world.sensed(), tasks
 
     def _act(self, now: float) -> None:
         """End the tick of the robot, and note which commands it did not get."""

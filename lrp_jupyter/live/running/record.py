@@ -22,6 +22,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.interventions import CommandsHeld
 from lrp_jupyter.bridges.member_tree import RobotMethod
 from lrp_jupyter.bridges.robot import part_name
+from lrp_jupyter.bridges.tasks import TasksMoment
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.interpreter.copies import Packed, pack, unpack
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -41,11 +42,15 @@ from lrp_jupyter.live.running.timing import Timing
 
 
 class Moment(NamedTuple):
-    """The beginning of a tick: its time in seconds, the bridge's moment, and its token for the readings."""
+    """The beginning of a tick: its time in seconds, the bridge's moment, its token for the readings.
+
+    `tasks`: what was known then of what the robot had been asked for.
+    """
 
     time: float
     world: object
     sensed: object
+    tasks: TasksMoment
 
 
 class Moments:
@@ -53,34 +58,34 @@ class Moments:
 
     def __init__(self, *, only_last: bool) -> None:
         # Their parts are in one list: the garbage collector would have to visit a tuple for each tick.
-        self.flat: list[Any] | deque[Any] = deque(maxlen=3) if only_last else []
+        self.flat: list[Any] | deque[Any] = deque(maxlen=4) if only_last else []
         self.add = self.flat.extend
 
     def __len__(self) -> int:
-        return len(self.flat) // 3
+        return len(self.flat) // 4
 
     def __getitem__(self, index: int) -> Moment:
-        flat, place = self.flat, 3 * index
-        return Moment(flat[place], flat[place + 1], flat[place + 2])
+        flat, place = self.flat, 4 * index
+        return Moment(flat[place], flat[place + 1], flat[place + 2], flat[place + 3])
 
     def __iter__(self) -> Iterator[Moment]:
         parts = iter(self.flat)
-        return map(Moment, parts, parts, parts)
+        return map(Moment, parts, parts, parts, parts)
 
     def last(self, ticks: int) -> Iterator[Moment]:
         """Return the moments of at most this number of ticks, newest first; copied now, for any thread."""
-        parts = iter([*islice(reversed(self.flat), 3 * ticks)])
-        return (Moment(time, world, sensed) for sensed, world, time in zip(parts, parts, parts, strict=True))
+        parts = iter([*islice(reversed(self.flat), 4 * ticks)])
+        return (Moment(*reversed(each)) for each in zip(parts, parts, parts, parts, strict=True))
 
     def drop(self, ticks: int) -> None:
         """Drop the first moments."""
         if ticks > 0:
-            del self.flat[: 3 * ticks]  # type: ignore[arg-type]
+            del self.flat[: 4 * ticks]  # type: ignore[arg-type]
 
     def undo(self, ticks: int) -> None:
         """Drop the last moments."""
         if ticks > 0:
-            del self.flat[-3 * ticks :]  # type: ignore[arg-type]
+            del self.flat[-4 * ticks :]  # type: ignore[arg-type]
 
     def clear(self) -> None:
         """Drop all."""
@@ -213,6 +218,7 @@ class Record:
         beside = {name: value for name, value in used.items() if type(value) in COPIED}
         snapshot = interpreter.snapshot(self._token, beside)
         moment = self._bridge.moment()
+        tasks = self._bridge.requested.moment
         return SessionCheckpoint(
             snapshot,
             timing.now,
@@ -221,6 +227,7 @@ class Record:
             running,
             self.inputs.count,
             moment,
+            tasks,
             random_module(namespace).getstate(),
             self._bridge.safety.armed,
         )
@@ -289,14 +296,15 @@ class Record:
             raise ValueError(f"Cannot go back {many}: only {have} can be undone.")
         kept: list[object] = []
         if ticks:
-            time, moment, _ = self.moments[-ticks]
+            then = self.moments[-ticks]
             self._kept = []
             try:
-                bridge.rewind(moment)  # the world may refuse; nothing has been changed yet
+                bridge.rewind(then.world)  # the world may refuse; nothing has been changed yet
             finally:
                 kept, self._kept = self._kept, None
             self.moments.undo(ticks)
-            timing.jump(time, due=time)
+            timing.jump(then.time, due=then.time)
+            bridge.requested.go_back(then.tasks)
         interpreter.rewind(ticks)
         bridge.safety.forget(interpreter.tick)
         bridge.safety.now = interpreter.now
