@@ -491,9 +491,11 @@ class Tasks:
     # -- the end of requests ----------------------------------------------------------------------
 
     def left(self, machine: tuple[str, ...]) -> None:
-        """Cancel and forget what the state asked for that a machine has left."""
+        """Cancel and forget what the state asked for that a machine has left, and outcomes by hand."""
         for name, asked in self._moment.requests.items():
-            if asked.asker.machine == machine:
+            if asked.asker.machine is None and not asked.state.active:
+                self._drop(name)  # the state that is entered may ask for the same
+            elif asked.asker.machine == machine:
                 if asked.stays:
                     self._put(name, replace(asked, stays=asked.stays - 1))
                 else:

@@ -588,6 +588,25 @@ def test_by_hand_it_lives_until_it_ends_or_the_robot_is_stopped():
     assert bot.robot.go.succeeded
 
 
+def test_what_has_become_of_it_by_hand_is_no_outcome_for_the_state_that_is_entered():
+    bot = Courier()
+    text = """
+    (machine m
+      (state a) (state b (running [robot.go(2)])) (state c)
+      (on [robot.go.succeeded] b -> c))
+    (spawn m a)
+    """
+    session = session_of(text, bot)
+    session.run(0.1)
+    bot.robot.go(1)
+    bot.next().update("succeeded")
+    session.run(0.2)
+    assert bot.robot.go.succeeded
+    session.transition_to("b")
+    session.run(0.2)
+    assert (active(session), bot.robot.go.status, bot.log) == ("b", "active", ["go 1", "go 2"])
+
+
 def test_a_view_as_plain_data_has_the_status_and_what_can_be_read():
     bot = Courier()
     bot.open()
