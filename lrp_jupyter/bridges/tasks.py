@@ -362,12 +362,14 @@ class Tasks:
             if goes_on:
                 self._put(name, replace(before, asker=asker, at=now))
                 return
-        if before is not None and before.state.active:
-            others = before.asker.machine, asker.machine
-            if None not in others and others[0] != others[1]:
-                first = "/".join(others[0] or ())
-                raise BridgeError(f"`robot.{name}` is under way for `{first}`, which asked for it first.")
-            if not is_old:  # of another visit or person: it is not that one with another goal
+        if before is not None:
+            first, is_active = before.asker.machine, before.state.active
+            is_new = before.state.at == now and not before.is_void  # for the machine that waits for it
+            if None not in (first, asker.machine) and first != asker.machine and (is_active or is_new):
+                how = "is under way" if is_active else "has ended in this tick"
+                who = "/".join(first or ())
+                raise BridgeError(f"`robot.{name}` {how} for `{who}`, which asked for it first.")
+            if is_active and not is_old:  # of another visit or person: it is not that one with another goal
                 self._cancel(name)
         state = TaskState("lost", reason=lost, at=now) if lost else TaskState("active", at=now)
         number = self._moment.asked + 1

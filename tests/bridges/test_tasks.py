@@ -558,6 +558,26 @@ def test_two_machines_cannot_have_one_task_at_the_same_time():
     assert (issue.line, bot.log) == (3, ["go 1"])
 
 
+def test_a_machine_sees_what_has_become_of_its_task_before_another_one_asks_for_the_same():
+    bot = Courier()
+    text = """
+    (machine eager (state waiting) (state going (running [robot.go(2)])) (ontime 300 waiting -> going))
+    (machine first
+      (state going (running [robot.go(1)])) (state there) (on [robot.go.succeeded] going -> there))
+    (spawn eager waiting) (spawn first going)
+    """
+    session = session_of(text, bot)
+    session.run(0.5)
+    bot.next().update("succeeded")
+    session.run(0.1)
+    assert session.frame.is_active("there")
+    session.run(0.1)
+    bot.next()
+    assert bot.log == ["go 1", "go 2"]
+    (issue,) = session.issues
+    assert issue.message == "`robot.go` has ended in this tick for `first`, which asked for it first."
+
+
 def test_a_test_or_an_initial_value_cannot_ask():
     for text in (
         "(machine m (state s) (on [robot.go(1)] s -> s)) (spawn m s)",
