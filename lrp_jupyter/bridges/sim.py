@@ -192,7 +192,7 @@ class SimBridge(Bridge, SimulatedWorld):
             message=Twist,
             limits={"linear": spec.limits[0], "angular": spec.limits[1]},
         )
-        method(f"{prefix}stop", lambda: self.simulation.drive(robot=index), "stand still", velocity=True)
+        method(f"{prefix}stop", partial(self._stand, index, prefix), "stand still", velocity=True)
         doc = "lower the pen (True) or lift it (False): it leaves a trail"
         self.add_method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
         doc = "switch the lamp on (True) or off (False)"
@@ -260,6 +260,10 @@ class SimBridge(Bridge, SimulatedWorld):
             raise BridgeError("This robot has two wheels. Set only `linear.x` and `angular.z`.")
         self._stop_if_asked()  # before this command, and not after it
         self.simulation.drive(linear.x, angular.z, index)
+
+    def _stand(self, index: int, prefix: str) -> None:
+        self.requested.stop([f"{prefix}{name}" for name in ERRANDS.values()])
+        self.simulation.drive(robot=index)
 
     def _begin(self, _task: Task, what: ByItself) -> None:
         self._stop_if_asked()  # before it begins, and not after that

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import inspect
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -535,8 +535,8 @@ class Tasks:
         for name in tuple(self._moment.requests):
             self._drop(name)
 
-    def stop(self) -> None:
-        """Cancel everything; the next tick sees that. From any thread.
+    def stop(self, only: Collection[str] | None = None) -> None:
+        """Cancel all tasks, or those of some names; the next tick sees that. From any thread.
 
         Raises what `cancel` raises, when all are cancelled.
         """
@@ -545,10 +545,12 @@ class Tasks:
             TaskState("lost", reason=why) if why else TaskState("cancelled", reason="The robot was stopped.")
         )
         with self._changing:
-            under_way, self._under_way = self._under_way, {}
+            before = self._under_way
+            under_way = {name: each for name, each in before.items() if only is None or name in only}
+            self._under_way = {name: each for name, each in before.items() if name not in under_way}
             self._changed.notify_all()
             for name, asked in self._moment.requests.items():
-                if asked.state.active:
+                if asked.state.active and (only is None or name in only):
                     self._tell(name, _Told(asked.number, over, is_void=True))
         for member, task in under_way.values():
             try:

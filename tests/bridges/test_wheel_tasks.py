@@ -149,6 +149,32 @@ def test_every_stop_lets_it_stand_and_silences_it(how):
     assert math.dist(picture.pose[:2], after.pose[:2]) < 0.005
 
 
+def test_a_stop_by_hand_or_by_the_program_cancels_what_that_robot_was_asked_for_as_on_every_robot():
+    text = """
+    (var halt := [False])
+    (machine m (state s (running
+      [robot.drive_by(1)] [robot.say("On my way")] [robot.other.drive_by(1)] [if halt: robot.stop()])))
+    (spawn m s)
+    """
+    session = session_of(text, room(robots=2))
+    session.run(1.0)
+    robot, first = session.bridge.robot, session.bridge.simulated.pose[0]
+    robot.stop()
+    session.bridge.begin_tick(1.0, 0.1)
+    for task in (robot.drive_by, robot.say):
+        assert (task.status, task.reason) == ("cancelled", "The robot was stopped.")
+    assert robot.other.drive_by.active
+    session.run(1.0)
+    assert session.bridge.simulated.pose[0] > first + 0.1, "running has asked again"
+    session.set_variable("halt", True)
+    session.run(0.2)
+    stood = session.bridge.picture.robots
+    session.run(1.0)
+    now = session.bridge.picture.robots
+    assert now[0].pose == pytest.approx(stood[0].pose, abs=0.001)
+    assert now[1].pose[0] > stood[1].pose[0] + 0.1
+
+
 def test_leaving_the_state_lets_it_stand_and_a_move_of_the_next_state_drives_at_once():
     text = """
     (machine m
