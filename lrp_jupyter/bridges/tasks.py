@@ -354,7 +354,7 @@ class Tasks:
         """Ask for a task; `lost`: why the robot cannot be reached."""
         asker = self.asker()
         arguments = arguments_of(command)
-        name, now, before = member.path, self.now, self._moment.requests.get(member.path)
+        name, now, before = member.path, self.now, self._asked(member.path)
         stays = int(asker.action == "effect")
         is_old = before is not None and before.asker.machine == asker.machine and before.stays == stays
         if before is not None and is_old and are_same(before.arguments, arguments):
@@ -383,6 +383,15 @@ class Tasks:
             self._put(name, asked)
         else:
             self._start(member, command, asked)
+
+    def _asked(self, name: str) -> Asked | None:
+        """Return the request of a name: one that a stop has ended is void before the next tick says so."""
+        with self._changing:
+            asked = self._moment.requests.get(name)
+            for told in self._moment.told:
+                if asked is not None and told.is_void and told.number == asked.number and asked.state.active:
+                    asked = replace(asked, state=self._state_after(asked, told), is_void=True)
+            return asked
 
     def _start(self, member: RobotTask, command: Command, asked: Asked) -> None:
         name, old = member.path, self._under_way.get(member.path)

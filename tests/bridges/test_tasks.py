@@ -608,6 +608,21 @@ def test_by_hand_it_lives_until_it_ends_or_the_robot_is_stopped():
     assert bot.robot.go.succeeded
 
 
+def test_what_a_stop_has_ended_is_asked_for_again_at_once_also_with_the_same_words():
+    bot = Courier()
+    session = session_of("(machine m (state s)) (spawn m s)", bot)
+    session.run(0.1)
+    bot.robot.go(1)
+    bot.next()
+    bot.robot.stop()
+    bot.robot.go(1)
+    task = bot.next()
+    session.run(0.1)
+    assert bot.log == ["go 1", "cancel go 1", "stop", "go 1"]
+    assert bot.robot.go.active
+    assert task.is_wanted
+
+
 def test_what_has_become_of_it_by_hand_is_no_outcome_for_the_state_that_is_entered():
     bot = Courier()
     text = """
