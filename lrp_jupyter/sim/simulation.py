@@ -467,6 +467,7 @@ class Simulation:
             )
         checkpoint, inputs = self._log.cut(step, most)
         self._queue.clear()
+        self._cancels.clear()
         self._restore(checkpoint, inputs, step)
         self.revision += 1
 

@@ -323,6 +323,15 @@ def test_a_rewind_and_a_fork_go_on_exactly_as_the_run_did_from_every_tick():
     assert seen(session) == present
 
 
+def test_what_was_left_after_the_tick_to_which_a_rewind_goes_is_under_way_again():
+    session = session_of("(machine m (state a (running [robot.drive_by(2)])) (state b)) (spawn m a)", room())
+    session.run(1.0)
+    session.transition_to("b")
+    session.rewind(2)
+    session.run(1.0)
+    assert (active(session), session.bridge.robot.drive_by.status) == ("a", "active")
+
+
 def test_after_a_rewind_what_is_asked_for_by_hand_is_of_the_time_to_which_it_went():
     session = session_of(SQUARE, room())
     session.run(2.0)
