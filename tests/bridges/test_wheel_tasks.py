@@ -323,6 +323,20 @@ def test_a_rewind_and_a_fork_go_on_exactly_as_the_run_did_from_every_tick():
     assert seen(session) == present
 
 
+def test_a_stop_that_a_rewind_has_undone_holds_nothing_back():
+    states = "(state a (onentry [robot.drive_by(2)])) (state b (onentry [robot.turn_by(2)]))"
+    text = f"(machine m {states}) (spawn m a)"
+    session = session_of(text, room())
+    session.run(1.0)
+    session.edit(text.replace("drive_by(2)", "drive_by(3)"))  # it restarts, and the robot is stopped
+    session.rewind(2)
+    session.transition_to("b")
+    session.run(0.5)
+    assert session.bridge.robot.turn_by.active
+    fork = session.fork(at=session.frame.tick)
+    assert fork.frame.readings["turn_by"] == session.frame.readings["turn_by"]
+
+
 def test_what_was_left_after_the_tick_to_which_a_rewind_goes_is_under_way_again():
     session = session_of("(machine m (state a (running [robot.drive_by(2)])) (state b)) (spawn m a)", room())
     session.run(1.0)

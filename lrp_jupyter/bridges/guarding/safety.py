@@ -230,8 +230,9 @@ class Safety:
             while len(self._commands) > 1 and self._commands[1].first.tick <= tick:
                 self._commands.popleft()
 
-    def forget(self, tick: int) -> None:
-        """Drop the commands of later ticks, which were undone."""
+    def go_back(self, tick: int, now: float) -> None:
+        """Return to the time after a tick: drop the later commands, and hold none for a later stop."""
+        self.now, self.held = now, self.blocked
         with self._log_lock:
             kept = [command for command in self._all() if command.first.tick <= tick]
             self._commands = deque(kept, maxlen=COMMANDS)

@@ -306,8 +306,7 @@ class Record:
             timing.jump(then.time, due=then.time)
             bridge.requested.go_back(then.tasks)
         interpreter.rewind(ticks)
-        bridge.safety.forget(interpreter.tick)
-        bridge.safety.now = interpreter.now
+        bridge.safety.go_back(interpreter.tick, interpreter.now)
         undone = self.inputs.undo(interpreter.tick, _is_of_the_world)
         self.names.undo(entry.what for entry in undone if isinstance(entry.what, ChangeNames))
         self.checkpoints.cut(interpreter.tick)
