@@ -577,6 +577,8 @@ class Interface:
         Every call of a method of the robot comes through here; return its result.
         """
         safety, guard = self.safety, self._guard
+        if method.command and safety.only_looks:
+            raise BridgeError(f"`robot.{method.path}` is a command, and a breakpoint only looks at the run.")
         if not method.command or safety.is_stopping:  # what stops the robot is never held back
             return method.perform(command)
         if safety.blind and not self.latch:

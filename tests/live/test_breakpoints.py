@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from support.robots import Bare
 from support.wild import program
 
+from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter import linker, variables
 from lrp_jupyter.language.parser import parse
@@ -337,3 +338,19 @@ def test_looking_at_an_event_does_not_change_the_run():
         session.pause_when(event="e")
         session.run(1.0)
         assert session.frame.values["n"] == 10
+
+
+@pytest.mark.parametrize("command", ["robot.drive_by(1)", "robot.move(linear=0.4)", "robot.stop()"])
+def test_a_condition_that_commands_the_robot_is_a_problem_of_the_breakpoint(command):
+    runs = []
+    for breaks in (False, True):
+        text = "(machine m (state a (running [robot.drive_by(0.5)]))) (spawn m a)"
+        with Session(text, SimBridge(), clock=VirtualClock()) as session:
+            if breaks:
+                session.pause_when(condition=f"{command} is not None")
+            session.run(1.0)
+            runs.append(session.frame.robot.robots)
+            name = command.partition("(")[0]
+            sentence = f"`{name}` is a command, and a breakpoint only looks at the run."
+            assert [each.problem for each in session.breakpoints] == [sentence] * breaks
+    assert runs[0] == runs[1]

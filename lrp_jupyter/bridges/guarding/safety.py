@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, NamedTuple
@@ -157,6 +158,7 @@ class Safety:
         self.why = ""  # why the last command was not sent that was refused or held because of these two
         self.has_commanded = False  # whether anything was sent since the robot was known to stand
         self._refused = ""  # why commands of this tick were refused
+        self._looking = 0  # the thread that only looks
         self._stopping: dict[int, bool] = {}  # threads that run `stop`, and whether that has called itself
         self._drives = 0  # how many commands that may move it were registered
         self.command_count = 0
@@ -332,6 +334,20 @@ class Safety:
         """Register a stop: nothing more is sent in this tick."""
         self.stops += 1
         self.held = self.ticking or self.blocked
+
+    @contextmanager
+    def looking(self) -> Iterator[None]:
+        """Refuse what this thread commands in this context: a condition that is tested changes nothing."""
+        self._looking = threading.get_ident()
+        try:
+            yield
+        finally:
+            self._looking = 0
+
+    @property
+    def only_looks(self) -> bool:
+        """Whether the caller may command nothing."""
+        return threading.get_ident() == self._looking
 
     @property
     def is_stopping(self) -> bool:

@@ -291,7 +291,7 @@ class Loop:
     def _hit(self) -> Hit | None:
         if self.breakpoints is None:
             return None
-        with self._calling("a breakpoint"):
+        with self._calling("a breakpoint"), self.bridge.safety.looking():
             return self.breakpoints.check()
 
     def _pause_at(self, hit: Hit) -> None:
