@@ -321,8 +321,8 @@ class RobotMethod(NotAValue):
 
     def describe(self) -> Member:
         """Return the description."""
-        fields = self.message.describe(self.path) if self.message is not None else ()
-        return Member(self.path, "method", doc=self.doc, signature=self.signature, fields=fields)
+        arguments = self.message.describe(self.path) if self.message is not None else ()
+        return Member(self.path, "method", doc=self.doc, signature=self.signature, arguments=arguments)
 
     def clamp(self, command: Message | inspect.BoundArguments) -> dict[str, str]:
         """Clamp a command to the limits in place; return a sentence for each number that was clamped.

@@ -47,10 +47,10 @@ class Member:
     signature : str
         ``"(linear=0.0, angular=0.0)"`` for a method or a task, else empty.
     fields : tuple of Member
-        Members of the value: ``odom`` has the fields ``odom.x``, ``odom.y``, ``odom.theta``. Those of the
-        message that a method takes. What can be read of a task.
+        Members of the value: ``odom`` has the fields ``odom.x``, ``odom.y``, ``odom.theta``. What can be read
+        of a task.
     arguments : tuple of Member
-        The fields of the message that a task takes.
+        The fields of the message that a method or a task takes.
     stale : bool
         Whether the last reading is too old for a program to act on.
     """

@@ -274,15 +274,8 @@ class RobotTask(RobotMethod):
             Member(f"{self.path}.{name}", "variable", kind, "", doc, value=getattr(self, name))
             for name, (kind, doc) in _MEMBERS.items()
         ]
-        arguments = () if self.message is None else self.message.describe(self.path)
-        return Member(
-            self.path,
-            "task",
-            doc=self.doc,
-            value=self.tasks.state(self.path),
-            signature=self.signature,
-            fields=tuple(fields),
-            arguments=tuple(arguments),
+        return replace(
+            super().describe(), kind="task", value=self.tasks.state(self.path), fields=tuple(fields)
         )
 
 

@@ -70,6 +70,7 @@ def test_a_task_has_fields_that_can_be_read_and_arguments_that_can_be_given(far)
     states = labels(fields_of(far, "robot.go"))
     assert states == ["status", "active", "succeeded", "failed", "feedback", "result", "reason", "since"]
     assert labels(fields_of(far, "robot.go()")) == ["linear", "angular"]
+    assert labels(fields_of(far, "robot.go().linear")) == ["x", "y", "z"]
     assert {"linear=", "linear_x="} <= set(labels(arguments_of(far, "robot.go")))
 
 

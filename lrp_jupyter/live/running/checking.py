@@ -83,7 +83,7 @@ def members_of(bridge: Bridge) -> RobotMembers:
 def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
     member = node.describe()
     if isinstance(node, RobotMethod):
-        fields = dict(_names_in(member.arguments or (() if member.kind == "task" else member.fields)))
+        fields = dict(_names_in(member.arguments))
         unlike = {name for name, kind in fields.items() if not kind.startswith(_NUMBERS)}
         parameters = parameters_of(member.signature, fields, unlike)
         yield RobotMember(node.path, parameters=parameters, acts=node.command)

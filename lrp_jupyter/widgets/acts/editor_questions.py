@@ -450,8 +450,10 @@ def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
         return None
     try:
         if called:
-            asked = bridge.describe(path + inner)
-            return [_field(field) for field in asked.arguments or asked.fields]
+            asked: tuple[Member, ...] | None = bridge.describe(path).arguments
+            for name in filter(None, inner.split(".")):
+                asked = next((each.fields for each in asked or () if each.name.endswith(f".{name}")), None)
+            return None if asked is None else [_field(field) for field in asked]
         names = path.split(".")
         if any(bridge.describe(".".join(names[:end])).kind == "method" for end in range(1, len(names) + 1)):
             return []
@@ -478,7 +480,7 @@ def arguments_of(bridge: Bridge, command: str) -> list[Option]:
     if member is None or member.kind not in ("method", "task"):
         return []
     found = dict.fromkeys(_ARGUMENT.findall(member.signature), "")
-    for field in _leaves(member.arguments if member.kind == "task" else member.fields):
+    for field in _leaves(member.arguments):
         found[field.name.removeprefix(f"{path}.").replace(".", "_")] = field.type
     return [
         {"label": f"{name}=", "kind": "property", "detail": type_, "info": ""}
