@@ -197,9 +197,7 @@ class SimBridge(Bridge, SimulatedWorld):
         self.add_method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
         doc = "switch the lamp on (True) or off (False)"
         self.add_method(f"{prefix}lamp", lambda on=True: self.simulation.lamp(bool(on), robot=index), doc)
-        limits = {"linear": spec.limits[0], "angular": spec.limits[1]}
-        cancel = partial(self._cancel, index)
-        add_errands(self, self._begin, cancel, limits, index, prefix)
+        add_errands(self, self._begin, partial(self._cancel, index), spec.limits, index, prefix)
 
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""
@@ -276,18 +274,17 @@ class SimBridge(Bridge, SimulatedWorld):
     def _report(self) -> None:
         """Report what has become of the tasks of the robots."""
         robots = dict(zip(["", *self.world.robot_names[1:]], self.simulation.robots, strict=True))
-        for name, asked in self.requested.moment.requests.items():
-            if asked.state.active:
-                owner, _, task = name.rpartition(".")
-                self.requested.report(name, asked.number, self._state(robots.get(owner), task, asked.number))
+        for task in self.requested.under_way:
+            owner, _, name = task.name.rpartition(".")
+            self.requested.tell(task, self._state(robots.get(owner), name, task.number))
 
-    def _state(self, robot: SimRobot | None, task: str, number: int) -> TaskState:
-        doing = None if robot is None else robot.memory.speech if task == "say" else robot.memory.errand
+    def _state(self, robot: SimRobot | None, name: str, number: int) -> TaskState:
+        doing = None if robot is None else robot.memory.speech if name == "say" else robot.memory.errand
         if robot is None or doing is None:
             return TaskState("aborted", reason="The world has begun again.")
         if doing.what.number != number:
-            name = ERRANDS[type(doing.what)]
-            return TaskState("aborted", reason=f"The robot was asked for `{name}` meanwhile.")
+            other = ERRANDS[type(doing.what)]
+            return TaskState("aborted", reason=f"The robot was asked for `{other}` meanwhile.")
         if isinstance(doing, Speech):
             return TaskState("active" if self.simulation.steps < doing.until else "succeeded")
         return TaskState(doing.status, doing.left(robot.readings.odom), reason=doing.reason)
@@ -309,7 +306,7 @@ class SimBridge(Bridge, SimulatedWorld):
         """Read all sensors, once for the tick."""
         self._stop_if_asked()
         self.simulation.latch()
-        if self.requested.moment.requests:
+        if self.requested.under_way:
             self._report()
 
     def _stop_if_asked(self) -> None:

@@ -519,12 +519,6 @@ class Tasks:
                 state = TaskState("cancelled", reason="It is no longer asked for.")
                 self._tell(name, _Told(asked.number, state, is_void=True))
 
-    def report(self, name: str, number: int, state: TaskState) -> None:
-        """Note what a world of the bridge's own knows of the request with a number."""
-        with self._changing:
-            if (under_way := self._under_way.get(name)) is not None and under_way[1].number == number:
-                self.tell(under_way[1], state)
-
     def finish_calls(self) -> None:
         """Wait, for a moment, until what cannot be cancelled has reached the robot: the run ends."""
         until = monotonic() + _CALLING
@@ -569,6 +563,11 @@ class Tasks:
             for name, asked in self._moment.requests.items()
             if asked.state.active and asked.asker.action not in ("running", "")
         }
+
+    @property
+    def under_way(self) -> tuple[Task, ...]:
+        """The tasks that are not over."""
+        return tuple(task for _, task in self._under_way.values())
 
     def moving(self) -> tuple[str, ...]:
         """Return the tasks under way by which something moves."""

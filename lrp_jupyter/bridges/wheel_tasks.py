@@ -20,7 +20,7 @@ def add_errands(
     bridge: Interface,
     begin: Callable[[Task, ByItself], object],
     cancel: Callable[[Task], object],
-    limits: Mapping[str, float],
+    limits: tuple[float, float],
     robot: int = 0,
     prefix: str = "",
     saying: str = "say a text",
@@ -28,10 +28,9 @@ def add_errands(
     """Add the tasks of one robot.
 
     `begin`: starts one, in place of another one that drives.
-    `limits`: its greatest speeds: ``linear`` in m/s, ``angular`` in rad/s.
+    `limits`: its greatest speeds, in m/s and rad/s.
     `robot`, `prefix`: its number in its world, and what its members begin with.
     """
-    most = limits["linear"], limits["angular"]
 
     def drive_by(task: Task, metres: float, speed: float = 0.2) -> None:
         begin(task, DriveBy(metres, speed, robot, task.number, _corrected(task)))
@@ -46,13 +45,13 @@ def add_errands(
         begin(task, Say(str(text), robot, task.number))
 
     def check_speed(speed: float, **_way: float) -> None:
-        checked(DriveBy(0.0, speed), most)
+        checked(DriveBy(0.0, speed), limits)
 
     def check_text(text: object) -> None:
-        checked(Say(str(text)), most)
+        checked(Say(str(text)), limits)
 
     add = partial(bridge.add_task, cancel=cancel, check=check_speed, replaces=True, mover=prefix)
-    way, turning = {"speed": limits["linear"]}, {"speed": limits["angular"]}
+    way, turning = ({"speed": most} for most in limits)
     doc = "drive straight on, in m, backwards if negative; `speed` in m/s"
     add(f"{prefix}drive_by", drive_by, doc=doc, limits={"metres": FARTHEST, **way})
     doc = "turn on the spot, in rad, to the right if negative; `speed` in rad/s"

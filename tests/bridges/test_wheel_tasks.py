@@ -48,19 +48,6 @@ def ended(session: Session) -> TaskState:
     return session.bridge.requested.state("drive_by")
 
 
-def test_a_square_is_driven_by_asking_and_waiting():
-    session = session_of(SQUARE, room())
-    corners = []
-    for _ in range(4):
-        assert session.run(until=lambda frame: frame.active[0][-1] == "turning", limit=20)
-        corners.append(session.bridge.simulated.pose[:2])
-        assert session.run(until=lambda frame: frame.active[0][-1] == "driving", limit=20)
-    expected = [(1.4, 0.5), (1.4, 0.9), (1.0, 0.9), (1.0, 0.5)]
-    for corner, wanted in zip(corners, expected, strict=True):
-        assert corner == pytest.approx(wanted, abs=0.01)
-    assert not session.issues
-
-
 def test_a_wall_ends_it_with_the_reason_and_the_robot_says_so():
     world = room(BoxSolid((1.3, 0.5, 0.1, 1)))
     task = ended(session_of(SQUARE.replace(FAILED, ""), world))
@@ -200,15 +187,6 @@ def test_a_velocity_before_it_is_over_by_it_and_its_watchdog_does_not_end_it():
     session = session_of(text, room())
     assert session.run(until=lambda frame: frame.active[0][-1] == "c", limit=10)
     assert not [notice for notice in session.bridge.safety.notices if "watchdog" in notice.kind]
-
-
-def test_a_move_of_another_machine_aborts_it():
-    pusher = """
-    (machine pusher (state s) (state t (running [robot.move(linear=0.1)])) (ontime 500 s -> t))
-    (spawn pusher s)
-    """
-    task = ended(session_of(SQUARE.replace(FAILED, "") + pusher, room()))
-    assert task.reason == "The robot was driven by `move`, or stopped, before that was done."
 
 
 def test_of_two_that_drive_the_later_one_is_done_and_the_other_one_says_why_not():

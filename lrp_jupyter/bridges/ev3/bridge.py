@@ -203,7 +203,13 @@ class EV3Bridge(Bridge):
     def _add_driving(self) -> None:
         doc, limits = "drive: linear in m/s, angular in rad/s; what is not given is 0", self.vehicle.limits
         self.add_method("move", self._move, doc, message=Twist, limits=limits)
-        add_errands(self, self._begin, self._cancel, limits, saying="show a text on the display")
+        add_errands(
+            self,
+            self._begin,
+            self._cancel,
+            (limits["linear"], limits["angular"]),
+            saying="show a text on the display",
+        )
 
     def _begin(self, task: Task, what: ByItself) -> None:
         if isinstance(what, Say):
