@@ -390,7 +390,7 @@ def test_members_have_unit_doc_and_value(sim: SimBridge) -> None:
     member = sim.describe("robot.distance.data")
     assert (member.type, member.unit, member.age) == ("float", "m", 0.0)
     assert member.value == sim.robot.distance.data
-    assert sim.describe("move").fields[0].name == "move.linear"
+    assert sim.describe("move").arguments[0].name == "move.linear"
     assert [field.name for field in sim.describe("odom").fields] == ["odom.x", "odom.y", "odom.theta"]
     json.dumps([member.as_dict() for member in sim.members()], allow_nan=False)
 
