@@ -45,12 +45,11 @@ from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import KINDS, TASKS, Direction, Wire, check_type, setup_as_dict
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
-from lrp_jupyter.bridges.tasks import RobotTask, TaskStatus
+from lrp_jupyter.bridges.tasks import RobotTask
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 _HERE = "lrp_jupyter.bridges.ros.bridge:RosBridge"
 _ANSWER = 1.0  # seconds that a person waits for a new connection to be made
-_REMEMBERED = 20  # requests of a member that may not be over
 _ANSWER_ALL = 2.0  # … and that opening waits for those of the set-up
 _BUTTONS: Mapping[str, Direction] = {
     "subscribe": "subscription",
@@ -324,12 +323,8 @@ class RosBridge(Bridge):
         """Ask for a goal, then cancel the one that it replaces: the robot does not stop between them."""
         link = self._link()
         assert isinstance(message, RosMessage)
-        is_call = channel.wire.direction == "service"  # it is made, whoever waits for it
-        request = RosRequest(partial(self._hear, channel, task), lambda: is_call or task.is_wanted)
-        for earlier in list(channel.requests)[:-_REMEMBERED]:  # of a robot that never said how they ended
-            channel.requests.pop(earlier, None)
-        channel.requests[task] = request
-        channel.outcome = "active"
+        request = RosRequest(task, channel.wire.direction == "service", channel.decode)
+        channel.requests.append(request)
         try:
             link.ask(channel, message, request)
         finally:
@@ -337,36 +332,10 @@ class RosBridge(Bridge):
                 self._cancel(channel, task.replaced)
 
     def _cancel(self, channel: Channel, task: Task) -> None:
-        request, link = channel.requests.get(task), self.wiring.link
-        if request is not None and link is not None and not request.is_over:
-            link.cancel(channel, request)
-
-    def _hear(
-        self,
-        channel: Channel,
-        task: Task,
-        status: TaskStatus,
-        feedback: Any = None,
-        result: Any = None,
-        reason: str = "",
-    ) -> None:
-        """Pass on what the robot says of a goal or a call; on any thread."""
-        request = channel.requests.get(task)
-        if request is not None and request.is_over:
-            channel.requests.pop(task, None)
-        if task.is_wanted:
-            channel.outcome = f"{status}: {reason}" if reason else status
-        try:
-            if feedback is not None and channel.feedback_form is not None:
-                feedback = channel.feedback_form.decode(feedback)
-            if result is not None and channel.form is not None:
-                result = channel.form.decode(result)
-        except (AttributeError, TypeError, ValueError) as error:
-            feedback = result = None
-            reason = (
-                f"The answer of `{channel.wire.topic}` is not one of `{channel.type}`: {ended(str(error))}"
-            )
-        task.update(status, feedback=feedback, result=result, reason=reason)
+        link = self.wiring.link
+        for request in tuple(channel.requests):
+            if request.task is task and link is not None and not request.is_over:
+                link.cancel(channel, request)
 
     def stop(self) -> None:
         """Publish a velocity of zero on every velocity topic, and what the set-up names; cancel goals.

@@ -16,6 +16,7 @@ from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
+from lrp_jupyter.errors import ended
 
 _SILENT = 2.0  # seconds without a message after which a topic that had a rate is silent
 
@@ -29,8 +30,7 @@ class Channel:
         self.form: Form | None = None  # decodes messages or results, if the type is known
         self.feedback_form: Form | None = None  # … and those in between, of an action
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
-        self.requests: dict[object, RosRequest] = {}  # by their tasks, until the robot has ended them
-        self.outcome = ""  # what has become of the last of them, for the panel
+        self.requests: deque[RosRequest] = deque(maxlen=20)  # the last ones
         self.arrivals = Arrivals[ReceivedMessage]()  # the times are those of `time.monotonic`
         self.live = False
         self.problem = ""  # why it cannot be connected, or is no longer connected
@@ -57,7 +57,7 @@ class Channel:
         """The goals of an action that the robot may be busy with."""
         if self.wire.direction != "action":
             return ()
-        return tuple(request for request in tuple(self.requests.values()) if not request.is_over)
+        return tuple(request for request in tuple(self.requests) if not request.is_over)
 
     @property
     def may_move(self) -> bool:
@@ -90,6 +90,18 @@ class Channel:
     def own(self) -> tuple[str, ...]:
         """The fields of its messages; none while their type is not known."""
         return self.form.kind.__slots__ if self.form is not None else ()
+
+    def decode(self, feedback: Any, result: Any) -> tuple[Any, Any]:
+        """Return what has come of a request; ValueError: it is of another type."""
+        forms = (self.feedback_form, feedback), (self.form, result)
+        try:
+            first, last = (raw if raw is None or form is None else form.decode(raw) for form, raw in forms)
+        except (AttributeError, TypeError, ValueError) as error:
+            why = ended(str(error))
+            raise ValueError(
+                f"The answer of `{self.wire.topic}` is not one of `{self.type}`: {why}"
+            ) from error
+        return first, last
 
     def content(self, message: ReceivedMessage) -> object:
         """Return a message, or its only field if that is ``data``."""

@@ -127,7 +127,13 @@ def _row(channel: Channel) -> tuple[str, ...]:
     if not shown:
         message = channel.latest.value if channel.latest is not None else channel.last_sent
         nothing = "no data yet" if wire.direction == "subscription" else "nothing sent yet"
-        shown = nothing if message is None else channel.outcome or gist(message)
+        shown = (
+            nothing
+            if message is None
+            else channel.requests[-1].outcome
+            if channel.requests
+            else gist(message)
+        )
     if channel.commanders:
         shown += f" (also published by {', '.join(channel.commanders)})"
     return (

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 from uuid import uuid4
 
-from lrp_jupyter.bridges.tasks import TaskStatus
+from lrp_jupyter.bridges.tasks import Task, TaskStatus
 from lrp_jupyter.errors import ended
 
 _ENDS = ("succeeded", "aborted", "rejected", "cancelled")
@@ -28,18 +28,26 @@ class RosRequest:
 
     Owner: any thread may `tell`; the first end counts, and what comes after it is not passed on.
 
-    `listener`: called with status, feedback, result and reason at each news, with messages as they arrived;
-        None as one of them says nothing of it.
-    `is_wanted`: returns False as soon as it is to be cancelled.
+    `task`: who has asked, and is told; None: nothing is.
+    `is_call`: whether it is made, whoever waits for it.
+    `decode`: makes feedback, and a result, of messages as they arrived; None stays None. ValueError: they are
+        of another type.
     """
 
     def __init__(
-        self, listener: Callable[[TaskStatus, Any, Any, str], object], is_wanted: Callable[[], bool]
+        self,
+        task: Task | None = None,
+        is_call: bool = True,
+        decode: Callable[[Any, Any], tuple[Any, Any]] = lambda *raw: raw,
     ) -> None:
         self.id = f"lrp-{uuid4().hex}"
         self.status: TaskStatus = "active"
-        self.is_wanted = is_wanted
-        self._listener = listener
+        self.outcome = "active"  # with the reason, for a person
+        self.task, self._is_call, self._decode = task, is_call, decode
+
+    def is_wanted(self) -> bool:
+        """Return whether it is not to be cancelled."""
+        return self._is_call or (self.task is not None and self.task.is_wanted)
 
     @property
     def is_over(self) -> bool:
@@ -51,7 +59,13 @@ class RosRequest:
         if self.is_over or (self.status == "lost" and status == "active"):
             return
         self.status = status
-        self._listener(status, feedback, result, reason)
+        try:
+            feedback, result = self._decode(feedback, result)
+        except ValueError as error:
+            feedback, result, reason = None, None, str(error)
+        self.outcome = f"{status}: {reason}" if reason else status
+        if self.task is not None:
+            self.task.update(status, feedback, result, reason)
 
 
 class TaskClient(ABC):

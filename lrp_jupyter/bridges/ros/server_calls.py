@@ -75,8 +75,8 @@ class ServerTask(TaskClient):
             socket.put(json.dumps(cancel))
             return
         nothing = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
-        service, unheard = f"{self._name}/_action/cancel_goal", RosRequest(lambda *_: None, lambda: True)
-        socket.run(self._ask(unheard, op="call_service", service=service, args={"goal_info": nothing}))
+        service = f"{self._name}/_action/cancel_goal"
+        socket.run(self._ask(RosRequest(), op="call_service", service=service, args={"goal_info": nothing}))
 
     # -- in the event loop of the connection ------------------------------------------------------
 

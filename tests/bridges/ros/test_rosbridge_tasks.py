@@ -102,6 +102,7 @@ def test_a_cancel_is_repeated_until_the_goal_has_ended(ros: RosBridge, ros2: Any
     late.is_accepted = True
     until(lambda: late.outcome)
     assert latched(ros) == ("cancelled", "The robot was stopped.")
+    until(lambda: ros.panel().tables[0].rows[0][-1].startswith("cancelled"))
 
 
 @pytest.mark.parametrize(("number", "status"), [(0, "rejected"), (5, "cancelled"), (6, "aborted")])
