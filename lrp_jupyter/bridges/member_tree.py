@@ -370,7 +370,8 @@ class Nodes:
             table = {path: each for path, each in self.table.items() if _accompanied(each) != name}
             if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
                 raise ValueError(f"`{name}` has members of its own and cannot be a member itself.")
-            for part in [name[:i] for i, character in enumerate(name) if character == "."]:
+            parts = [name[:i] for i, character in enumerate(name) if character == "."]
+            for part in () if _accompanied(node) else parts:  # a companion may be below its reading
                 if part not in table or _accompanied(table[part]):
                     table[part] = self._make_part(part)
                 elif isinstance(table[part], (RobotVariable, RobotMethod)):
@@ -379,12 +380,6 @@ class Nodes:
             for each in companions:
                 table.setdefault(each.path, each)
             self._replace(table)
-
-    def accompany(self, companion: RobotVariable) -> None:
-        """Add a companion of a reading, which may be below it, in place of one of the same name."""
-        with self._changing:
-            if _accompanied(self.table.get(companion.path, companion)):
-                self._replace({**self.table, companion.path: companion})
 
     def _replace(self, table: Mapping[str, object]) -> None:
         nodes = table.values()

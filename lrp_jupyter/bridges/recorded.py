@@ -42,7 +42,7 @@ class RecordedBridge(Bridge, offered=False):
                 reading = RobotVariable(
                     self, node.path, read, node.doc, node.unit, node.type, None, None, node.of
                 )
-                (self.nodes.accompany if node.of else self._add_reading)(reading)
+                self.nodes.add(reading)
             else:
                 made = node.inert(self)
                 if isinstance(made, RobotTask):
@@ -78,7 +78,7 @@ def recorded_members(
             reading = RobotVariable(
                 source, each["name"], lambda: None, each["doc"], each["unit"], None, None, None, of
             )
-            (source.nodes.accompany if of else source._add_reading)(reading)
+            source.nodes.add(reading)
             continue
         name, parameters = each["name"], each.get("parameters", _ANY)
         takes: dict[str, Any] = {
