@@ -24,6 +24,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.ros.link import Transport
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
+from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.tasks import TaskStatus
 from lrp_jupyter.errors import BridgeError, ended
 
@@ -75,20 +76,21 @@ class GoalTopics(TaskClient):
         self._changed = threading.Condition()
         self._statuses: deque[float] = deque(maxlen=10)  # when they came
         self._handles: list[object] = []
-        self._hear("status", "actionlib_msgs/GoalStatusArray", self._hear_status)
-        self._hear("feedback", f"{type_}ActionFeedback", self._hear_feedback)
-        self._hear("result", f"{type_}ActionResult", self._hear_result, every=True)
-        self._cancel = self._send_on("cancel", "actionlib_msgs/GoalID")
-        self._goal = self._send_on("goal", f"{type_}ActionGoal")
+        self._join("status", "actionlib_msgs/GoalStatusArray", self._hear_status, every=False)
+        self._join("feedback", f"{type_}ActionFeedback", self._hear_feedback, every=False)
+        self._join("result", f"{type_}ActionResult", self._hear_result)
+        self._cancel = self._join("cancel", "actionlib_msgs/GoalID")
+        self._goal = self._join("goal", f"{type_}ActionGoal")
 
-    def _hear(self, last: str, type_: str, receive: Callable[[Any], None], every: bool = False) -> None:
-        topic = f"{self._name}/{last}"
-        self._handles.append(self._transport.join(topic, type_, "subscription", receive, every))
-
-    def _send_on(self, last: str, type_: str) -> object:
-        topic = f"{self._name}/{last}"
-        self._handles.append(self._transport.join(topic, type_, "publisher", lambda _message: None, True))
-        return self._handles[-1]
+    def _join(
+        self, last: str, type_: str, receive: Callable[[Any], None] | None = None, every: bool = True
+    ) -> object:
+        """Hear one of the topics or, without `receive`, send on it."""
+        direction: Direction = "publisher" if receive is None else "subscription"
+        hear, topic = receive or (lambda _: None), f"{self._name}/{last}"
+        handle = self._transport.join(topic, type_, direction, lambda message, *_: hear(message), every)
+        self._handles.append(handle)
+        return handle
 
     def leave(self) -> None:
         """End the five topics."""
@@ -134,27 +136,24 @@ class GoalTopics(TaskClient):
 
     # -- what the server says ---------------------------------------------------------------------
 
-    def _hear_status(self, message: Any, _earlier: float | None = None) -> None:
+    def _hear_status(self, message: Any) -> None:
         now = time.monotonic()
         with self._changed:
             self._statuses.append(now)
             for each in _part(message, "status_list") or ():
                 if self._note(each, now) is None and _part(each, "status") in _GOES_ON:
-                    self._end_again(_part(_part(each, "goal_id"), "id"))
+                    id_ = _part(_part(each, "goal_id"), "id")
+                    if id_ in self._over:  # it was sent again, to a server that was started again
+                        with suppress(BridgeError):
+                            self._transport.send(self._cancel, {"id": id_}, urgent=True)
 
-    def _end_again(self, id_: str) -> None:
-        """Cancel a goal that is over, and goes on: what is sent again to a server that was started again."""
-        if id_ in self._over:
-            with suppress(BridgeError):
-                self._transport.send(self._cancel, {"id": id_}, urgent=True)
-
-    def _hear_feedback(self, message: Any, _earlier: float | None = None) -> None:
+    def _hear_feedback(self, message: Any) -> None:
         with self._changed:
             goal = self._note(_part(message, "status"))
         if goal is not None:
             goal.request.tell("active", feedback=_part(message, "feedback"))
 
-    def _hear_result(self, message: Any, _earlier: float | None = None) -> None:
+    def _hear_result(self, message: Any) -> None:
         with self._changed:
             goal = self._note(_part(message, "status"))
             if goal is None:
@@ -221,13 +220,10 @@ class GoalTopics(TaskClient):
     def _newest(self) -> float:
         return self._statuses[-1] if self._statuses else -math.inf
 
-    def _patience(self) -> float:
-        """Return the seconds without a status after which the server is dead, or hangs."""
-        periods = [later - earlier for earlier, later in pairwise(tuple(self._statuses))]
-        return max(_SILENT, _PERIODS * median(periods) if len(periods) > 1 else 0.0)
-
     def _is_heard(self, now: float) -> bool:
-        return bool(self._statuses) and now - self._newest() < self._patience()
+        """Return whether the server is not dead, and does not hang."""
+        periods = [later - earlier for earlier, later in pairwise(tuple(self._statuses))]
+        return now - self._newest() < max(_SILENT, _PERIODS * median(periods) if len(periods) > 1 else 0.0)
 
 
 class _Goal:
