@@ -349,18 +349,16 @@ class Tasks:
         arguments = arguments_of(command)
         name, now, before = member.path, self.now, self._asked(member.path)
         stays = int(asker.action == "effect")
-        is_old = before is not None and before.asker.machine == asker.machine and before.stays == stays
-        if before is not None and is_old and are_same(before.arguments, arguments):
-            goes_on = before.state.active or (asker.machine is not None and not before.is_void)
-            if goes_on:
-                self._put(name, replace(before, asker=asker, at=now))
-                return
         if before is not None:
             first, is_active = before.asker.machine, before.state.active
+            is_old = (first, before.stays) == (asker.machine, stays)
+            goes_on = is_active or (first is not None and not before.is_void)
+            if is_old and goes_on and are_same(before.arguments, arguments):
+                self._put(name, replace(before, asker=asker, at=now))
+                return
             is_new = before.state.at == now and not before.is_void  # for the machine that waits for it
-            if None not in (first, asker.machine) and first != asker.machine and (is_active or is_new):
-                how = "is under way" if is_active else "has ended in this tick"
-                who = "/".join(first or ())
+            if first is not None and asker.machine not in (None, first) and (is_active or is_new):
+                how, who = "is under way" if is_active else "has ended in this tick", "/".join(first)
                 raise BridgeError(f"`robot.{name}` {how} for `{who}`, which asked for it first.")
             if is_active and not is_old:  # of another visit or person: it is not that one with another goal
                 self._cancel(name)
@@ -380,11 +378,16 @@ class Tasks:
     def _asked(self, name: str) -> Asked | None:
         """Return the request of a name: one that a stop has ended is void before the next tick says so."""
         with self._changing:
-            asked = self._moment.requests.get(name)
-            for told in self._moment.told:
-                if asked is not None and told.is_void and told.number == asked.number and asked.state.active:
-                    asked = replace(asked, state=self._state_after(asked, told), is_void=True)
+            asked, told = self._moment.requests.get(name), self._moment.told.get(name)
+        return asked if asked is None or told is None or not told.is_void else self._known(asked, told)
+
+    def _known(self, asked: Asked, told: _Told) -> Asked:
+        """Return a request when what was told of it is known."""
+        if told.number != asked.number or not asked.state.active:
             return asked
+        at = asked.state.at if told.state.active else self.now
+        state = asked.state.after(told.state)._replace(at=at)
+        return replace(asked, state=state, is_void=told.is_void)
 
     def _start(self, member: RobotTask, command: Command, asked: Asked) -> None:
         name, old = member.path, self._under_way.get(member.path)
@@ -476,12 +479,9 @@ class Tasks:
         with self._changing:
             before, _, told = self._moment
             self._moment = self._moment._replace(told={})
-        for name, (number, state, is_void) in told.items():
-            asked = before.get(name)
-            if asked is not None and asked.number == number and asked.state.active:
-                at = asked.state.at if state.active else self.now
-                state = asked.state.after(state)._replace(at=at)
-                self._put(name, replace(asked, state=state, is_void=is_void))
+        for name, each in told.items():
+            if (asked := before.get(name)) is not None:
+                self._put(name, self._known(asked, each))
         if self.recorded is not None:
             for name, asked in self._moment.requests.items():
                 if (recorded := self.recorded(name)) is not None:
