@@ -46,10 +46,15 @@ def messages_of(direction: str, type_: str) -> tuple[str, ...]:
     return tuple(f"{type_}_{part}" for part in _PARTS[direction]) if direction in _PARTS else (type_,)
 
 
-def part_of(type_: str) -> tuple[str, str]:
-    """Return the type of the action or service that a message type is part of, and which part it is."""
+def part_of(type_: str) -> tuple[str, str, str]:
+    """Return the type that a message type is part of, which part it is, and of what: an action or a service.
+
+    Of the type of a message that is none, the last two are empty.
+    """
     found = _PART.match(type_)
-    return (found[1], found[2]) if found else (type_, "")
+    if found is None:
+        return type_, "", ""
+    return found[1], found[2], next(kind for kind, parts in _PARTS.items() if found[2] in parts)
 
 
 @dataclass(frozen=True, slots=True)

@@ -244,10 +244,9 @@ def _fill(message: Any, values: Mapping[str, Any]) -> None:
 
 def _class_of(type_: str) -> Any:
     """Return the class of a type of messages, also of those of an action or service."""
-    of, part = part_of(type_)
-    if not part:
-        return _whole_class(type_, "")
-    return getattr(_whole_class(of, "service" if part in ("Request", "Response") else "action"), part)
+    of, part, kind = part_of(type_)
+    found = _whole_class(of, kind)
+    return getattr(found, part) if part else found
 
 
 def _whole_class(type_: str, direction: str) -> Any:

@@ -45,7 +45,12 @@ _PROMPT = 0.5  # … which may take that long
 _VALID = 2.0  # seconds for which the users of a topic are known
 _LONGEST = 30.0  # … and at most, while there is no rosapi: each question leaves an error in the robot's log
 _SURE = ("foxy", "galactic", "humble", "iron")  # releases of ROS 2 whose rosapi describes any type
-_OF_ACTIONS = ("Goal", "Feedback", "Result")
+_UNTOLD = {
+    "action": "does not describe actions. Update rosbridge: 2.3.0 does it or, on Humble, 2.0.2.",
+    "service": "is not asked for types of services, because before rosbridge 2.3.0 that can end its rosapi on"
+    " ROS 2 Jazzy and later. Update rosbridge.",
+}
+"""Why the types of these are not known."""
 _OWN = "/client_count"  # rosbridge itself publishes it
 _RAW_TYPES = "/rosapi/topics_and_raw_types"
 
@@ -309,17 +314,14 @@ class Rosapi:
         return tuple(map(str, answer.get(who, [])))
 
     async def _describe(self, type_: str) -> Mapping[str, Definition] | BridgeError:
-        of, part = part_of(type_)
+        of, part, kind = part_of(type_)
         try:
             if not self.is_ros2:
-                return await (self._part_details(type_, of, part) if part else self._details(type_))
-            if part and (await self._may_ask() if part not in _OF_ACTIONS else self._describes_actions):
-                return await self._part_details(type_, of, part)
-            if part in _OF_ACTIONS:
-                return BridgeError(
-                    f"`{self._url}` does not describe actions. Update rosbridge: 2.3.0 does it or, on Humble,"
-                    " 2.0.2."
-                )
+                return await (self._part_details(type_, of, part, kind) if part else self._details(type_))
+            if part and (await self._may_ask() if kind == "service" else self._describes_actions):
+                return await self._part_details(type_, of, part, kind)
+            if part:
+                return BridgeError(f"`{self._url}` {_UNTOLD[kind]}")
             found = await self._from_raw_types(type_)
             if found:
                 return found
@@ -327,9 +329,8 @@ class Rosapi:
                 return await self._details(type_.replace("/", "/msg/", 1))
         except BridgeError as error:
             return error
-        kind = "service type" if part else "message type"
         return BridgeError(
-            f"`{self._url}` knows no {kind} `{of}` of a topic that exists."
+            f"`{self._url}` knows no message type `{of}` of a topic that exists."
             f"{did_you_mean(of, {*KNOWN, *self._topics.values()})} If its name is right, start the node"
             " that uses it first. rosapi is asked for no other types, because before rosbridge 2.3.0 that can"
             " end it on ROS 2 Jazzy and later."
@@ -344,12 +345,11 @@ class Rosapi:
             self._distribution = str(version.get("distro", ""))
         return self._distribution in _SURE
 
-    async def _part_details(self, type_: str, of: str, part: str) -> Mapping[str, Definition]:
+    async def _part_details(self, type_: str, of: str, part: str, kind: str) -> Mapping[str, Definition]:
         """Return the definitions of what is sent to an action or a service, or comes from it."""
-        if part in _OF_ACTIONS and not self.is_ros2:
+        if kind == "action" and not self.is_ros2:
             found = await self._details(of + part)
         else:
-            kind = "action" if part in _OF_ACTIONS else "service"
             spelled = of.replace("/", "/action/" if kind == "action" else "/srv/", 1) if self.is_ros2 else of
             answer = await self._try(f"/rosapi/{kind}_{part.lower()}_details", type=spelled)
             found = from_rosapi(answer.get("typedefs", []))

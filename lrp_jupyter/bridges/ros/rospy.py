@@ -251,21 +251,21 @@ def _class_of(type_: str, whole: bool = False) -> Any:
     """Return the class of a type of messages, or of the `whole` service that they are part of."""
     import roslib.message
 
-    of, part = part_of(type_)
-    is_service = part in ("Request", "Response")
+    of, part, kind = part_of(type_)
     try:
-        if is_service:
+        if kind == "service":
             found = roslib.message.get_service_class(of)
         else:
             found = roslib.message.get_message_class(of + part)
     except ValueError:
         found = None
     if found is None:
-        package, kind = of.partition("/")[0], "service" if is_service else "action" if part else "message"
+        package = of.partition("/")[0]
         raise RefusedError(
-            f"There is no {kind} type `{of}` here. Is `{package}` installed, and is the name right?"
+            f"There is no {kind or 'message'} type `{of}` here. Is `{package}` installed, and is the name"
+            " right?"
         )
-    return getattr(found, f"_{part.lower()}_class") if is_service and not whole else found
+    return getattr(found, f"_{part.lower()}_class") if kind == "service" and not whole else found
 
 
 def fill(message: Any, values: Mapping[str, Any]) -> None:

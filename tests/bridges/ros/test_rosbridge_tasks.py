@@ -206,7 +206,9 @@ def test_the_cancels_of_two_goals_leave_through_a_line_that_was_held_up(
     until(lambda: known((second, 1)) or ("/move_base/cancel", {"id": second}) in graph.heard)
 
 
-def test_a_server_that_cannot_describe_an_action_is_to_be_updated(make: Make, ros2: Any, server: Any) -> None:
+def test_a_server_that_cannot_describe_an_action_or_a_service_is_to_be_updated(
+    make: Make, ros2: Any, server: Any
+) -> None:
     server.is_recent = False
     ros = make()
     ros.open()
@@ -214,6 +216,8 @@ def test_a_server_that_cannot_describe_an_action_is_to_be_updated(make: Make, ro
     until(lambda: ros.live.get("action"))
     with pytest.raises(BridgeError, match=r"does not describe actions\. Update rosbridge"):
         ros.action("drive_to", "/navigate", "nav2_msgs/action/Navigate")
+    with pytest.raises(BridgeError, match=r"not asked for types of services, .* Update rosbridge\.$"):
+        ros.service("lamp", "/lamp", "lamps/srv/Switch")
     ros.action("drive_to", "/navigat")
     drive(ros, 1.0)
     until(lambda: latched(ros)[0] == "aborted")
