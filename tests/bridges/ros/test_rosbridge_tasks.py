@@ -13,6 +13,7 @@ from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.bridges.ros.definitions import HEADERS, Definition, FieldType
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.session import Session
 
 Make = Callable[..., RosBridge]
 
@@ -165,6 +166,17 @@ def test_a_service_that_hangs_holds_up_nothing(ros: RosBridge, ros2: Any) -> Non
     ros.robot.lamp(on=True)
     until(lambda: latched(ros, "lamp")[0] == "lost")
     assert "/lamp" in ros.robot.lamp.reason
+
+
+def test_a_service_that_the_end_of_a_run_calls_is_reached_before_the_connection_ends(
+    ros: RosBridge, ros2: Any
+) -> None:
+    called: list[bool] = []
+    ros2.services["/lamp"] = ("lamps/Switch", lambda values: {"said": called.append(values["on"]) or "on"})
+    ros.service("lamp", "/lamp")
+    with Session("(onend [robot.lamp(on=True)]) (machine m (state s)) (spawn m s)", bridge=ros) as session:
+        session.run(0.2)
+    until(lambda: called == [True])
 
 
 def test_the_cancels_of_two_goals_leave_through_a_line_that_was_held_up(
