@@ -246,10 +246,11 @@ class SimBridge(Bridge, SimulatedWorld):
         """See :class:`SimulatedWorld`; here all readings are known."""
         if not isinstance(sensed, tuple):
             return {}
-        sensors = self._sensors.copy()  # another thread may ask while a world is loaded
-        known = {name: each for name, each in sensors.items() if each[0] < len(sensed)}
-        values = {name: read(sensed[index]) for name, (index, read) in known.items()}
         states = sensed[-1] if isinstance(sensed[-1], dict) else {}
+        robots = sensed[:-1] if states else sensed
+        sensors = self._sensors.copy()  # another thread may ask while a world is loaded
+        known = {name: each for name, each in sensors.items() if each[0] < len(robots)}
+        values = {name: read(robots[index]) for name, (index, read) in known.items()}
         return {name: value for name, value in values.items() if value is not None} | states
 
     def _move(self, index: int, message: Message) -> None:

@@ -281,6 +281,18 @@ def test_another_world_ends_what_the_robots_of_the_one_before_were_asked_for(is_
     assert session.bridge.picture.robots[0].command == (0, 0)
 
 
+def test_the_past_of_a_world_with_fewer_robots_has_its_readings_and_tasks():
+    session = session_of(SQUARE, room())
+    session.run(0.5)
+    session.call(lambda: session.bridge.load_world(room(robots=2)))
+    session.run(0.5)
+    then = session.at(3).readings
+    assert then["drive_by"].active
+    assert "odom.x" in then
+    assert "other.odom.x" not in then
+    assert "other.odom.x" in session.at(9).readings
+
+
 NOISY = Noise(motor=0.1, light=5, gyro=0.02, odom=0.05, distance=0.01)
 
 
