@@ -16,7 +16,7 @@ for each in list(registry.running()):
     registry.forget(each)
 """
 IS_TABLET = "matchMedia('(pointer: coarse)').matches"
-AT_REST = """async ([root, selector]) => {
+AT_REST = """async (root, selector) => {
   let last = "";
   for (let frame = 0, same = 0; same < 10; frame++) {
     if (frame > 2000) throw new Error(`${selector} does not come to rest: ${last}`);
@@ -187,13 +187,16 @@ class LabPage:
 
     def until(self, condition, selector=":scope", argument=None):
         """Wait until ``condition(element, argument)``, a function of JavaScript, holds; return its result."""
-        self.sees(selector)
-        element = self.root.element_handle()
-        result = self.page.wait_for_function(
-            "([root, selector, argument]) => {"
+        holds = (
+            "(root, [selector, argument]) => {"
             " const element = selector === ':scope' ? root : root.querySelector(selector);"
-            f" return element && ({condition})(element, argument); }}",
-            arg=[element, selector, argument],
+            f" return element && ({condition})(element, argument); }}"
+        )
+        if at_once := self.root.evaluate(holds, [selector, argument]):
+            return at_once
+        result = self.page.wait_for_function(
+            f"([root, ...others]) => ({holds})(root, others)",
+            arg=[self.root.element_handle(), selector, argument],
         )
         return result.json_value()
 
@@ -210,8 +213,7 @@ class LabPage:
 
     def at_rest(self, selector):
         """Wait until something has not moved for ten frames; return its rectangle in the window, in px."""
-        self.sees(selector)
-        return self.page.evaluate(AT_REST, [self.root.element_handle(), selector])
+        return self.root.evaluate(AT_REST, selector)
 
     def reads(self, selector, text):
         """Wait until something has this text."""
@@ -258,10 +260,12 @@ class LabPage:
     def press(self, selector):
         """Press something, as the browser's user does, who first chooses the tab in which it is."""
         found = self.find(selector).first
-        tab = found.evaluate("element => element.closest('[data-behind]')?.dataset.lrp")
+        tab, is_tablet = found.evaluate(
+            f"element => [element.closest('[data-behind]')?.dataset.lrp, {IS_TABLET}]"
+        )
         if tab:
             self.open_tab(tab)
-        found.tap() if self.page.evaluate(IS_TABLET) else found.click()
+        found.tap() if is_tablet else found.click()
 
     def do(self, action):
         """Press a button."""

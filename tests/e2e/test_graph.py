@@ -96,7 +96,7 @@ def test_a_graph_is_dragged_and_what_is_new_comes_into_view(open_lab):
     open_a_nested_machine(follower)
 
 
-def test_the_last_transition_stands_out_at_every_moment_in_every_theme(open_lab):
+def test_in_every_theme_the_last_transition_stands_out_at_every_moment_and_names_can_be_read(open_lab):
     lab = open_lab(TURNS)
     lab.goes_on()
     for theme in ("dark", "light"):
@@ -106,23 +106,20 @@ def test_the_last_transition_stands_out_at_every_moment_in_every_theme(open_lab)
             assert all(strength <= first / 2 for strength, _, _ in others)
             assert all(each < width for _, each, _ in others)
             assert all(each != plate for _, _, each in others)
+        use_the_colours_of_the_system(lab)
     lab.pause()
     assert graph(lab).locator(".lrp-transition[data-fired]").count() == 1
     lab.misses(".lrp-transition[data-glow]")
     lab.sees('.lrp-transition[data-fired][aria-description="fired last"]')
 
 
-def test_names_are_read_in_the_colours_of_the_system(open_lab):
-    lab = open_lab(COUNTER)
-    lab.pause()
+def use_the_colours_of_the_system(lab):
     media = lab.page.emulate_media
     try:
-        for theme in ("dark", "light"):
-            axe.choose_theme(lab, theme)
-            for scheme in ("dark", "light"):
-                media(forced_colors="active", color_scheme=scheme)
-                ink, text, paper = graph(lab).evaluate(FORCED)
-                assert ink == text != paper
+        for scheme in ("dark", "light"):
+            media(forced_colors="active", color_scheme=scheme)
+            ink, text, paper = graph(lab).evaluate(FORCED)
+            assert ink == text != paper
     finally:
         media(forced_colors="none", color_scheme="light")
 

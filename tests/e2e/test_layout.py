@@ -118,34 +118,37 @@ def has_a_whole_head(lab):
 def has_every_tab_in_reach(lab):
     """A mouse comes from the first tab to the last one and back; the name of the one in front is whole."""
     tabs = lab.find(".lrp-tab:not([hidden])").evaluate_all("tabs => tabs.map(tab => tab.dataset.lrpTab)")
+    lab.at_rest(".lrp-tab")  # so are the others of the strip
     for tab in (*tabs, *reversed(tabs)):
-        left, right = seen_of(lab, tab)
+        left, right, box = seen_of(lab, tab)
         assert right - left >= 12, tab
-        lab.page.mouse.click((left + right) / 2, lab.box(f'[data-lrp-tab="{tab}"]')["y"] + 12)
+        lab.page.mouse.click((left + right) / 2, box["y"] + 12)
         lab.sees(f'[data-lrp="{tab}"]:not([data-behind])')
-        left, right = seen_of(lab, tab)
-        assert right - left >= lab.box(f'[data-lrp-tab="{tab}"]')["width"] - 0.5, tab
+        lab.at_rest(f'[data-lrp-tab="{tab}"]')
+        left, right, box = seen_of(lab, tab)
+        assert right - left >= box["width"] - 0.5, tab
 
 
 def seen_of(lab, tab):
-    """Return the ends of what is seen of a tab in its strip, beside the buttons of the panel in front."""
-    box, strip = lab.at_rest(f'[data-lrp-tab="{tab}"]'), lab.box(".lrp-tab-strip")
+    """Return the ends of what is seen of a tab in its strip, beside the buttons in front, and its box."""
+    box, strip = lab.box(f'[data-lrp-tab="{tab}"]'), lab.box(".lrp-tab-strip")
     tools = lab.box(".lrp-tabs > .lrp-panel:not([data-behind]) > .lrp-head")
-    return max(box["x"], strip["x"]), min(box["x"] + box["width"], tools["x"])
+    return max(box["x"], strip["x"]), min(box["x"] + box["width"], tools["x"]), box
 
 
-def test_every_panel_has_its_place_in_every_window_light_and_dark(open_lab, page):
+def test_every_panel_has_its_place_on_paper_and_in_every_window_light_and_dark(open_lab, page):
     lab = open_lab(FOLLOWER, "follower --world line")
+    print_it(lab)
     lab.type_after("(state end", "ing")  # a program with findings shows more
     lab.sees('[data-lrp="issues"]:not([data-behind]) [data-lrp-issue]')  # in front
     lab.open_tab("variables")
     lab.pause()
-    for theme in ("dark", "light"):
+    for theme, screens in (("dark", SCREENS[:3]), ("light", SCREENS[3:])):  # which differ in colours only
         axe.choose_theme(lab, theme)
         for part in ("editor", "graph", "variables"):
             dark = theme == "dark"
             assert all((colour > 128) is dark for colour in ink(lab, part)), (theme, part)
-        for width, height in SCREENS:
+        for width, height in screens:
             page.set_viewport_size({"width": width, "height": height})
             lab.until(STACKED, ".lrp-panels", width < 1000)
             lab.at_rest('[data-lrp="world"]')
@@ -385,7 +388,6 @@ def push_nothing_by_notes(lab):
     lab.sees('form[aria-label="Versions"]:not([hidden])')
     assert places_of(lab) == before
     lab.page.keyboard.press("Escape")
-    lab.sees(".lrp-notice[hidden]")  # it fades
     lab.sees(".lrp-restarts:visible")
     summary = lab.sees(".lrp-restarts summary")
     summary.focus()
@@ -393,8 +395,8 @@ def push_nothing_by_notes(lab):
     lab.reads(".lrp-restart-list", "is active and its running changed")
 
 
-def test_a_lab_is_printed_as_its_program_its_graph_and_its_world(open_lab):
-    lab = open_lab(FOLLOWER, "follower --world line")
+def print_it(lab):
+    """Its program, its graph and its world are whole, and one below the other."""
     lab.page.evaluate("dispatchEvent(new Event('beforeprint'))")  # as the browser does
     lab.page.emulate_media(media="print")
     try:
@@ -408,3 +410,4 @@ def test_a_lab_is_printed_as_its_program_its_graph_and_its_world(open_lab):
         assert lab.find(".lrp-button:visible").count() == 0
     finally:
         lab.page.emulate_media(media="screen")
+        lab.page.evaluate("dispatchEvent(new Event('afterprint'))")
