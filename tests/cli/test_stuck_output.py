@@ -69,11 +69,14 @@ def started(robot: Robot, tmp_path: Path) -> Iterator[Callable[..., tuple[Comman
         yield start
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.parametrize(
-    ("kind", "options"),
-    [("terminal", ()), ("pipe", ()), ("pipe", ("--trace", "-"))],
-    ids=["tty", "pipe", "trace"],
+    ("kind", "options", "number"),
+    [  # each output and each signal; a terminal sends two of them
+        pytest.param("terminal", (), signal.SIGINT, id="tty-int"),
+        pytest.param("terminal", (), signal.SIGHUP, id="tty-hup"),
+        pytest.param("pipe", (), signal.SIGTERM, id="pipe-term"),
+        pytest.param("pipe", ("--trace", "-"), signal.SIGINT, id="trace-int"),
+    ],
 )
 def test_a_signal_stops_the_robot_and_ends_the_program(robot, started, kind, options, number):
     program, _ = started(kind, *options)
