@@ -65,7 +65,7 @@ TWICE = """\
   (state search)
   (state found)
   (on [n > side] search -> found hit)
-  (on [n < 0] found -> search lost))
+  (on [n < -side] found -> search lost))
 (machine m (state left (onentry (spawn follow search (var side := [90000])))))
 (machine k (state one (onentry (spawn follow search))))
 (machine clock (state t (running [n += 1])))

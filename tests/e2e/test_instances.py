@@ -54,7 +54,10 @@ def pause_in_one(lab):
     lab.state("follow/found").click(button="right")
     assert lab.find('[role="menuitem"]').first.inner_text() == "Transition here in m/left"
     lab.choose("pause-entered-here")
+    lab.pause()
     lab.do("reset")
+    lab.has_value("n", "—")  # nothing runs
+    lab.do("run")
     in_state(lab, "k/one/follow", "found")  # which does not pause
     lab.sees('.lrp-status .lrp-dot[data-status="running"]')
     lab.find("[data-lrp-variable='m/left/follow/side'] .lrp-value").click()
@@ -70,9 +73,9 @@ def ask_why_in_one(lab):
     lab.sees(".lrp-why[aria-label='Why found in m/left?'] .lrp-why-sentence:has-text('side was 0')")
     lab.page.keyboard.press("Escape")
     select(lab, "k/one/follow")
-    lab.select("hit")
+    lab.select("lost")
     lab.page.keyboard.press("Alt+F8")
-    lab.sees(".lrp-why[aria-label='Why not hit in k/one?'] .lrp-why-sentence:has-text('side was 1')")
+    lab.sees(".lrp-why[aria-label='Why not lost in k/one?'] .lrp-why-sentence:has-text('side was 1')")
     lab.page.keyboard.press("Escape")
 
 
