@@ -7,7 +7,8 @@ cancelled, and prints `drives X` and `stands`. How a goal goes is said on its st
 * ``feedback X``, ``succeed``, ``abort WHY``, each for the goal that it drives to;
 * ``reject WHY``: the goals that come from now on (it prints `rejects`);
 * ``hold``: cancels are not confirmed from now on (`holds`), although it stands; ``confirm``: those are;
-* ``again``: the last result is sent a second time.
+* ``again``: the last result is sent a second time;
+* ``reset``: it is as in the beginning, and prints that.
 
 `/lamp` (SetBool) answers at once, or after ``slow`` on ``answer``; it fails if the lamp is on already.
 """
@@ -95,6 +96,12 @@ class Full:
             tell("holds")
         elif word == "confirm":
             self.confirm()
+        elif word == "reset":
+            if self.goal is not None:
+                self.cancel(self.goal)
+            self.confirm()
+            self.rejects, self.holds = "", False
+            tell("reset")
 
 
 class Simple:
@@ -145,6 +152,9 @@ class Lamp:
             tell("slow")
         elif word == "answer":
             self.may_answer.set()
+        elif word == "reset":
+            self.is_on = False
+            self.may_answer.set()
 
 
 def main(kind: str) -> None:
@@ -153,8 +163,8 @@ def main(kind: str) -> None:
     tell("ready")
     for line in sys.stdin:
         word, _, rest = line.strip().partition(" ")
-        server.obey(word, rest)
         lamp.obey(word)
+        server.obey(word, rest)
 
 
 if __name__ == "__main__":

@@ -10,8 +10,10 @@ from __future__ import annotations
 import contextlib
 import gc
 import importlib.util
+import itertools
 import math
 import os
+import shlex
 import shutil
 import signal
 import socket
@@ -21,10 +23,11 @@ import threading
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from queue import Queue
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
@@ -305,16 +308,36 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 # -- a real ROS 1 ---------------------------------------------------------------------------------
 
 
+class Compiling:
+    """A program that is compiled while tests run which do not need it."""
+
+    def __init__(self, folder: Path, *commands: list[str]) -> None:
+        self._process = subprocess.Popen(
+            " && ".join(map(shlex.join, commands)),
+            shell=True,
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+
+    def wait(self) -> None:
+        output, _ = self._process.communicate(timeout=300)
+        assert self._process.returncode == 0, output
+
+
 class Processes:
     """Programs that were started, each in a group of its own; all are ended in the end."""
 
     def __init__(self, environment: dict[str, str], folder: Path) -> None:
         self.environment, self.folder = environment, folder
-        self._running: list[subprocess.Popen[str]] = []
-        self._listeners: list[threading.Thread] = []
+        self._logs: dict[subprocess.Popen[str], Path] = {}  # of what is running
+        self._numbers = itertools.count()
+        self._listeners: dict[subprocess.Popen[str], tuple[threading.Thread, list[str]]] = {}
 
     def start(self, *command: str, ready: bool = False) -> subprocess.Popen[str]:
-        with (self.folder / f"{len(self._running)}.log").open("w") as log:
+        path = self.folder / f"{next(self._numbers)}.log"
+        with path.open("w") as log:
             process = subprocess.Popen(
                 command,
                 env=self.environment,
@@ -325,14 +348,16 @@ class Processes:
                 text=True,
                 start_new_session=True,
             )
-        self._running.append(process)
+        self._logs[process] = path
         if ready:
             assert process.stdout is not None
             assert process.stdout.readline().strip() == "ready", self.log(process)
         return process
 
     def lines(self, process: subprocess.Popen[str]) -> list[str]:
-        """What a program prints, as it comes."""
+        """What a program prints from the first call on, as it comes."""
+        if process in self._listeners:
+            return self._listeners[process][1]
         lines: list[str] = []
 
         def listen() -> None:
@@ -340,28 +365,27 @@ class Processes:
             for line in process.stdout:
                 lines.append(line.strip())
 
-        thread = threading.Thread(target=listen, name="listen", daemon=True)
-        self._listeners.append(thread)
-        thread.start()
+        self._listeners[process] = threading.Thread(target=listen, name="listen", daemon=True), lines
+        self._listeners[process][0].start()
         return lines
 
     def log(self, process: subprocess.Popen[str]) -> str:
-        return (self.folder / f"{self._running.index(process)}.log").read_text()
+        return self._logs[process].read_text()
 
     def end(self, process: subprocess.Popen[str]) -> None:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
         process.wait(10)
-        for listener in self._listeners:
-            listener.join(0 if process.stdout is None else 1)
+        if process in self._listeners:
+            self._listeners.pop(process)[0].join(1)  # a child of its own may hold the pipe open
         for stream in (process.stdin, process.stdout):
             if stream is not None:
                 stream.close()
 
-    def end_all(self) -> None:
-        for process in reversed(self._running):
+    def end_all(self, but: Collection[subprocess.Popen[str]] = ()) -> None:
+        for process in reversed([each for each in self._logs if each not in but]):
             self.end(process)
-        self._running.clear()
+            del self._logs[process]
 
 
 @pytest.fixture(scope="class")
@@ -373,45 +397,86 @@ def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
 
 
 class Ros(Processes):
-    """A master, which can be killed and started again, and the programs around it."""
+    """A master, which can be killed and started again, and the programs around it.
+
+    Some are kept from one test to the next, with the master, as long as that is the same one.
+    """
 
     def __init__(self, environment: dict[str, str], folder: Path, master_port: int) -> None:
         super().__init__(environment, folder)
-        self.master_port = master_port
-        self._master: subprocess.Popen[str] | None = None
-        self._server: subprocess.Popen[str] | None = None
-        self.rosbridge_port = 0
+        self.master_port, self.rosbridge_port = master_port, _free_port()
+        self._kept: dict[tuple[str, ...], subprocess.Popen[str]] = {}
+        self._is_shaken = False
+
+    @contextlib.contextmanager
+    def around_a_test(self) -> Iterator[Ros]:
+        """End what a test starts and does not keep, and have the master forget it."""
+        if self._master not in self._kept:
+            self.start_master()
+        try:
+            yield self
+        finally:
+            if self._is_shaken:
+                self._kept.clear()
+            self._is_shaken = False
+            self._kept = {command: each for command, each in self._kept.items() if each.poll() is None}
+            self.end_all(but=self._kept.values())
+            if self._kept:
+                self._forget_the_dead()
+            _collect()
+
+    def keep(self, *command: str) -> subprocess.Popen[str]:
+        """Return a program that lasts; start it unless it is there."""
+        kept = self._kept.get(command)
+        if kept is None or kept.poll() is not None:
+            kept = self._kept[command] = self.start(*command, ready=True)
+        return kept
+
+    def _forget_the_dead(self) -> None:
+        """Unregister the nodes that were killed, as `rosnode cleanup` does."""
+        import rosgraph
+
+        master, dead = rosgraph.Master("/tests"), {}
+        state = master.getSystemState()
+        for node in {node for section in state for _name, nodes in section for node in nodes}:
+            address = master.lookupNode(node)
+            if not _answers(urlsplit(address).port or 0):
+                dead[node] = address
+        for section, kind in zip(state, ("Publisher", "Subscriber", "Service"), strict=True):
+            for name, nodes in section:
+                for node in dead.keys() & nodes:
+                    address = master.lookupService(name) if kind == "Service" else dead[node]
+                    getattr(rosgraph.Master(node), f"unregister{kind}")(name, address)
+
+    @property
+    def _master(self) -> tuple[str, ...]:
+        return "/usr/bin/rosmaster", "--core", "-p", str(self.master_port)
 
     def start_master(self) -> None:
-        self._master = self.start("/usr/bin/rosmaster", "--core", "-p", str(self.master_port))
+        self._kept[self._master] = self.start(*self._master)
         until(lambda: _answers(self.master_port), "the master did not start")
 
     def kill_master(self) -> None:
-        assert self._master is not None
-        self.end(self._master)
+        self._is_shaken = True
+        self.end(self._kept[self._master])
 
     def signal_master(self, number: int) -> None:
-        assert self._master is not None
-        os.killpg(self._master.pid, number)
+        self._is_shaken = True
+        os.killpg(self._kept[self._master].pid, number)
+
+    @property
+    def _server(self) -> tuple[str, ...]:
+        return sys.executable, str(HERE / "rosbridge_server.py"), str(self.rosbridge_port)
 
     def start_rosbridge(self) -> int:
-        self.rosbridge_port = self.rosbridge_port or _free_port()
-        script = str(HERE / "rosbridge_server.py")
-        self._server = self.start(sys.executable, script, str(self.rosbridge_port), ready=True)
+        self.keep(*self._server)
         return self.rosbridge_port
 
     def kill_rosbridge(self) -> None:
-        assert self._server is not None
-        self.end(self._server)
+        self.end(self._kept[self._server])
 
     def start_robot(self, speed: float = 1.0, world: str = "line") -> subprocess.Popen[str]:
         return self.start(sys.executable, str(HERE / "robot_node.py"), str(speed), world, ready=True)
-
-    def call(self, *command: str) -> str:
-        done = subprocess.run(
-            command, env=self.environment, cwd=self.folder, capture_output=True, text=True, timeout=180
-        )
-        return done.stdout
 
     def subscribers(self, topic: str) -> list[str]:
         import rosgraph
@@ -471,16 +536,16 @@ def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[st
     shutil.rmtree(folder, ignore_errors=True)
 
 
-@contextlib.contextmanager
-def _running(ros_home: tuple[dict[str, str], Path, int], folder: Path) -> Iterator[Ros]:
-    environment, _folder, port = ros_home
+@pytest.fixture(scope="session")
+def programs(ros_home: tuple[dict[str, str], Path, int]) -> Iterator[Ros]:
+    environment, folder, port = ros_home
     ros = Ros(environment, folder, port)
-    ros.start_master()
-    try:
-        yield ros
-    finally:
-        ros.end_all()
-        _collect()
+    gc.collect()
+    gc.freeze()  # the garbage of each test is found without what the others need
+    yield ros
+    gc.unfreeze()
+    ros.end_all()
+    _collect()
 
 
 def _collect() -> None:
@@ -491,19 +556,17 @@ def _collect() -> None:
 
 
 @pytest.fixture
-def real(ros_home: tuple[dict[str, str], Path, int], tmp_path: Path) -> Iterator[Ros]:
+def real(programs: Ros) -> Iterator[Ros]:
     """A real master, and what is started around it."""
-    with _running(ros_home, tmp_path) as ros:
-        yield ros
+    with programs.around_a_test():
+        yield programs
 
 
 @pytest.fixture(scope="class")
-def lasting(
-    ros_home: tuple[dict[str, str], Path, int], tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Ros]:
+def lasting(programs: Ros) -> Iterator[Ros]:
     """A master for all tests of a class; never together with `real`."""
-    with _running(ros_home, tmp_path_factory.mktemp("lasting")) as ros:
-        yield ros
+    with programs.around_a_test():
+        yield programs
 
 
 @pytest.fixture(params=["rosbridge", "rospy"])
@@ -517,9 +580,7 @@ def connect(real: Ros, backend: str) -> Iterator[Callable[..., RosBridge]]:
     bridges = []
 
     def build(**options: Any) -> RosBridge:
-        if backend == "rosbridge" and not real.rosbridge_port:
-            real.start_rosbridge()
-        port = real.rosbridge_port if backend == "rosbridge" else real.master_port
+        port = real.start_rosbridge() if backend == "rosbridge" else real.master_port
         bridge = RosBridge(backend=backend, host="127.0.0.1", port=port, **options)
         bridges.append(bridge)
         bridge.open()

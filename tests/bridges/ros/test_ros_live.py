@@ -225,7 +225,13 @@ def is_heard_by_rosbridge(real: Any) -> bool:
     return any("rosbridge" in node for node in real.subscribers("/cmd_vel"))
 
 
-def test_a_lost_robot_stops_and_is_found_again(real: Any, connect: Connect, backend: str) -> None:
+def test_a_lost_robot_stops_and_is_found_again(
+    real: Any, connect: Connect, backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for limit in ("rospy._ANSWER", "rosapi._ANSWER", "rosapi._FIRST"):
+        monkeypatch.setattr(f"lrp_jupyter.bridges.ros.{limit}", 1.0)
+    for pause in ("rosapi._SOON", "rosapi._RARELY"):
+        monkeypatch.setattr(f"lrp_jupyter.bridges.ros.{pause}", 0.2)
     ros = connect(setup=TEXT)
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     velocities = echo(real)

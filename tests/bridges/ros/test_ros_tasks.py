@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import pytest
+from bridges.ros.conftest import Compiling
 from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge, goal_topics
@@ -43,11 +44,9 @@ GOING = """
 class Base:
     """The robot, in a process of its own: what it has done so far, and what it is to do."""
 
-    def __init__(self, real: Any, *command: str) -> None:
-        self.process = real.start(*command)
-        self.done: list[str] = real.lines(self.process)
-        until(lambda: "ready" in self.done, lambda: real.log(self.process))
-        self.done.remove("ready")
+    def __init__(self, real: Any, process: Any) -> None:
+        self.process = process
+        self.done: list[str] = real.lines(process)
 
     def say(self, line: str) -> None:
         self.process.stdin.write(f"{line}\n")
@@ -65,14 +64,24 @@ class Base:
 
 @pytest.fixture
 def base(real: Any) -> Base:
-    return Base(real, *PYTHON, "full")
+    base = Base(real, real.keep(*PYTHON, "full"))
+    base.say("reset")
+    until(lambda: "reset" in base.done)
+    base.done.clear()
+    return base
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiling(ros_home: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Compiling]:
+    folder = tmp_path_factory.mktemp("robot")
+    program, links = str(folder / "action_server"), [f"-l{library}" for library in LIBRARIES]
+    return program, Compiling(folder, ["g++", "-w", str(HERE / "action_server.cpp"), "-o", program, *links])
 
 
 @pytest.fixture(scope="module")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> str:
-    program = str(tmp_path_factory.mktemp("robot") / "action_server")
-    links = [f"-l{library}" for library in LIBRARIES]
-    subprocess.run(["g++", "-w", str(HERE / "action_server.cpp"), "-o", program, *links], check=True)
+def compiled(_compiling: tuple[str, Compiling]) -> str:
+    program, compiling = _compiling
+    compiling.wait()
     return program
 
 
@@ -98,40 +107,6 @@ def status(ros: RosBridge) -> tuple[str | None, str]:
     return ros.robot.drive_to.status, ros.robot.drive_to.reason
 
 
-@pytest.mark.parametrize("server", ["SimpleActionServer", "SimpleActionServer in C++", "ActionServer"])
-def test_a_goal_is_pursued_changed_while_the_robot_drives_and_reached(
-    real: Any, connect: Connect, run: Run, server: str, compiled: str
-) -> None:
-    commands = {"SimpleActionServer": (*PYTHON, "simple"), "ActionServer": (*PYTHON, "full")}
-    base = Base(real, *commands.get(server, (compiled,)))
-    ros = connect()
-    ros.action("drive_to", "/move_base")
-    session = run(GOING, ros)
-    base.does("drives 2.0" if server != "SimpleActionServer in C++" else "drives 2")
-    base.say("feedback 1.5")
-    until(lambda: ros.robot.drive_to.feedback)
-    assert ros.robot.drive_to.feedback.base_position.pose.position.x == 1.5
-    session.set_variable("x", 3.5)
-    base.does("drives 3.5")  # it did not stand in between
-    base.say("succeed")
-    until(lambda: state(session) == "there")
-    base.does("stands")
-    session.edit(GOING.replace("=x", "=4.5"))
-    session.transition_to("going")
-    base.does("drives 4.5")
-    base.say("abort no path")
-    until(lambda: state(session) == "failed")
-    base.does("stands")
-    assert status(ros) == (None, ""), "it was forgotten when the state was left"
-    session.pause()
-    latched(ros)
-    ros.robot.drive_to(target_pose_pose_position_x=5.5)
-    base.does("drives 5.5")
-    base.say("abort no path")
-    until(lambda: latched(ros) == ("aborted", "no path."))
-    base.does("stands")
-
-
 def test_whatever_ends_the_program_ends_the_goal(base: Base, connect: Connect, run: Run) -> None:
     ros = connect(setup=SETUP)
     session = run(GOING, ros)
@@ -139,6 +114,7 @@ def test_whatever_ends_the_program_ends_the_goal(base: Base, connect: Connect, r
     without = GOING.replace("(running [robot.drive_to(target_pose_pose_position_x=x)])", "")
     for end, begin in (
         (session.pause, session.resume),
+        (session.stop_robot, session.resume),
         (ros.disarm, ros.arm),
         (lambda: session.edit(without), lambda: session.edit(GOING)),
         (lambda: session.transition_to("there"), lambda: session.transition_to("going")),
@@ -149,13 +125,8 @@ def test_whatever_ends_the_program_ends_the_goal(base: Base, connect: Connect, r
         base.does("drives 2.0")
     session.reset()  # and asked for again
     base.does("stands", "drives 2.0")
-    session.stop_robot()
-    until(lambda: "stands" in base.done)
-    base.done.clear()
     session.close()
-    until(lambda: base.done[-1:] in ([], ["stands"]))
-    base.say("feedback 1")  # it has no goal: the node would end
-    assert base.process.poll() is None
+    base.does("stands")
 
 
 def test_what_a_server_says_too_late_twice_or_of_other_goals_changes_nothing(
@@ -179,10 +150,8 @@ def test_what_a_server_says_too_late_twice_or_of_other_goals_changes_nothing(
     session.transition_to("going")
     base.does("stands", "drives 2.0")
     base.say("again")  # the last result, for the second time
-    foreign = "{goal_id: {id: another}, goal: {target_pose: {pose: {position: {x: 9.0}}}}}"
-    real.call(
-        "/usr/bin/rostopic", "pub", "-1", "/move_base/goal", "move_base_msgs/MoveBaseActionGoal", foreign
-    )
+    foreign = f"{{goal_id: {{id: {uuid4()}}}, goal: {{target_pose: {{pose: {{position: {{x: 9.0}}}}}}}}}}"
+    real.start("/usr/bin/rostopic", "pub", "/move_base/goal", "move_base_msgs/MoveBaseActionGoal", foreign)
     until(lambda: ros.robot.drive_to.status == "cancelled")
     assert ros.robot.drive_to.reason == "another goal came."
     base.does("drives 9.0")
@@ -213,6 +182,7 @@ def test_a_goal_whose_server_hangs_dies_starts_again_or_is_not_there_is_lost(
 ) -> None:
     monkeypatch.setattr(goal_topics, "_SILENT", 1.0)
     monkeypatch.setattr(goal_topics, "_AGAIN", 0.5)
+    monkeypatch.setattr(goal_topics, "_TRIES", 3)
     ros = connect(setup=SETUP)
 
     def drive(x: float) -> None:
@@ -235,7 +205,7 @@ def test_a_goal_whose_server_hangs_dies_starts_again_or_is_not_there_is_lost(
     drives(base, 2.0)
     base.signal(signal.SIGKILL)
     until(lambda: latched(ros)[0] == "lost")
-    another = Base(real, *PYTHON, "full")
+    another = Base(real, real.start(*PYTHON, "full", ready=True))
     until(lambda: "is heard" not in ros.status.sentence)
     until(lambda: another.done[-1:] in ([], ["stands"]))  # rosbridge repeats its first messages to it
     another.done.clear()
@@ -362,6 +332,41 @@ def test_a_recorded_navigation_is_repeated_and_sends_no_goal(
             base.does("stands", "lamp True")
         there = session.frame.active
     again = reproduce(read_recording(tmp_path / "run.lrplog"))
-    assert again.difference is None
-    assert again.session.frame.active == there
+    with again.session as session:
+        assert again.difference is None
+        assert session.frame.active == there
     base.does()
+
+
+@pytest.mark.parametrize("server", ["SimpleActionServer", "SimpleActionServer in C++", "ActionServer"])
+def test_a_goal_is_pursued_changed_while_the_robot_drives_and_reached(
+    real: Any, connect: Connect, run: Run, server: str, compiled: str
+) -> None:
+    commands = {"SimpleActionServer": (*PYTHON, "simple"), "ActionServer": (*PYTHON, "full")}
+    base = Base(real, real.start(*commands.get(server, (compiled,)), ready=True))
+    ros = connect()
+    ros.action("drive_to", "/move_base")
+    session = run(GOING, ros)
+    base.does("drives 2.0" if server != "SimpleActionServer in C++" else "drives 2")
+    base.say("feedback 1.5")
+    until(lambda: ros.robot.drive_to.feedback)
+    assert ros.robot.drive_to.feedback.base_position.pose.position.x == 1.5
+    session.set_variable("x", 3.5)
+    base.does("drives 3.5")  # it did not stand in between
+    base.say("succeed")
+    until(lambda: state(session) == "there")
+    base.does("stands")
+    session.edit(GOING.replace("=x", "=4.5"))
+    session.transition_to("going")
+    base.does("drives 4.5")
+    base.say("abort no path")
+    until(lambda: state(session) == "failed")
+    base.does("stands")
+    assert status(ros) == (None, ""), "it was forgotten when the state was left"
+    session.pause()
+    latched(ros)
+    ros.robot.drive_to(target_pose_pose_position_x=5.5)
+    base.does("drives 5.5")
+    base.say("abort no path")
+    until(lambda: latched(ros) == ("aborted", "no path."))
+    base.does("stands")

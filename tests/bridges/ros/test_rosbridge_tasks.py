@@ -125,10 +125,16 @@ def test_a_goal_whose_server_is_not_there_or_gone_is_lost(ros: RosBridge, ros2: 
     assert [target(each) for each in ros2.goals.values()] == [1.0]
 
 
-def test_a_guard_cancels_the_goals_of_every_client(ros: RosBridge, make: Make, ros2: Any) -> None:
+def test_a_guard_cancels_the_goals_of_every_client(
+    ros: RosBridge, make: Make, ros2: Any, request: pytest.FixtureRequest
+) -> None:
+    ros.remove("move")  # an action is enough for a guard
     drive(ros, 1.0)
     first = goal(ros2, 1.0)
-    guard = make(node=GUARD_NODE, setup=ros.setup)
+    request.getfixturevalue("guarded")
+    stopper = ros.stopper()
+    assert stopper is not None
+    guard = make(node=GUARD_NODE, setup=stopper.arguments["setup"])
     guard.open()
     guard.stop()
     until(lambda: first.outcome)

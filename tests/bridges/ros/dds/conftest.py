@@ -11,15 +11,14 @@ import json
 import os
 import shutil
 import socket
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 import pytest
+from bridges.ros.conftest import Compiling
 from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge, link
@@ -27,6 +26,7 @@ from lrp_jupyter.bridges.ros import RosBridge, link
 HERE = Path(__file__).parent
 PACKAGES = ("cyclonedds", "rosbags")
 PROGRAMS = ("fastddsgen", "g++")
+LIBRARIES = ("-lfastrtps", "-lfastcdr")
 LIBRARY = Path("/usr/include/fastdds/dds/domain/DomainParticipant.hpp")
 
 MISSING = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
@@ -123,29 +123,32 @@ def robot(domain: int, processes: Any) -> Callable[..., Any]:
 # -- a stranger ---------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _compiling(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, Compiling | None]:
+    """Compile the Fast DDS peer from the beginning, as one unit: most of the time goes into the headers."""
+    folder, source = tmp_path_factory.mktemp("peer"), HERE / "peer"
+    names = {name for item in request.session.items for name in getattr(item, "fixturenames", ())}
+    if "stranger" not in names or any(shutil.which(name) is None for name in PROGRAMS):
+        return folder, None
+    included = [part for unit in ("ros2.cxx", "ros2PubSubTypes.cxx") for part in ("-include", unit)]
+    return folder, Compiling(
+        folder,
+        ["fastddsgen", "-replace", "-d", str(folder), str(source / "ros2.idl")],
+        ["g++", "-std=c++17", "-I.", *included, str(source / "peer.cpp"), "-o", "peer", *LIBRARIES],
+    )
+
+
 @pytest.fixture(scope="session")
-def stranger(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Compile the Fast DDS peer: about ten seconds."""
+def stranger(_compiling: tuple[Path, Compiling | None]) -> Path:
+    """Return the Fast DDS peer."""
     missing = [name for name in PROGRAMS if shutil.which(name) is None]
     refuse(missing + [str(LIBRARY)] * (not LIBRARY.exists()), "Fast DDS is not installed")
-    folder = tmp_path_factory.mktemp("peer")
-    source = HERE / "peer"
-    units = ["ros2.cxx", "ros2PubSubTypes.cxx", str(source / "peer.cpp")]
-    run(folder, ["fastddsgen", "-replace", "-d", str(folder), str(source / "ros2.idl")])
-    run(folder, *(["g++", "-std=c++17", "-I.", "-c", unit] for unit in units))
-    objects = [f"{Path(unit).stem}.o" for unit in units]
-    run(folder, ["g++", "-o", "peer", *objects, "-lfastrtps", "-lfastcdr"])
+    folder, compiling = _compiling
+    assert compiling is not None
+    compiling.wait()
     return folder / "peer"
-
-
-def run(folder: Path, *commands: list[str]) -> None:
-    """Run programs side by side until all have ended well."""
-    with ExitStack() as stack:
-        options: dict[str, Any] = {"cwd": folder, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
-        running = [stack.enter_context(subprocess.Popen(command, **options)) for command in commands]
-        for process in running:
-            output, _ = process.communicate(timeout=300)
-            assert process.returncode == 0, output.decode()
 
 
 class Peer:
