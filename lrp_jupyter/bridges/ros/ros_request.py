@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
+from ast import literal_eval
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 from uuid import uuid4
 
@@ -14,13 +16,20 @@ from lrp_jupyter.errors import ended
 _ENDS = ("succeeded", "aborted", "rejected", "cancelled")
 """After one of these, the robot is no longer busy with it; one that is lost may still be under way."""
 
-_WORDS = re.compile(r"responded with an error: b?['\"](?:service cannot process request: )?(.*)['\"]")
+_QUOTED = re.compile(r"responded with an error: (b?(['\"]).*\2)", re.DOTALL)
+_AROUND = re.compile(r"(?:error processing request|service cannot process request): ")
 
 
 def own_words(why: str) -> str:
-    """Return the sentence of a node that has failed to serve, without what ROS says around it."""
-    found = _WORDS.search(why)
-    return ended(found[1] if found else why)
+    """Return the sentence of a node that has failed to serve, without what ROS says around it.
+
+    rospy and rosbridge write it as Python writes bytes, in which a letter that is not ASCII is its code.
+    """
+    if (found := _QUOTED.search(why)) is not None:
+        with suppress(ValueError, SyntaxError):  # it only looks like that
+            said = literal_eval(found[1])
+            why = said.decode(errors="replace") if isinstance(said, bytes) else said
+    return ended(_AROUND.sub("", why, count=1))
 
 
 class RosRequest:

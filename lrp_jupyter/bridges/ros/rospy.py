@@ -349,9 +349,12 @@ class RospyService(TaskClient):
             fill(message, values)
             request.tell("succeeded", result=proxy.call(message))
         except Exception as error:  # of rospy, genpy, or the node that serves
-            why = own_words(self.hint() or str(error) or type(error).__name__)
-            is_gone = isinstance(error, _rospy().ServiceException) and "with an error" not in str(error)
-            request.tell("lost" if is_gone else "aborted", reason=f"`{self._name}`: {why}")
+            is_its_own = "with an error" in str(error)  # that of the node that serves
+            is_gone = isinstance(error, _rospy().ServiceException) and not is_its_own
+            hint = self.hint()
+            why = hint[:1].upper() + hint[1:] or str(error) or type(error).__name__
+            why = own_words(why if hint or is_its_own else f"`{self._name}`: {why}")
+            request.tell("lost" if is_gone else "aborted", reason=why)
         finally:
             proxy.close()
             if proxy in self._calls:

@@ -142,7 +142,7 @@ class Lamp:
         tell(f"lamp {request.data}")
         self.may_answer.wait()
         if request.data and self.is_on:
-            raise rospy.ServiceException("it is on already")
+            raise rospy.ServiceException("«An» is what it is: it's on")
         self.is_on = request.data
         return SetBoolResponse(True, "on" if self.is_on else "off")
 

@@ -265,8 +265,7 @@ def test_a_service_is_called_once_and_says_why_it_failed(
         return ros.robot.lamp.status, ros.robot.lamp.reason
 
     ros.robot.lamp(data=True)
-    until(lambda: "it is on already." in latched()[1])
-    assert ros.robot.lamp.status == "aborted"
+    until(lambda: latched() == ("aborted", "«An» is what it is: it's on."))
     ros.robot.lamp(data=False)
     until(lambda: latched()[0] == "succeeded")
     assert ros.robot.lamp.result.message == "off"
