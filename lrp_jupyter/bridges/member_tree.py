@@ -19,6 +19,8 @@ from lrp_jupyter.bridges.members import Member, MemberError, age_text, describe_
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue, StaleData, did_you_mean
 
+_EXAMPLES: Mapping[type, str] = {float: "0.2", int: "1", bool: "True", str: "'text'"}  # in sentences
+
 Limits = Mapping[str, float | tuple[float, float]]
 
 
@@ -316,8 +318,14 @@ class RobotMethod(NotAValue):
             raise BridgeError(f"`robot.{self.path}{self.signature}`: {error}.{hint}") from None
 
     def _example(self) -> str:
-        name = next(iter(self.limits), None) or next(iter(self.message.FIELDS if self.message else ()), "")
-        return f"`robot.{self.path}({name}=0.2)`"
+        """Return a call with a field that it has: one with a limit or a short form, or the first."""
+        assert self.message is not None
+        paths = sorted(self.message.paths(), key=lambda path: "header" in path)
+        name = next(iter((*self.limits, *self.message.WORDS, *paths)), None)
+        if name is None:
+            return f"`robot.{self.path}()`"
+        value = _EXAMPLES.get(type(self.message().get(name)), "[]")
+        return f"`robot.{self.path}({name.replace('.', '_')}={value})`"
 
     def describe(self) -> Member:
         """Return the description."""

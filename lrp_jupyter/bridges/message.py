@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -189,8 +189,14 @@ class Message:
 
     def _unknown(self, name: str) -> MemberError:
         known = [*self.FIELDS, *(path.replace(".", "_") for path in self.paths() if "." in path)]
-        names = ", ".join(f"`{field}`" for field in self.FIELDS)
-        return MemberError(f"`{self._path}` has no `{name}`; it has {names}.{did_you_mean(name, known)}")
+        return MemberError(
+            f"`{self._path}` has no `{name}`; it has {listed(self.FIELDS)}.{did_you_mean(name, known)}"
+        )
+
+
+def listed(fields: Iterable[str]) -> str:
+    """Return the names of the fields of a message for a sentence."""
+    return ", ".join(f"`{field}`" for field in fields) or "no fields"
 
 
 class Vector3(Message):

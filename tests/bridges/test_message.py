@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 from fractions import Fraction
 from typing import Any
 
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 from support.robots import Bare
 
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.bridges.message import NUMBER, Message, Plain, Twist, Vector3
+from lrp_jupyter.bridges.message import NUMBER, Message, Plain, Twist, Vector3, real_number
 from lrp_jupyter.errors import BridgeError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -123,6 +124,26 @@ def test_a_bare_number_or_two_arguments_are_refused_with_an_example(rover: Bare)
         rover.robot.move(lambda msg: None, linear=1)
     with pytest.raises(BridgeError, match="does not accept"):
         rover.robot.move(Vector3(x=1))
+
+
+@pytest.mark.parametrize(
+    ("fields", "call"),
+    [
+        ({"count": Plain("int", 0, real_number)}, "count=1"),
+        ({"header": Vector3, "pose": Vector3}, "pose_x=0.2"),
+        ({"name": Plain("str", "", real_number)}, "name='text'"),
+        ({}, ""),
+    ],
+)
+def test_the_example_of_a_call_has_a_field_of_its_message(
+    rover: Bare, fields: dict[str, object], call: str
+) -> None:
+    rover.add_method("do", rover.calls.append, "do it", message=type("Any", (Message,), {"FIELDS": fields}))
+    with pytest.raises(BridgeError, match=re.escape(f"Call it like `robot.do({call})`.")):
+        rover.robot.do("this")
+    some = ", ".join(f"`{name}`" for name in fields) or "no fields"
+    with pytest.raises(MemberError, match=f"has no `thing`; it has {some}"):
+        rover.robot.do(thing=1)
 
 
 def test_an_error_of_the_block_is_its_own(rover: Bare) -> None:

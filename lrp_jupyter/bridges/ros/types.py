@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.bridges.message import Message, Plain, real_number
+from lrp_jupyter.bridges.message import Message, Plain, listed, real_number
 from lrp_jupyter.bridges.ros.definitions import (
     FLOATS,
     INTEGERS,
@@ -100,9 +100,8 @@ class ReceivedMessage:
                 f"A `{self._type}` has no `{name}`: that is asked of the robot, in a block, with the name of"
                 f" the reading, as in `robot.order.{name}`."
             )
-        names = ", ".join(f"`{field}`" for field in self.__slots__)
         hint = did_you_mean(name, self.__slots__)
-        raise MemberError(f"`{self._type}` has no `{name}`; it has {names}.{hint}")
+        raise MemberError(f"`{self._type}` has no `{name}`; it has {listed(self.__slots__)}.{hint}")
 
     def __setattr__(self, name: str, value: object) -> None:
         raise MemberError(f"`{name}` was read from the robot and cannot be assigned.")
