@@ -42,7 +42,15 @@ from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
-from lrp_jupyter.bridges.ros.setup import KINDS, TASKS, Direction, Wire, check_type, setup_as_dict
+from lrp_jupyter.bridges.ros.setup import (
+    KINDS,
+    TASKS,
+    Direction,
+    Wire,
+    check_type,
+    name_for,
+    setup_as_dict,
+)
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.bridges.tasks import RobotTask
@@ -525,7 +533,8 @@ class RosBridge(Bridge):
         variable = fields.get("variable", "").strip()
         if key in _BUTTONS:
             direction = _BUTTONS[key]
-            type_ = check_type(fields.get("type", ""), self.live.get(KINDS[direction], {}).values())
+            live = self.live.get(KINDS[direction], {})
+            type_ = check_type(fields.get("type", ""), direction, live.values())
             late = fields.get("stale_after", "").strip()
             if late and direction != "subscription":
                 raise BridgeError(
@@ -537,7 +546,8 @@ class RosBridge(Bridge):
             self._draft = Draft()
         elif key == "pick":
             types = filter(None, (names.get(row) for names in self.live.values()))
-            self._draft = Draft(variable or row.rpartition("/")[2], row, next(types, ""))
+            taken = {each.wire.variable for each in self.wiring.channels if each.wire.topic != row}
+            self._draft = Draft(variable or name_for(row, taken), row, next(types, ""))
         elif key == "remove":
             self.remove(row)
         elif key == "save":

@@ -28,7 +28,7 @@ import keyword
 import math
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -49,6 +49,7 @@ _SECTIONS: Mapping[str, Direction] = {
     "actions": "action",
     "services": "service",
 }
+_STOP = "stop"  # the member of every robot that no connection replaces
 _WHEN = {"stop": "at_stop", "tick": "at_tick"}  # what a publisher sends by itself
 _OWN = {"subscription": ("stale_after",), "publisher": ("limits",), "action": ("limits",)}
 
@@ -72,8 +73,9 @@ class Wire:
         return KINDS[self.direction]
 
     def __post_init__(self) -> None:
-        parts = self.variable.split(".")
-        if not all(part.isidentifier() and not keyword.iskeyword(part) and part[0] != "_" for part in parts):
+        if self.variable == _STOP:
+            raise BridgeError("`robot.stop` stops the robot, whatever is connected. Use another name.")
+        if not _is_name(self.variable):
             raise BridgeError(
                 f"`{self.variable}` is not a valid name for a member of `robot`. Use one like `odom`."
             )
@@ -87,7 +89,7 @@ class Wire:
                 f"with `/` between names.{hint}"
             )
         object.__setattr__(self, "topic", absolute)
-        object.__setattr__(self, "type", check_type(self.type))
+        object.__setattr__(self, "type", check_type(self.type, self.direction))
         seconds = self.stale_after
         if seconds is not None and (type(seconds) not in (int, float) or not 0 < seconds < math.inf):
             raise BridgeError(f"`stale_after` must be a number of seconds above 0, not {seconds!r}.")
@@ -109,13 +111,28 @@ def article(kind: str) -> str:
     return "an" if kind == "action" else "a"
 
 
-def check_type(type_: str, also: Iterable[str] = ()) -> str:
+def _is_name(variable: str) -> bool:
+    parts = variable.split(".")
+    return all(part.isidentifier() and not keyword.iskeyword(part) and part[0] != "_" for part in parts)
+
+
+def name_for(topic: str, taken: Collection[str]) -> str:
+    """Return a variable for a topic, action or service: as many of its last names as make a free one."""
+    names = [name for name in (part.strip("_") for part in topic.split("/")) if name]
+    tails = ["_".join(names[-count:]) for count in range(1, len(names) + 1)]
+    free = (name for name in tails if _is_name(name) and name != _STOP and name not in taken)
+    return next(free, f"{tails[-1]}_" if tails else "")
+
+
+def check_type(type_: str, direction: Direction, also: Iterable[str] = ()) -> str:
     """Return the short form of a type's name, ``package/Type`` or empty."""
     name = canonical(type_)
     if name and not _TYPE.match(name):
-        full = [known for known in (*also, *KNOWN) if known.rpartition("/")[2] == name.rpartition("/")[2]]
-        hint = f" Did you mean `{full[0]}`?" if full else did_you_mean(name, (*also, *KNOWN))
-        raise BridgeError(f"`{type_}` is not a message type. Write `package/Type`.{hint}")
+        known = (*also, *(() if direction in TASKS else KNOWN))
+        full = [each for each in known if each.rpartition("/")[2] == name.rpartition("/")[2]]
+        hint = f" Did you mean `{full[0]}`?" if full else did_you_mean(name, known)
+        kind = KINDS[direction] if direction in TASKS else "message"
+        raise BridgeError(f"`{type_}` is not {article(kind)} {kind} type. Write `package/Type`.{hint}")
     return name
 
 

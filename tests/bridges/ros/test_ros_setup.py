@@ -51,6 +51,7 @@ def fields(ros: RosBridge) -> dict[str, Any]:
         ("class", "/odom", "", "not a valid name for a member of `robot`"),
         ("_odom", "/odom", "", "not a valid name for a member of `robot`"),
         ("", "/odom", "", "not a valid name for a member of `robot`"),
+        ("stop", "/stop", "", "`robot.stop` stops the robot, whatever is connected"),
         ("odom", "/odom//x", "", "not a valid topic name.*Did you mean `/odom/x`"),
         ("odom", "/odom/", "", "Did you mean `/odom`"),
         ("odom", "/my odom", "", "Did you mean `/my/odom`"),
@@ -108,6 +109,10 @@ def test_a_setup_is_the_same_after_a_way_through_json(setup: list[Wire]) -> None
         ({"subscriptions": {"a": "/a"}, "publishers": {"a": "/b"}}, "is already a subscription"),
         ({"actions": {"a": "/a"}, "services": {"a": "/b"}}, "is already an action"),
         ({"actions": {"a": {"topic": "/a"}}}, "An `action` is missing"),
+        (
+            {"actions": {"a": {"action": "/a", "type": "Go"}}},
+            "`Go` is not an action type",
+        ),
         ({"services": {"a": {"service": "/a", "limits": {}}}}, "There is no `limits`"),
         ({"services": {"a": "/a.b"}}, r"not a valid service name.*Did you mean `/a/b`"),
         ({"publishers": {"cancel": "/c"}, "stop": {"cancle": {}}}, "Did you mean `cancel`"),
@@ -403,6 +408,23 @@ def test_picking_a_topic_fills_in_its_type(ros: RosBridge) -> None:
     draft = {key: field.value for key, field in fields(ros).items()}
     assert (draft["variable"], draft["topic"], draft["type"]) == ("odom", "/odom", "nav_msgs/Odometry")
     assert fields(ros)["topic"].choices == ("/cmd_vel", "/light", "/odom")
+
+
+def test_a_picked_name_makes_a_variable_that_is_free_and_legal(ros: RosBridge) -> None:
+    ros.subscribe("odom", "/odom")
+    for name, variable in (
+        ("/odom", "odom"),  # it is that one already
+        ("/robot_2/odom", "robot_2_odom"),
+        ("/robot/class", "robot_class"),
+        ("/class", "class_"),
+        ("/base/stop", "base_stop"),
+        ("/base/_hidden_", "hidden"),
+    ):
+        ros.press("pick", row=name)
+        assert fields(ros)["variable"].value == variable
+        ros.press("action", values={"variable": variable, "topic": name})
+        ros.remove(variable)
+        ros.subscribe("odom", "/odom")
 
 
 def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph: Any) -> None:
