@@ -8,7 +8,7 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, sentence
 from lrp_jupyter.bridges.tasks import TaskStatus
 from lrp_jupyter.errors import ended, sentence_of
 
@@ -33,13 +33,8 @@ class _RclpyClient(TaskClient):
         find: Callable[..., bool],
         is_found: Callable[[], bool],
     ) -> None:
-        self._what, self._message, self._fill, self._find, self._is_found = (
-            what,
-            message,
-            fill,
-            find,
-            is_found,
-        )
+        self._what, self._message, self._fill = what, message, fill
+        self._find, self._is_found = find, is_found
         self._open: dict[RosRequest, Any] = {}  # what is not over; with its goal, once that is accepted
 
     def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
@@ -47,7 +42,7 @@ class _RclpyClient(TaskClient):
         message = self._message()
         self._fill(message, values)
         if not self._find(timeout_sec=_SERVER):
-            request.tell("lost", reason=f"{self.hint().capitalize()}.")
+            request.tell("lost", reason=sentence(self._missing))
         elif request.is_wanted():
             self._open[request] = None
             self._send(message, request)
@@ -58,13 +53,20 @@ class _RclpyClient(TaskClient):
 
     def hint(self) -> str:
         """Return that no node offers it, in a sentence, or an empty text."""
-        return "" if self._is_found() else f"no node offers the {self._what}"
+        return "" if self._is_found() else self._missing
+
+    @property
+    def _missing(self) -> str:
+        return f"no node offers the {self._what}"
 
     def look(self) -> None:
-        """Find what was asked of a server that is gone."""
-        if self._open and (missing := self.hint()):
-            for request in tuple(self._open):
-                request.tell("lost", reason=f"{missing.capitalize()}.")
+        """Find what was asked of a server that is gone; cancel what goes on though lost, or not wanted."""
+        missing = self.hint() if self._open else ""
+        for request in tuple(self._open):
+            if missing:
+                request.tell("lost", reason=sentence(missing))
+            elif request.status == "lost" or not request.is_wanted():
+                self.cancel(request)
 
     def _end(self, request: RosRequest, status: TaskStatus, result: Any = None, reason: str = "") -> None:
         self._open.pop(request, None)

@@ -32,6 +32,11 @@ def own_words(why: str) -> str:
     return ended(_AROUND.sub("", why, count=1))
 
 
+def sentence(hint: str) -> str:
+    """Return a hint, which follows the name of a variable elsewhere, as a sentence of its own."""
+    return ended(hint[:1].upper() + hint[1:])
+
+
 class RosRequest:
     """One goal or call, from the moment in which it is asked for until the robot has said how it ended.
 

@@ -33,7 +33,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 )
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
-from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words
+from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words, sentence
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
 
@@ -351,9 +351,8 @@ class RospyService(TaskClient):
         except Exception as error:  # of rospy, genpy, or the node that serves
             is_its_own = "with an error" in str(error)  # that of the node that serves
             is_gone = isinstance(error, _rospy().ServiceException) and not is_its_own
-            hint = self.hint()
-            why = hint[:1].upper() + hint[1:] or str(error) or type(error).__name__
-            why = own_words(why if hint or is_its_own else f"`{self._name}`: {why}")
+            why = str(error) or type(error).__name__
+            why = sentence(self.hint()) or own_words(why if is_its_own else f"`{self._name}`: {why}")
             request.tell("lost" if is_gone else "aborted", reason=why)
         finally:
             proxy.close()

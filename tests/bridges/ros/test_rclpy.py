@@ -190,7 +190,7 @@ def test_without_rclpy_it_says_what_to_do() -> None:
 @pytest.fixture
 def asked(ros: RosBridge, graph: Any) -> RosBridge:
     """The same, with an action and a service."""
-    graph.actions["/navigate"] = stand_in.NAVIGATE
+    graph.actions["/Navigate"] = stand_in.NAVIGATE
 
     def switch(request: Any) -> Any:
         if not request.on:
@@ -199,7 +199,7 @@ def asked(ros: RosBridge, graph: Any) -> RosBridge:
 
     graph.services["/lamp"] = ("lamps/Switch", switch)
     until(lambda: "/lamp" in ros.live.get("service", {}))
-    ros.action("drive_to", "/navigate")
+    ros.action("drive_to", "/Navigate")
     ros.service("lamp", "/lamp")
     return ros
 
@@ -223,7 +223,7 @@ def drive(ros: RosBridge, graph: Any, x: float) -> Any:
 
 def test_a_goal_is_pursued_replaced_reached_and_cancelled(asked: RosBridge, graph: Any) -> None:
     assert asked.panel().tables[2].rows == (
-        ("/navigate", "action", stand_in.NAVIGATE),
+        ("/Navigate", "action", stand_in.NAVIGATE),
         ("/lamp", "service", "lamps/Switch"),
     )
     first = drive(asked, graph, 1.0)
@@ -257,12 +257,15 @@ def test_a_goal_that_is_rejected_or_has_no_server_says_so(asked: RosBridge, grap
     drive(asked, graph, 1.0)
     until(lambda: latched(asked)[0] == "rejected")
     graph.accepts = True
-    drive(asked, graph, 2.0)
-    del graph.actions["/navigate"]
-    until(lambda: latched(asked) == ("lost", "No node offers the action `/navigate`."))
+    goal = drive(asked, graph, 2.0)
+    types = graph.actions.pop("/Navigate")
+    until(lambda: latched(asked) == ("lost", "No node offers the action `/Navigate`."))
     asked.robot.drive_to(pose_pose_position_x=3.0)
     until(lambda: latched(asked)[0] == "lost")
     assert len(graph.goals) == 2
+    assert not goal.cancels
+    graph.actions["/Navigate"] = types  # it was cut off, and goes on
+    until(lambda: goal.cancels)
 
 
 def test_a_goal_that_is_not_wanted_any_more_is_cancelled_as_soon_as_it_is_accepted(
