@@ -90,6 +90,9 @@ _MEMBERS = {
 }
 """What a program can read of a task, by name, with types and descriptions."""
 
+_CANCELS = ("cancel", "stop", "abort", "end")
+_CANCELLED = " It is cancelled when the state is left that asked for it, or when `running` no longer asks."
+
 
 class Asker(NamedTuple):
     """Who asks for a task.
@@ -219,9 +222,8 @@ class RobotTask(RobotMethod):
         if name in _MEMBERS:
             return getattr(state, name)
         listed = ", ".join(f"`{each}`" for each in _MEMBERS)
-        error = MemberError(
-            f"`robot.{self.path}` has no `{name}`; it has {listed}.{did_you_mean(name, _MEMBERS)}"
-        )
+        hint = _CANCELLED if name in _CANCELS else did_you_mean(name, _MEMBERS)
+        error = MemberError(f"`robot.{self.path}` has no `{name}`; it has {listed}.{hint}")
         error.missing = f"{self.path}.{name}"
         raise error
 

@@ -12,6 +12,7 @@ from support.waiting import until
 
 from lrp_jupyter.bridges import tasks
 from lrp_jupyter.bridges.bridge import Task
+from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
@@ -54,6 +55,10 @@ def test_asked_for_in_every_tick_it_is_one_task_until_the_state_is_left_and_then
     assert (go.status, go.active, go.feedback, go.result) == ("active", True, 0.5, None)
     assert go.reason == "It is slow."
     assert go.since == pytest.approx(0.5)
+    with pytest.raises(MemberError, match=r"has no `cancel`; .*\. It is cancelled when the state is left"):
+        go.cancel()
+    with pytest.raises(MemberError, match="has no `start`"):  # nothing begins a task but a call
+        go.start()
     first.update("succeeded", result="done")
     session.run(0.1)
     # the outcome was forgotten before the next state was tested, and the same words ask for another task
