@@ -86,7 +86,7 @@ _MEMBERS = {
     "feedback": ("", "what it has reported last; None before"),
     "result": ("", "what it has returned; None before"),
     "reason": ("str", "why it has this status, a sentence; may be empty"),
-    "since": ("float", "for how many seconds it has this status; None without one"),
+    "since": ("float", "for how many seconds it has this status; 0 without one"),
 }
 """What a program can read of a task, by name, with types and descriptions."""
 
@@ -218,7 +218,7 @@ class RobotTask(RobotMethod):
             raise MemberError(f"A task of `robot` has no `{name}`.")
         state = self.tasks.state(self.path)
         if name == "since":
-            return None if state.status is None else max(0.0, self.tasks.now - state.at)
+            return 0.0 if state.status is None else max(0.0, self.tasks.now - state.at)
         if name in _MEMBERS:
             return getattr(state, name)
         listed = ", ".join(f"`{each}`" for each in _MEMBERS)

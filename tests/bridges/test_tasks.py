@@ -42,6 +42,17 @@ def active(session: Session) -> str:
 # -- for how long ---------------------------------------------------------------------------------
 
 
+def test_how_long_it_lasts_can_be_tested_before_it_is_asked_for():
+    bot = Courier()
+    text = GOING.replace("robot.go.succeeded", "robot.go.since > 0.3")
+    session = session_of(text, bot)
+    session.run(0.3)
+    assert active(session) == "going"
+    session.run(0.2)
+    assert active(session) == "there"
+    assert session.issues == ()
+
+
 def test_asked_for_in_every_tick_it_is_one_task_until_the_state_is_left_and_then_another_one():
     bot = Courier()
     session = session_of(GOING, bot)
