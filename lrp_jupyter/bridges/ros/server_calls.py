@@ -22,7 +22,7 @@ from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_word
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
 from lrp_jupyter.bridges.tasks import TaskStatus
-from lrp_jupyter.errors import ended, sentence_of
+from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
 _LOOK = 0.5  # seconds between two looks at a goal
 
@@ -82,7 +82,7 @@ class ServerTask(TaskClient):
 
     async def _ask(self, request: RosRequest, **question: object) -> None:
         """Ask on a websocket of its own, and pass on what comes back, until the answer."""
-        answered, why = Bell(), ""
+        answered, reason = Bell(), f"The connection to `{self._url}` is lost."
         socket = Socket(self._url, partial(_receive, request, answered), changed=lambda: None)
         try:
             connection = await socket.connect()
@@ -92,12 +92,14 @@ class ServerTask(TaskClient):
                 await socket.serve(connection, answered.wait(), *looks)
             else:
                 await connection.close()
+            reason = f"{reason} {socket.ended}".rstrip()
+        except BridgeError as error:
+            reason = str(error)
         except Exception as error:
-            why = sentence_of(error)
+            reason = f"{reason} {ended(sentence_of(error))}"
         finally:
             if not request.is_over:
-                why = why or socket.ended or "the connection ended."
-                request.tell("lost", reason=f"`{self._url}` has not answered: {ended(why)}")
+                request.tell("lost", reason=reason)
 
     async def _look(self, request: RosRequest) -> None:
         """Repeat a cancel, and find a goal whose server is gone."""

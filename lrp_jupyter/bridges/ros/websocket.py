@@ -173,7 +173,12 @@ class Socket:
         for task in done:
             try:
                 task.result()
-            except (ConnectionClosed, TimeoutError, BridgeError) as error:
+            except ConnectionClosed as error:
+                self.ended = "It was cut."
+                if error.rcvd is not None:
+                    why = f": {error.rcvd.reason}" if error.rcvd.reason else ""
+                    self.ended = ended(f"The server has closed it{why}")
+            except (TimeoutError, BridgeError) as error:
                 self.ended = str(error)
 
     async def _listen(self, connection: ClientConnection) -> None:

@@ -125,6 +125,23 @@ def test_a_goal_whose_server_is_not_there_or_gone_is_lost(ros: RosBridge, ros2: 
     assert [target(each) for each in ros2.goals.values()] == [1.0]
 
 
+def test_a_goal_of_a_line_that_was_cut_is_lost_in_a_sentence_and_cancelled_when_it_is_back(
+    make: Make, ros2: Any, wire: Any
+) -> None:
+    ros = make(port=wire.port, setup={"actions": {"drive_to": {"action": "/navigate", "type": NAVIGATE}}})
+    ros.open()
+    ros.arm()
+    until(lambda: ros.wiring.channels[0].handle)
+    drive(ros, 1.0)
+    first = goal(ros2, 1.0)
+    wire.cut()
+    until(lambda: latched(ros)[0] == "lost")
+    sentence = f"The connection to `ws://127.0.0.1:{wire.port}` is lost. It was cut."
+    assert latched(ros)[1] == sentence
+    assert any(notice.text == sentence for notice in ros.safety.notices)
+    until(lambda: first.cancels)
+
+
 def test_a_guard_cancels_the_goals_of_every_client(
     ros: RosBridge, make: Make, ros2: Any, request: pytest.FixtureRequest
 ) -> None:
