@@ -100,7 +100,7 @@ class EV3Bridge(Bridge):
         self.serial, self.port = serial, port
         self._beacon_port, self._patience = beacon_port, patience
         self._latched: BrickState | None = None  # the reading of this tick
-        self._speech: tuple[Task, Speech] | None = None  # the text on the display, until it is read
+        self._speeches: dict[Task, Speech] = {}  # the texts that were displayed, until they are read
         self.motors = tuple(Motor(self, i) for i in range(4))
         self.sensors = tuple(Sensor(self, i) for i in range(4))
         self.link = self._new_link()
@@ -224,23 +224,20 @@ class EV3Bridge(Bridge):
         characters, lines = protocol.SCREEN
         text = wrap(what.text, characters, max_lines=lines, placeholder=" ...")
         self.link.command(protocol.show(text))
-        self._speech = task, spoken(what, self._driver.now())
+        self._speeches[task] = spoken(what, self._driver.now())
         self._go_on()
 
     def _go_on(self) -> None:
         """Do what is due after a reading."""
         self._driver.go_on()
-        if self._speech is not None:
-            task, speech = self._speech
+        for task, speech in tuple(self._speeches.items()):  # other threads change it
             if self._driver.now() >= speech.until:
-                self._speech = None
+                self._speeches.pop(task, None)
                 task.update("succeeded")
 
     def _cancel(self, task: Task) -> None:
         self._driver.end(task.number)
-        speech = self._speech
-        if speech is not None and speech[0] is task:
-            self._speech = None
+        if self._speeches.pop(task, None) is not None:
             self.link.command(protocol.show(()))
 
     def _move(self, message: Message) -> None:

@@ -214,3 +214,20 @@ def test_a_text_is_on_the_display_until_it_is_read_or_no_longer_wanted(bridge, b
     assert brick.shown == ["Here"]
     bridge.requested.drop()
     assert brick.shown == []
+
+
+def test_a_text_that_comes_when_the_one_before_is_over_is_shown_for_its_own_time(bridge, drive, monkeypatch):
+    task, now = ask(bridge, "say", "Here"), bridge._driver.now
+    texts = iter(["There"])
+
+    def say_more() -> int:
+        for text in texts:
+            ask(bridge, "say", text)
+        return now()
+
+    monkeypatch.setattr(bridge._driver, "now", lambda: say_more() if now() >= over else now())
+    over = now() + 132
+    drive(1.4)
+    assert task.status == "active"
+    drive(1.5)
+    assert task.status == "succeeded"
