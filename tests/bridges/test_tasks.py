@@ -282,6 +282,16 @@ def test_a_request_follows_its_machine_over_renames_and_ends_with_a_forced_state
     assert (bot.log, bot.robot.go.status) == (["go 1", "cancel go 1"], None)
 
 
+def test_for_how_long_can_be_compared_before_anything_is_asked_for():
+    bot = Courier()
+    states = "(state a (running [robot.go(1)])) (state b) (on [robot.go.since > 0.25] a -> b)"
+    session = session_of(f"(machine m {states}) (spawn m a)", bot)
+    session.run(0.3)
+    assert (active(session), session.issues) == ("a", ())
+    session.run(0.1)
+    assert active(session) == "b"
+
+
 def test_a_service_is_called_once_and_ends_by_itself():
     bot = Courier()
     session = session_of(
