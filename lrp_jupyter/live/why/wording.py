@@ -93,8 +93,11 @@ def restart_text(restart: Commanded) -> str:
 
 def call_text(name: str, arguments: Mapping[str, Any]) -> str:
     """Return a command of the robot as written in a program."""
-    given = ", ".join(f"{key}={_plain(value)}" for key, value in given_arguments(arguments).items())
-    return f"`robot.{name}({given})`"
+    given = [
+        f"{key}={short(value) if isinstance(value, str) else _plain(value)}"
+        for key, value in given_arguments(arguments).items()
+    ]
+    return f"`robot.{name}({', '.join(given)})`"
 
 
 def given_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:

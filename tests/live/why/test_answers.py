@@ -228,6 +228,7 @@ class Drawing(Bridge):
         ("robot.move(angular=-1)", "`robot.move(angular=-1.0)`"),
         ("robot.move()", "`robot.move(linear=0.0, angular=0.0)`"),
         ("robot.pen(False)", "`robot.pen(down=False)`"),
+        ("robot.pen('no')", "`robot.pen(down='no')`"),
     ],
 )
 def test_a_command_is_told_as_a_program_writes_it(call, told):
