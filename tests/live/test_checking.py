@@ -284,7 +284,11 @@ def test_a_module_that_is_not_imported_is_named() -> None:
         ("robot.go(1)", "robot.go.succeeded and robot.go.since > 1 or robot.go.status == 'lost'", []),
         ("robot.go(plac=1)", "True", [("LRP521", "Did you mean `place`?")]),
         ("robot.go(1)", "robot.go.sttaus == 'lost'", [("LRP520", "Did you mean `status`?")]),
-        ("robot.go(1)", "robot.go(2)", [("LRP505", "Call it in an action, and write a test here.")]),
+        (
+            "robot.go(1)",
+            "robot.go(2)",
+            [("LRP505", "Call it in an action, and test `robot.go.succeeded` here.")],
+        ),
         (
             "robot.go(1)",
             "robot.go",

@@ -64,7 +64,7 @@ def check_robot(
                 if left:
                     return _inside_method(use, member, index)
                 if is_condition and use.is_value and member.acts and is_certain:
-                    return _command(use, member)
+                    return _command(use, member, path in members.tasks)
                 if path in members.tasks and use.role in _USED:
                     return _task(use, member)
                 return _method(use, member, member.parameters, is_number)
@@ -76,9 +76,10 @@ def check_robot(
     return _part(use, members, path, is_condition) if path else None
 
 
-def _command(use: NameUse, member: RobotMember) -> Remedied:
+def _command(use: NameUse, member: RobotMember, is_task: bool) -> Remedied:
     path = f"robot.{member.path}"
-    message = f"`{path}` does something and has no value. Call it in an action, and write a test here."
+    test = f"test `{path}.succeeded`" if is_task else "write a test"
+    message = f"`{path}` does something and has no value. Call it in an action, and {test} here."
     return Remedied("LRP505", use.span, message)
 
 
