@@ -316,3 +316,16 @@ def test_what_was_not_sent_because_of_old_data_is_not_sent_in_a_replay(tmp_path)
     again = reproduce(read_recording(path))
     assert again.difference is None
     assert [(each.name, each.sent) for each in again.session.bridge.safety.commands] == sent
+
+
+def test_a_tick_whose_sensing_fails_sees_one_world_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    buggy = Buggy()
+    buggy.open()
+    buggy.feed("light.data", 1)
+    monkeypatch.setattr(buggy, "sense", lambda now: 1 / 0)
+    buggy.begin_tick(0.0, 0.1)
+    buggy.feed("light.data", 2)
+    seen = buggy.fed.value("light.data")
+    buggy.end_tick(0.0)
+    assert (seen, buggy.fed.value("light.data")) == (1, 2)
+    buggy.close()
