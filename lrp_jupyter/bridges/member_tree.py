@@ -272,7 +272,7 @@ class RobotMethod(NotAValue):
         made = object.__new__(type(self))
         for name in (name for kind in type(self).__mro__ for name in getattr(kind, "__slots__", ())):
             object.__setattr__(made, name, getattr(self, name))
-        made._bridge, made._redirected = bridge, lambda _: None
+        made._bridge, made._redirected, made._filling = bridge, lambda _: None, []
         return made
 
     def redirect(self, receive: Callable[[Message | inspect.BoundArguments], object]) -> None:

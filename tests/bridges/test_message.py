@@ -16,6 +16,8 @@ from support.robots import Bare
 
 from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.message import NUMBER, Message, Plain, Twist, Vector3, real_number
+from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -212,3 +214,15 @@ def test_all_ways_of_filling_agree(x: float, z: float) -> None:
     by_path.set("angular", z)
     assert by_block == by_path == Twist(linear=x, angular=z) == Twist(linear_x=x, angular_z=z)
     assert (by_path.get("linear"), by_path.get("angular.z")) == (x, z)
+
+
+def test_the_robot_of_a_fork_fills_messages_of_its_own() -> None:
+    robot = SimBridge("walls")
+    robot.open()
+    fork = RecordedBridge(robot.nodes.members())
+    fork.open()
+    with robot.robot.move as ours:
+        theirs = fork.robot.move.__enter__()
+        ours.linear(x=0.1)
+        theirs.linear(x=0.2)
+    assert robot.safety.commands[-1].arguments["linear"]["x"] == 0.1
