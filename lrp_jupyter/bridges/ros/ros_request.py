@@ -72,12 +72,13 @@ class RosRequest:
         """Note and pass on what the robot says."""
         if self.is_over or (self.status == "lost" and status == "active"):
             return
-        self.status = status
+        is_news, self.status = self.status == "active", status
         try:
             feedback, result = self._decode(feedback, result)
         except ValueError as error:
             feedback, result, reason = None, None, str(error)
-        self.outcome = f"{status}: {reason}" if reason else status
+        if is_news:  # one that was lost stays lost for who asked, whatever is heard later
+            self.outcome = f"{status}: {reason}" if reason else status
         if self.task is not None:
             self.task.update(status, feedback, result, reason)
 

@@ -15,6 +15,7 @@ from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.definitions import KNOWN, Definition
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, TopicLink, Transport
+from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import Direction, Wire
 
 
@@ -125,3 +126,14 @@ def test_what_a_topic_keeps_is_no_news_when_it_comes_again_and_other_messages_ar
     last.renew()
     now[0] += 1  # it keeps nothing
     assert last.is_news("press")
+
+
+def test_a_request_that_was_lost_stays_lost_in_the_panel_when_the_robot_tells_of_it_later() -> None:
+    request = RosRequest()
+    request.tell("active", reason="It drives.")
+    request.tell("lost", reason="The line is cut.")
+    assert not request.is_over
+    request.tell("active")
+    request.tell("cancelled")
+    assert request.is_over
+    assert request.outcome == "lost: The line is cut."
