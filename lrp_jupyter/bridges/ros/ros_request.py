@@ -33,8 +33,8 @@ def own_words(why: str) -> str:
 
 
 def sentence(hint: str) -> str:
-    """Return a hint, which follows the name of a variable elsewhere, as a sentence of its own."""
-    return ended(hint[:1].upper() + hint[1:])
+    """Return a hint, which follows the name of a variable elsewhere, as a sentence of its own; or nothing."""
+    return ended(hint[0].upper() + hint[1:]) if hint else ""
 
 
 class RosRequest:
