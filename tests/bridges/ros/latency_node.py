@@ -62,6 +62,8 @@ def main(count: int) -> None:
     from std_msgs.msg import UInt8
 
     def show(value: int) -> None:
+        while light.get_num_connections() == 0:  # a subscription of rosbridge may be under way
+            time.sleep(0.01)
         light.publish(UInt8(value))
 
     def take(message: Any) -> None:
