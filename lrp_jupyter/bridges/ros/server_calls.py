@@ -61,11 +61,11 @@ class ServerTask(TaskClient):
         if missing := self.hint():
             request.tell("lost", reason=missing)
         elif self._direction == "service":
-            socket.run(self._ask(request, op="call_service", service=self._name, args=values))
+            socket.run(self._ask(socket, request, op="call_service", service=self._name, args=values))
         else:
             spelled = self._type.replace("/", "/action/", 1)
             goal = {"action": self._name, "action_type": spelled, "feedback": True, "args": values}
-            socket.run(self._ask(request, op="send_action_goal", **goal))
+            socket.run(self._ask(socket, request, op="send_action_goal", **goal))
 
     def cancel(self, request: RosRequest | None) -> None:
         """Cancel a goal, or all of the action."""
@@ -76,13 +76,14 @@ class ServerTask(TaskClient):
             return
         nothing = {"goal_id": {"uuid": [0] * 16}, "stamp": {"sec": 0, "nanosec": 0}}
         service = f"{self._name}/_action/cancel_goal"
-        socket.run(self._ask(RosRequest(), op="call_service", service=service, args={"goal_info": nothing}))
+        call = {"op": "call_service", "service": service, "args": {"goal_info": nothing}}
+        socket.run(self._ask(socket, RosRequest(), **call))
 
     # -- in the event loop of the connection ------------------------------------------------------
 
-    async def _ask(self, request: RosRequest, **question: object) -> None:
+    async def _ask(self, through: Socket, request: RosRequest, **question: object) -> None:
         """Ask on a websocket of its own, and pass on what comes back, until the answer."""
-        answered, reason = Bell(), f"The connection to `{self._url}` is lost."
+        answered, reason, lost = Bell(), "", f"The connection to `{self._url}` is lost."
         socket = Socket(self._url, partial(_receive, request, answered), changed=lambda: None)
         try:
             connection = await socket.connect()
@@ -92,14 +93,13 @@ class ServerTask(TaskClient):
                 await socket.serve(connection, answered.wait(), *looks)
             else:
                 await connection.close()
-            reason = f"{reason} {socket.ended}".rstrip()
         except BridgeError as error:
             reason = str(error)
         except Exception as error:
-            reason = f"{reason} {ended(sentence_of(error))}"
-        finally:
+            reason = f"{lost} {ended(sentence_of(error))}"
+        finally:  # also where it is cancelled, because the connection that it came through has ended
             if not request.is_over:
-                request.tell("lost", reason=reason)
+                request.tell("lost", reason=reason or f"{lost} {socket.ended or through.ended}".rstrip())
 
     async def _look(self, request: RosRequest) -> None:
         """Repeat a cancel, and find a goal whose server is gone."""
