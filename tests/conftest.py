@@ -51,6 +51,12 @@ def _no_suspension(monkeypatch):
     monkeypatch.setattr(guard, "SILENCE", 3600.0)  # of this process, for the guard process
 
 
+@pytest.fixture(autouse=True)
+def _path(monkeypatch):
+    """Search no folder for modules that an earlier test had searched."""
+    monkeypatch.setattr(sys, "path", [*sys.path])
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _state(tmp_path_factory):
     """Keep this user's state out of the tests, and theirs out of the user's."""
