@@ -138,7 +138,7 @@ def test_a_goal_of_a_line_that_was_cut_is_lost_in_a_sentence_and_cancelled_when_
     until(lambda: latched(ros)[0] == "lost")
     sentence = f"The connection to `ws://127.0.0.1:{wire.port}` is lost. It was cut."
     assert latched(ros)[1] == sentence
-    assert any(notice.text == sentence for notice in ros.safety.notices)
+    until(lambda: any(notice.text == sentence for notice in ros.safety.notices))
     until(lambda: first.cancels)
 
 
