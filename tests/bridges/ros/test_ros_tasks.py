@@ -72,10 +72,12 @@ def base(real: Any) -> Base:
 
 
 @pytest.fixture(scope="module", autouse=True)
-def _compiling(ros_home: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Compiling]:
+def _compiling(ros_home: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Compiling]]:
     folder = tmp_path_factory.mktemp("robot")
-    program, links = str(folder / "action_server"), [f"-l{library}" for library in LIBRARIES]
-    return program, Compiling(folder, ["g++", "-w", str(HERE / "action_server.cpp"), "-o", program, *links])
+    program, source = str(folder / "action_server"), str(HERE / "action_server.cpp")
+    links = [f"-l{library}" for library in LIBRARIES]
+    with Compiling(folder, ["g++", "-w", source, "-o", program, *links]) as compiling:
+        yield program, compiling
 
 
 @pytest.fixture(scope="module")

@@ -126,18 +126,19 @@ def robot(domain: int, processes: Any) -> Callable[..., Any]:
 @pytest.fixture(scope="session", autouse=True)
 def _compiling(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Path, Compiling | None]:
+) -> Iterator[tuple[Path, Compiling | None]]:
     """Compile the Fast DDS peer from the beginning, as one unit: most of the time goes into the headers."""
     folder, source = tmp_path_factory.mktemp("peer"), HERE / "peer"
-    names = {name for item in request.session.items for name in getattr(item, "fixturenames", ())}
+    here = (item for item in request.session.items if item.path.parent == HERE)
+    names = {name for item in here for name in getattr(item, "fixturenames", ())}
     if "stranger" not in names or any(shutil.which(name) is None for name in PROGRAMS):
-        return folder, None
+        yield folder, None
+        return
     included = [part for unit in ("ros2.cxx", "ros2PubSubTypes.cxx") for part in ("-include", unit)]
-    return folder, Compiling(
-        folder,
-        ["fastddsgen", "-replace", "-d", str(folder), str(source / "ros2.idl")],
-        ["g++", "-std=c++17", "-I.", *included, str(source / "peer.cpp"), "-o", "peer", *LIBRARIES],
-    )
+    generate = ["fastddsgen", "-replace", "-d", str(folder), str(source / "ros2.idl")]
+    build = ["g++", "-std=c++17", "-I.", *included, str(source / "peer.cpp"), "-o", "peer", *LIBRARIES]
+    with Compiling(folder, generate, build) as compiling:
+        yield folder, compiling
 
 
 @pytest.fixture(scope="session")
