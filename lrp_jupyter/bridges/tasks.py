@@ -578,8 +578,8 @@ class Tasks:
     def _drop(self, name: str) -> None:
         self._cancel(name)
         with self._changing:
-            kept = {other: each for other, each in self._moment.requests.items() if other != name}
-            self._moment = self._moment._replace(requests=kept)
+            others = {other: each for other, each in self._moment.requests.items() if other != name}
+            self._moment = self._moment._replace(requests=others)
 
     def _cancel(self, name: str) -> None:
         under_way = self._under_way.get(name)
