@@ -206,16 +206,15 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
     lab.do("pause-on-issue")
     typist.after("tlookright))")
     typist.types("", "(onentry (spawn lookalgo lookleft))")
-    typist.sees_active("lookleft")
+    lab.ready("paused")
     assert typist.restarts == 1
+    assert typist.visits == {"moving": 3, "looking": 3, "lookleft": 2, "returnleft": 1}
     assert "could leave it at once, so it did not act" in typist.kernel(
         "next(text for tick in range(session.frame.tick, 0, -1)"
         " if 'restarted' in (text := str(session.why('moving', at=tick))))"
     )
-    typist.sees_active("moving")
 
     # It leaves the line to the other side, and does not find it on the left: it returns, without an end.
-    lab.ready("paused")
     lab.reads('[data-lrp-issue="LRP303"]', "lookalgo has no state lookright")
     assert typist.kernel("session.frame.is_active('returnleft')")
     lab.sees('[data-lrp-state="follower/looking/lookalgo/returnleft"][data-active]')
