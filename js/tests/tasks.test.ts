@@ -1,5 +1,5 @@
 // @vitest-environment happy-dom
-import { expect, it } from "vitest";
+import { expect, it, vi } from "vitest";
 import { Page } from "./opened";
 import recording from "./page/recording.json";
 
@@ -32,5 +32,17 @@ it("says what has become of a task in the line of the active state that asks for
     [4, "aborted: the way is blocked", true],
     [6, "active", false],
   ]);
+  const drawn = vi.spyOn(page.editor, "dispatch");
+  const later = vi.spyOn(window, "setTimeout");
+  const tell = async (frame: number, more: Record<string, string>) => {
+    later.mockClear();
+    drawn.mockClear();
+    page.deliver({ type: "frame", frame, members: { ...members, ...more } });
+    await page.drawn();
+    return drawn.mock.calls.length + later.mock.calls.length;
+  };
+  expect(await tell(2, { stop: "other" })).toBe(0); // what is not shown draws nothing
+  expect(await tell(3, { say: "succeeded" })).toBeGreaterThan(0);
+  expect(shown()[1]).toEqual([6, "succeeded", false]);
   page.close();
 });

@@ -117,6 +117,9 @@ class FedValues:
 
     def of(self, path: str) -> Arrivals[object]:
         """Return what arrives for a variable; always the same object."""
+        known = self._all.get(path)
+        if known is not None:  # no lock: who reads does not wait
+            return known
         with self._lock:
             return self._all.setdefault(path, Arrivals(self._lock))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from support.robots import Buggy
 
 from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.latched_values import FedValues
 from lrp_jupyter.errors import NoDataYet, StaleData
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.recording import read_recording
@@ -329,3 +331,10 @@ def test_a_tick_whose_sensing_fails_sees_one_world_too(monkeypatch: pytest.Monke
     buggy.end_tick(0.0)
     assert (seen, buggy.fed.value("light.data")) == (1, 2)
     buggy.close()
+
+
+def test_who_reads_does_not_wait_for_who_feeds():
+    fed = FedValues(None, in_tick=lambda: False)
+    fed.put("light.data", 7, None)
+    with ThreadPoolExecutor() as others, fed._lock:
+        assert others.submit(fed.value, "light.data").result(60) == 7

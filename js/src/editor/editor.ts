@@ -118,9 +118,12 @@ export class Editor implements Typist {
     });
     store.watch(["breakpoints", "instance"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());
-    store.watch(["lit", "fired", "variables", "instances", "events", "members", "program", "settings"], () =>
+    store.watch(["lit", "fired", "variables", "instances", "events", "program", "settings"], () =>
       this.update(),
     );
+    store.watch(["members"], () => {
+      if (marksOf(store.state) !== this.marks) this.update(); // a task, and not any reading
+    });
   }
 
   private extensions(startVersion = 0): Extension {

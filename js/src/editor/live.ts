@@ -74,10 +74,16 @@ class ValueWidget extends WidgetType {
 const activeLine = Decoration.line({ class: "lrp-line-active" });
 const firedMark = Decoration.mark({ class: "lrp-text-fired" });
 
-/** The part of the state that determines the marks, without the values. */
+/** The part of the state that determines the marks, without the values of variables and events. */
 export function marksOf(state: LabState): string {
   const { lit, fired } = besideGraph(state);
-  return [...lit, ...lastFired(fired)].join(" ");
+  return [...lit, ...lastFired(fired), ...tasksIn(state).values()].join(" ");
+}
+
+/** What has become of the tasks that are asked for, by their names. */
+function tasksIn({ bridge, members }: LabState): Map<string, string> {
+  const asked = bridge.members.filter(({ kind, name }) => kind === "task" && members[name]);
+  return new Map(asked.map(({ name }) => [name, members[name]!]));
 }
 
 /** Draws the run of the program; `values` returns whether values are shown. */
@@ -148,16 +154,15 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
   return lines;
 }
 
-/** What has become of the tasks that the active states ask for, and where they do. */
+/** The tasks that the active states ask for, and where they do. */
 function* tasksOf(editor: EditorState, outline: Outline, lab: LabState): Iterable<[number, Value]> {
   const { lit } = besideGraph(lab);
-  const tasks = lab.bridge.members.filter(({ kind, name }) => kind === "task" && lab.members[name]);
-  if (!tasks.length) return;
-  for (const { index, 1: path } of editor.doc.toString().matchAll(CALL)) {
-    const text = tasks.some(({ name }) => name === path) && lab.members[path!];
-    const state = outline.around(index, "state");
+  const tasks = tasksIn(lab);
+  if (!tasks.size) return;
+  for (const { index, 1: path = "" } of editor.doc.toString().matchAll(CALL)) {
+    const [text, state] = [tasks.get(path), outline.around(index, "state")];
     if (!text || !state || !lit.includes(state.path) || !isName(editor, index)) continue;
-    yield [index, { kind: "task", path: path!, name: path!, text, failed: FAILED.test(text) }];
+    yield [index, { kind: "task", path, name: path, text, failed: FAILED.test(text) }];
   }
 }
 

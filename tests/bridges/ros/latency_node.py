@@ -61,9 +61,20 @@ def main(count: int) -> None:
     from geometry_msgs.msg import Twist
     from std_msgs.msg import UInt8
 
+    class Listeners(rospy.SubscribeListener):  # type: ignore[misc]
+        """Whether there are any: a subscription of rosbridge may be under way."""
+
+        there = threading.Event()
+
+        def peer_subscribe(self, *_: object) -> None:
+            self.there.set()
+
+        def peer_unsubscribe(self, _topic: str, count: int) -> None:
+            if count == 0:
+                self.there.clear()
+
     def show(value: int) -> None:
-        while light.get_num_connections() == 0:  # a subscription of rosbridge may be under way
-            time.sleep(0.01)
+        Listeners.there.wait()
         light.publish(UInt8(value))
 
     def take(message: Any) -> None:
@@ -71,7 +82,7 @@ def main(count: int) -> None:
 
     stopwatch = Stopwatch(show)
     rospy.init_node("stopwatch", disable_signals=True, disable_rosout=True, disable_rostime=True)
-    light = rospy.Publisher("/light", UInt8, queue_size=1, tcp_nodelay=True)
+    light = rospy.Publisher("/light", UInt8, Listeners(), tcp_nodelay=True, queue_size=1)
     rospy.Subscriber("/cmd_vel", Twist, take, queue_size=1, tcp_nodelay=True)
     answer(stopwatch, count)
 
