@@ -7,7 +7,8 @@ KERNEL = """async code => {
   const future = kernel.requestExecute({ code, store_history: false });
   let text = "";
   future.onIOPub = ({ header, content }) => { if (header.msg_type === "stream") text += content.text; };
-  await future.done;
+  const { content } = await future.done;
+  if (content.status === "error") throw new Error(`${content.ename}: ${content.evalue}`);
   return text;
 }"""
 END_ALL = """\
@@ -97,7 +98,7 @@ class NotebookPage:
         )
 
     def kernel(self, code):
-        """Run code in the kernel, unseen, and return what it prints."""
+        """Run code in the kernel, unseen, and return what it prints. An error is raised."""
         return self.page.evaluate(KERNEL, code)
 
     def open(self, program, line="m"):
