@@ -291,6 +291,15 @@ def test_a_module_that_is_not_imported_is_named() -> None:
         ),
         (
             "robot.go(1)",
+            "robot.go(2).succeeded",
+            [("LRP505", "Call it in an action, and test `robot.go.succeeded` here.")],
+        ),
+        *[
+            (block, "True", [("LRP505", "in a statement of its own, and read `robot.go.succeeded`.")])
+            for block in ("print(robot.go(1).failed)", "if robot.go(1): pass", "done = robot.go(1); print(done)")
+        ],
+        (
+            "robot.go(1)",
             "robot.go",
             [("LRP524", "Its outcome is `robot.go.succeeded`")],
         ),

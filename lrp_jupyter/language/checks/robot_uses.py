@@ -63,8 +63,9 @@ def check_robot(
                     continue
                 if left:
                     return _inside_method(use, member, index)
-                if is_condition and use.is_value and member.acts and is_certain:
-                    return _command(use, member, path in members.tasks)
+                is_needed = use.result in (_USED if is_condition else _USED - {"value"})
+                if use.role == "called" and is_needed and member.acts and is_certain:
+                    return _command(use, member, path in members.tasks, is_condition)
                 if path in members.tasks and use.role in _USED:
                     return _task(use, member)
                 return _method(use, member, member.parameters, is_number)
@@ -76,11 +77,13 @@ def check_robot(
     return _part(use, members, path, is_condition) if path else None
 
 
-def _command(use: NameUse, member: RobotMember, is_task: bool) -> Remedied:
+def _command(use: NameUse, member: RobotMember, is_task: bool, is_condition: bool) -> Remedied:
     path = f"robot.{member.path}"
-    test = f"test `{path}.succeeded`" if is_task else "write a test"
-    message = f"`{path}` does something and has no value. Call it in an action, and {test} here."
-    return Remedied("LRP505", use.span, message)
+    if is_condition:
+        remedy = f"Call it in an action, and {f'test `{path}.succeeded`' if is_task else 'write a test'} here"
+    else:
+        remedy = "Call it in a statement of its own" + (f", and read `{path}.succeeded`" if is_task else "")
+    return Remedied("LRP505", use.span, f"`{path}` does something and has no value. {remedy}.")
 
 
 def _task(use: NameUse, member: RobotMember) -> Remedied:

@@ -52,7 +52,7 @@ class Other(NamedTuple):
 class NameUse(NamedTuple):
     """A use of a name, with the names after it: ``("light", "data")`` for ``robot.light.data``.
 
-    `is_value`: whether the call is the value of the block.
+    `result`: what is done with what a call returns; ``computed`` also if it is kept or something of it is read.
     """
 
     span: Span
@@ -61,12 +61,13 @@ class NameUse(NamedTuple):
     role: Role
     call: RobotCall | None = None
     other: Other | None = None
-    is_value: bool = False
+    result: Role = "read"
 
 
 SIGNS: dict[type[ast.cmpop], str] = {
     ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
 }  # fmt: skip
+_NEEDS = (ast.Attribute, ast.Subscript, ast.Compare, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.NamedExpr)
 _LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number", str: "text"}
 
 
@@ -109,8 +110,9 @@ class _Uses:
             spans.append(Span(end - len(node.attr), end))
         use = NameUse(self.span(node), tuple(names), tuple(spans), "read")
         if isinstance(parent, ast.Call) and parent.func is node:
-            is_value = self.role(parent, self.parents[parent]) == "value"
-            return use._replace(role="called", call=self.call(parent, use.span.end), is_value=is_value)
+            after = self.parents[parent]
+            result = "computed" if isinstance(after, _NEEDS) else self.role(parent, after)
+            return use._replace(role="called", call=self.call(parent, use.span.end), result=result)
         if isinstance(parent, ast.Compare):
             return use._replace(role="compared", other=self.other(parent, node))
         return use._replace(role=self.role(node, parent))
