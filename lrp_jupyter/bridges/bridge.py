@@ -57,15 +57,17 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, ClassVar
 
+from lrp_jupyter.bridges.argument_values import kept
 from lrp_jupyter.bridges.guarding.bounded import failure_of
 from lrp_jupyter.bridges.guarding.safety import Notice
 from lrp_jupyter.bridges.interface import Interface, part
+from lrp_jupyter.bridges.member_tree import RobotMethod
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.options import no_option
 from lrp_jupyter.bridges.panel import STOP, Field, Panel
 from lrp_jupyter.bridges.robot import Robot, attach
-from lrp_jupyter.bridges.tasks import Task, TaskState
+from lrp_jupyter.bridges.tasks import Command, Task, TaskState
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = [
@@ -166,6 +168,7 @@ class Bridge(Interface, ABC):
             Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     _ticks = 0
+    _ticks_in = 0  # the thread
     _late: BridgeStatus | None = None  # while data are too old to drive on
     _failed: tuple[str, BridgeStatus, BridgeStatus] | None = None
     """The hook because of which the robot is lost, with the status since then, and the one before."""
@@ -374,7 +377,8 @@ class Bridge(Interface, ABC):
         """Begin the tick of time `now`; ticks come every `period` seconds. Never raises."""
         self._ticks += 1
         self.latch = self._ticks
-        self.readings, self.unstopped = {}, False
+        self.readings, self.answers, self.unstopped = {}, {}, False
+        self._ticks_in = threading.get_ident()
         self.safety.tick(now, period)
         try:
             try:
@@ -392,6 +396,23 @@ class Bridge(Interface, ABC):
         else:
             if self._failed is not None and self._failed[0] != "act":
                 self._find_again()
+
+    def send(self, method: RobotMethod, command: Command) -> object:
+        """Send a command; what a robot that cannot be reproduced answers is kept with the tick's readings."""
+        if self.simulated is not None or not self.latch or threading.get_ident() != self._ticks_in:
+            return super().send(method, command)
+        answer, answers = None, self.answers.setdefault(method.path, [])
+        try:
+            answer = super().send(method, command)
+        except Exception as error:
+            kind = NoDataYet if isinstance(error, NoDataYet) else BridgeError
+            answer = kind(str(error))  # without the frames
+            raise
+        finally:
+            answers.append(kept(answer))
+            if answer is not None:
+                self.readings[f"{method.path}()"] = answers
+        return answer
 
     def judge_ages(self) -> None:
         """Let nothing move the robot while a reading is too old to drive on, or has never arrived."""

@@ -89,6 +89,7 @@ class Interface:
     robot = part(Robot)
     requested = part(Tasks)
     readings = part[dict[str, object]](lambda bridge: {})  # of this tick, by path; the error where one failed
+    answers = part[dict[str, list[object]]](lambda bridge: {})  # to the calls of this tick, by path
     outside = part[Callable[[object, bool], object]](lambda bridge: lambda what, surely: None)
     """Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.interventions`
     or inputs of a simulated world, and with whether it was certainly not the program that did it."""
@@ -584,6 +585,8 @@ class Interface:
         if safety.blind and not self.latch:
             self.judge_ages()
         origin = self.origin()
+        task = method if isinstance(method, RobotTask) else None
+        asked = {} if task is None else arguments_of(command)
         clamped = method.clamp(command)
         for name, sentence in clamped.items():
             safety.notice("limited", sentence, f"{method.path} {name} {origin.line}", origin)
@@ -594,10 +597,11 @@ class Interface:
         moves = method.sets_in_motion and not _stands(method.path, judged)
         speeds = method.velocity and moves
         stops = safety.stops
-        task = method if isinstance(method, RobotTask) else None
         hindrance = safety.hindrance(speeds or (task is not None and task.work.moves))
         limited = tuple(clamped.values())
         safety.record(CommandRecord(method.path, arguments, safety.now, hindrance is None, limited, origin))
+        if task is not None:
+            task.check(asked)
         self.outside(RobotCommanded(method.path, arguments), False)
         if hindrance == "lost":
             if task is not None:

@@ -1,7 +1,8 @@
 """A robot that only repeats what another one read.
 
 A run with a real robot cannot be repeated: its past is what was recorded. This bridge has the members of the
-other one; its readings are those that it is given tick by tick, and its commands are logged and go nowhere.
+other one; its readings and the answers to its calls are those that it is given tick by tick, and its commands
+are logged and go nowhere.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain, real_number
-from lrp_jupyter.bridges.tasks import RobotTask, TaskState
+from lrp_jupyter.bridges.tasks import Command, RobotTask, TaskState
 from lrp_jupyter.errors import NoDataYet
 
 
@@ -47,6 +48,7 @@ class RecordedBridge(Bridge, offered=False):
                 made = node.inert(self)
                 if isinstance(made, RobotTask):
                     made.tasks = self.requested
+                made.redirect(partial(self._answer, made))
                 self.nodes.add(made)
 
     def open_interface(self) -> None:
@@ -57,6 +59,16 @@ class RecordedBridge(Bridge, offered=False):
         if state is None or isinstance(state, TaskState):
             return state
         return TaskState(*(getattr(state, name) for name in TaskState._fields))
+
+    def _answer(self, method: RobotMethod, command: Command) -> object:
+        given = self.given.get(f"{method.path}()") if self.latch else None
+        number = len(self.answers.get(method.path, ()))
+        answer = given[number] if isinstance(given, list) and number < len(given) else None
+        if isinstance(answer, Exception):
+            raise answer.with_traceback(None)
+        if isinstance(method, RobotTask):
+            self.requested.ask(method, command)
+        return answer
 
     def _read(self, path: str) -> object:
         value = self.given.get(path)

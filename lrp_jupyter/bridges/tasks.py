@@ -249,19 +249,16 @@ class RobotTask(RobotMethod):
     def inert(self, bridge: MemberOwner) -> Self:
         """Return the same task of another bridge, which can be asked for and never begins."""
         made = super().inert(bridge)
-        made.work, made._redirected = replace(self.work, start=lambda *_, **__: None, cancel=None), None
+        made.work = replace(self.work, start=lambda *_, **__: None, cancel=None, check=None)
         return made
 
-    def clamp(self, command: Command) -> dict[str, str]:
-        """Clamp a command as a method does, unless the bridge refuses what was given."""
-        given = arguments_of(command)
-        clamped = super().clamp(command)
+    def check(self, arguments: Mapping[str, object]) -> None:
+        """Raise BridgeError if the bridge refuses what is asked for."""
         if self.work.check is not None:
             try:
-                self.work.check(**given)
+                self.work.check(**arguments)
             except ValueError as error:
                 raise BridgeError(f"`robot.{self.path}`: {error}") from None
-        return clamped
 
     def begin(self, task: Task, command: Command) -> None:
         """Have the robot begin a task."""

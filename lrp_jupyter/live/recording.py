@@ -25,8 +25,9 @@ further lines describe what a person looked at and did. A replay ignores both::
 
 With a simulated robot, or none, the inputs reproduce the run bit for bit (the order of a set of strings
 differs in another process, unless ``PYTHONHASHSEED`` is the same number); the effects are compared, and the
-first difference is reported. The readings of a real robot are fed to the program again. The effects of a tick
-or an input are written before it, so in a truncated file everything after the last complete tick or input is
+first difference is reported. The readings of a real robot are fed to the program again, and what its methods
+have returned or raised in the tick, call by call: ``"battery()":[null,97]``. The effects of a tick or an
+input are written before it, so in a truncated file everything after the last complete tick or input is
 ignored.
 """
 

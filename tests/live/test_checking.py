@@ -296,7 +296,11 @@ def test_a_module_that_is_not_imported_is_named() -> None:
         ),
         *[
             (block, "True", [("LRP505", "in a statement of its own, and read `robot.go.succeeded`.")])
-            for block in ("print(robot.go(1).failed)", "if robot.go(1): pass", "done = robot.go(1); print(done)")
+            for block in (
+                "print(robot.go(1).failed)",
+                "if robot.go(1): pass",
+                "done = robot.go(1); print(done)",
+            )
         ],
         (
             "robot.go(1)",

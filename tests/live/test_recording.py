@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tracemalloc
 from hashlib import sha256
+from itertools import count
 from pathlib import Path
 from threading import Thread
 
@@ -479,6 +480,55 @@ def test_the_methods_of_a_recorded_robot_take_the_arguments_that_it_took(tmp_pat
         assert again.frame.values["n"] == [1, 2, (3,), (4,)]
         assert again.explain("robot.move").facts["arguments"] == {"linear": 0.5, "angular": 0.1}
     assert reproduce(read_recording(path)).difference is None
+
+
+def moody(robot):
+    """A robot that answers and fails otherwise each time."""
+    calls = count()
+
+    def battery() -> int:
+        return next(calls)
+
+    def grasp(place: float) -> None:
+        if next(calls) % 3:
+            raise OSError("The gripper is stuck.")
+
+    def allowed(speed: float) -> None:
+        if next(calls) % 2:
+            raise ValueError("`speed` is too high now.")
+
+    robot.add_method("battery", battery, command=False)
+    robot.add_method("grasp", grasp)
+    robot.add_task("go", lambda task, speed: None, check=allowed)
+
+
+MOODY = """
+(var seen := [[]]) (var fails := [0])
+(machine m
+  (state a (running
+    [seen = seen + [robot.battery()]]
+    [robot.grasp(0.1); seen = seen + ["held"]]
+    [robot.go(2); seen = seen + ["went"]]
+    [robot.grasp(0.1); seen = seen + [robot.battery()]])))
+(spawn m a)
+"""
+
+
+def test_what_a_robot_has_answered_its_program_is_answered_again_in_a_replay_and_a_fork(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(MOODY, Bare(moody), clock=VirtualClock()) as session:
+        with session.record(path):
+            session.run(1)
+        seen, issues = session.frame.values["seen"], [(each.message, each.count) for each in session.issues]
+        assert {"held", "went"} < set(seen)
+        assert len(issues) == 3
+        with session.fork(at=3) as fork:
+            assert fork.frame.values["seen"] == session.at(3).values["seen"]
+    again = reproduce(read_recording(path))
+    with again.session as session:
+        assert again.difference is None
+        assert session.frame.values["seen"] == seen
+        assert [(each.message, each.count) for each in session.issues] == issues
 
 
 def publisher(robot):

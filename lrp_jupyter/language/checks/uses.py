@@ -52,7 +52,7 @@ class Other(NamedTuple):
 class NameUse(NamedTuple):
     """A use of a name, with the names after it: ``("light", "data")`` for ``robot.light.data``.
 
-    `result`: what is done with what a call returns; ``computed`` also if it is kept or something of it is read.
+    `result`: what is done with what a call returns; ``computed`` if it is kept or something of it is read.
     """
 
     span: Span
