@@ -339,6 +339,11 @@ def test_a_recorded_navigation_is_repeated_and_sends_no_goal(
     base.does()
 
 
+def test_a_robot_whose_name_another_takes_ends(base: Base, real: Any) -> None:
+    real.start(*PYTHON, "full", ready=True)
+    until(lambda: base.process.poll() is not None)
+
+
 @pytest.mark.parametrize("server", ["SimpleActionServer", "SimpleActionServer in C++", "ActionServer"])
 def test_a_goal_is_pursued_changed_while_the_robot_drives_and_reached(
     real: Any, connect: Connect, run: Run, server: str, compiled: str
