@@ -100,9 +100,7 @@ def test_a_goal_whose_program_is_gone_is_cancelled_on_the_robots_side(
         session.start()
         until(lambda: any("Connected" in line for line in printed))
         until(lambda: "drives 2.0" in done)
-        session.wait_for(lambda frame: frame.time > 1.0)
-        assert "stands" not in done
         ros.act = lambda now: None  # as if its messages no longer came through
         until(lambda: "stands" in done, lambda: f"{printed}")
-        assert any("No message of its program for 0.5 s" in line for line in printed)
+        until(lambda: any("No message of its program for 0.5 s" in line for line in printed))
         until(lambda: ros.robot.drive_to.status == "cancelled")

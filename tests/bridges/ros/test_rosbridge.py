@@ -728,6 +728,19 @@ def test_a_guard_on_the_side_of_the_robot_tries_until_a_stop_is_sent_and_ends_wi
     assert graph.heard[heard:] == []
 
 
+def test_a_guard_on_the_side_of_the_robot_hears_again_and_again_that_a_program_is_there(
+    server: Any, graph: Any
+) -> None:
+    graph.types["/alive"] = "std_msgs/Empty"
+    side = RosSide("", "", "/alive", ["/move_base"], backend="rosbridge", host=f"127.0.0.1:{server.port}")
+    try:
+        until(lambda: graph.send("/alive") or side.heard[1])
+        first, _ = side.heard
+        until(lambda: graph.send("/alive") or side.heard[0] > first)
+    finally:
+        side.close()
+
+
 def can_stop(side: RosSide) -> bool:
     try:
         side.stop()
