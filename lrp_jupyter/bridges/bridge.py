@@ -67,7 +67,7 @@ from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.options import no_option
 from lrp_jupyter.bridges.panel import STOP, Field, Panel
 from lrp_jupyter.bridges.robot import Robot, attach
-from lrp_jupyter.bridges.tasks import Command, Task, TaskState
+from lrp_jupyter.bridges.tasks import Command, Task, TaskState, arguments_of
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = [
@@ -401,12 +401,13 @@ class Bridge(Interface, ABC):
         """Send a command; what a robot that cannot be reproduced answers is kept with the tick's readings."""
         if self.simulated is not None or not self.latch or threading.get_ident() != self._ticks_in:
             return super().send(method, command)
-        answer, answers = None, self.answers.setdefault(method.path, [])
+        answer: object = None
+        answers = self.answers.setdefault(method.path, [])
         try:
             answer = super().send(method, command)
         except Exception as error:
             kind = NoDataYet if isinstance(error, NoDataYet) else BridgeError
-            answer = kind(str(error))  # without the frames
+            answer = arguments_of(command), kind(str(error))  # without the frames
             raise
         finally:
             answers.append(kept(answer))

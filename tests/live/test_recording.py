@@ -529,6 +529,9 @@ def test_what_a_robot_has_answered_its_program_is_answered_again_in_a_replay_and
         assert again.difference is None
         assert session.frame.values["seen"] == seen
         assert [(each.message, each.count) for each in session.issues] == issues
+    other = MOODY.replace("0.1", "0.2")  # whether that would have failed is not known
+    with reproduce(read_recording(path), program=other).session as session:
+        assert session.frame.values["seen"].count("held") == session.frame.tick
 
 
 def publisher(robot):

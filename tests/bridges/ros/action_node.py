@@ -160,7 +160,7 @@ class Lamp:
 
 def main(kind: str) -> None:
     rospy.init_node("navigation", disable_signals=True, disable_rosout=True)
-    rospy.on_shutdown(lambda: os._exit(1))  # the master wants it when another takes its name; rospy would spin
+    rospy.on_shutdown(lambda: os._exit(1))  # when another takes its name: rospy would spin
     server, lamp = Full() if kind == "full" else Simple(), Lamp()
     tell("ready")
     for line in sys.stdin:

@@ -297,9 +297,7 @@ def test_a_process_has_one_node_of_one_master(real: Any, connect: Connect) -> No
     assert ros.status.state is ConnectionState.DISCONNECTED
 
 
-def test_looking_back_sends_no_message(
-    real: Any, connect: Connect, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_looking_back_sends_no_message(real: Any, connect: Connect, monkeypatch: pytest.MonkeyPatch) -> None:
     """Scrubbing, questions, forks and what-ifs never command a real robot, and its program goes on."""
     program = """\
     (machine m
