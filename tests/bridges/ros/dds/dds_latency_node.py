@@ -14,9 +14,10 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 from dds_robot_node import QOS, Twist, UInt8, loopback
 
-sys.path.append(str(Path(__file__).parents[1]))
+sys.path += [str(Path(__file__).parents[1]), str(Path(__file__).parents[3])]
 
 from latency_node import Stopwatch, answer
+from support.waiting import until
 
 
 def main(count: int) -> None:
@@ -25,7 +26,12 @@ def main(count: int) -> None:
     participant = DomainParticipant(number)
     light = DataWriter(participant, Topic(participant, "rt/light", UInt8), QOS)
     commands = DataReader(participant, Topic(participant, "rt/cmd_vel", Twist), QOS)
-    stopwatch = Stopwatch(lambda value: light.write(UInt8(value)))
+
+    def show(value: int) -> None:
+        until(light.get_matched_subscriptions)  # or it hears nothing of this one
+        light.write(UInt8(value))
+
+    stopwatch = Stopwatch(show)
 
     def listen() -> None:
         while True:
