@@ -181,7 +181,7 @@ def test_a_running_thread_is_paused():
     with Session(TEXT, rate=50) as live:
         live.pause_when("b")
         live.start()
-        frame = live.wait_for(lambda frame: frame.paused_by is not None, timeout=30)
+        frame = live.wait_for(lambda frame: frame.paused_by is not None, timeout=120)
         assert frame.paused_by.what == "`b` was entered"
 
 

@@ -159,7 +159,7 @@ def test_plots_are_not_computed_by_the_thread_that_ticks():
         PROGRAM.replace("[5]", "[Limit(5)]").replace("else 5", "else limit"), namespace={"Limit": Limit}
     ) as session:
         session.start()
-        session.wait_for(lambda frame: frame.tick > 2, timeout=10)
+        session.wait_for(lambda frame: frame.tick > 2, timeout=120)
         session.pause()
         threads.clear()
         session.plots(["m/n"])

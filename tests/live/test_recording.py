@@ -242,10 +242,10 @@ def test_a_running_session_that_is_edited_and_whose_robot_is_moved_is_reproduced
     with Session(DRIVER, "sim", speed=50, **options) as session:
         with session.record(path):
             session.start()
-            session.wait_for("second", timeout=10)
+            session.wait_for("second", timeout=120)
             session.edit(DRIVER.replace("0.5", "-0.7").replace("4000", "3000"))
             session.bridge.place_robot((0.5, 0.6, 1.0))
-            session.wait_for("first", timeout=10)
+            session.wait_for("first", timeout=120)
             session.pause()
         present = seen(session)
     whole = read_recording(path)

@@ -293,7 +293,7 @@ def test_a_stop_that_fails_in_a_pause_is_tried_again_until_it_succeeds(session, 
 
 def test_no_tick_begins_while_the_end_of_a_run_stops_the_robot(session):
     def stop():  # it takes as long as the program might go on
-        until(lambda: not driving._driver.running, "the program goes on", seconds=5)
+        until(lambda: not driving._driver.running, "the program goes on")
         cart.calls.append("stop")
 
     cart = Bare(lambda it: it.add_method("move", it.move), stop=stop)

@@ -140,7 +140,7 @@ def test_words_control_the_program(shell, run):
 
 def test_why_is_answered_about_now_and_about_a_time(shell, run):
     lab = cell(shell, "mine", "(machine m (state a) (state b) (ontime 60000 a -> b later)) (spawn m a)\n")
-    lab.session.wait_for(lambda frame: frame.time > 0.5, timeout=30)
+    lab.session.wait_for(lambda frame: frame.time > 0.5, timeout=120)
     assert "`later` (line 1) did not fire at 0.2 s: only 200 of 60000 ms" in run("why later at 0.2")
     assert "`a` was entered at 0 s" in run("why a mine")
     assert run("why not later at 0.2") == run("why later at 0.2")

@@ -41,7 +41,7 @@ def measure(node: subprocess.Popen[str], connect: Callable[..., RosBridge], name
     for rate in (10, 50) if "CHANGES" in os.environ else (50,):  # Hz
         with Session(PROGRAM, bridge=connect(setup=SETUP), rate=rate) as session:
             session.start()
-            assert session.wait_for("backward", timeout=30)
+            assert session.wait_for("backward", timeout=120)
             node.stdin.write("go\n")
             node.stdin.flush()
             line = node.stdout.readline()

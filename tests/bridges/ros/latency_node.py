@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-PATIENCE = 10.0  # s
+PATIENCE = 120.0  # s
 
 
 class Stopwatch:
