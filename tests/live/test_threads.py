@@ -182,7 +182,7 @@ def test_a_block_that_does_not_return_is_shown_and_stops_the_robot(session, gate
     assert "`a.running` has run for" in frame.reason
     assert frame.hung.where == "a.running"
     assert frame.hung.seconds >= 0.0
-    assert "stop" in pushcart.calls
+    until(lambda: "stop" in pushcart.calls)
     gates["gate"].set()
     assert holding.wait_for(lambda frame: frame.status == "running", LONG).hung is None
 
