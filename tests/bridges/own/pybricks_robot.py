@@ -1,7 +1,7 @@
-"""A hub with Pybricks, which runs the hub's program: ``python pybricks_robot.py SPEED``.
+"""A hub with Pybricks, which runs the hub's program: ``python pybricks_robot.py SPEED PATIENCE``.
 
 Its modules are stand-ins from their documentation; behind them is the simulator. The program hears and prints
-through a pipe, as it does on a hub through Bluetooth.
+through a pipe, as it does on a hub through Bluetooth. Its stopwatches are slower by the factor PATIENCE.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Motor:
         self.port = port
 
 
-def hub(robot: SimulatedRobot, speed: float) -> dict[str, ModuleType]:
+def hub(robot: SimulatedRobot, speed: float, patience: float) -> dict[str, ModuleType]:
     """The modules of a hub."""
     seen: dict[str, Any] = {"light": 255, "bumper": False}
 
@@ -76,7 +76,7 @@ def hub(robot: SimulatedRobot, speed: float) -> dict[str, ModuleType]:
             self._since = time.monotonic()
 
         def time(self) -> int:
-            return round(1000 * speed * (time.monotonic() - self._since))
+            return round(1000 * speed / patience * (time.monotonic() - self._since))
 
     def wait(milliseconds: int) -> None:
         robot.gone.wait(milliseconds / 1000 / speed)
@@ -109,7 +109,7 @@ def module(**names: object) -> ModuleType:
 
 
 if __name__ == "__main__":
-    speed = float(sys.argv[1])
-    sys.modules.update(hub(SimulatedRobot(speed, sys.stderr), speed))
+    speed, patience = map(float, sys.argv[1:])
+    sys.modules.update(hub(SimulatedRobot(speed, sys.stderr), speed, patience))
     sys.stdout.reconfigure(line_buffering=True, newline="\r\n")  # type: ignore[union-attr]
     runpy.run_path(str(PROGRAM))

@@ -31,6 +31,7 @@ class Hub:
     """A hub and the air between: what bleak's client and scanner are to a program."""
 
     speed: ClassVar[float] = 1.0
+    patience: ClassVar[float] = 1.0
     near: ClassVar[tuple[str, ...]] = ("Pybricks Hub",)
     last: ClassVar[Hub]
 
@@ -58,7 +59,7 @@ class Hub:
         assert channel == CHANNEL
         if data == b"\x01":
             pipes = dict.fromkeys(("stdin", "stdout", "stderr"), asyncio.subprocess.PIPE)
-            command = (sys.executable, HERE / "pybricks_robot.py", self.speed)
+            command = (sys.executable, HERE / "pybricks_robot.py", self.speed, self.patience)
             self.process = await asyncio.create_subprocess_exec(*map(str, command), **pipes)
             self.listening = asyncio.gather(self.listen(), self.note())
         else:
@@ -148,7 +149,8 @@ def test_a_hub_that_is_switched_off_is_lost_and_found_when_it_is_on_again(bridge
 
 
 @pytest.mark.slow
-def test_a_program_with_tasks_runs_as_in_the_simulator():
+def test_a_program_with_tasks_runs_as_in_the_simulator(monkeypatch):
+    monkeypatch.setattr(Hub, "patience", 100.0)  # it is no matter of half a second that nothing comes
     does_tasks(PYBRICKS, lambda: Hub.last.told)
 
 
