@@ -14,6 +14,7 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
+from support.ports import free_port
 from support.waiting import until
 
 from lrp_jupyter.cli.guard_command import MqttSide
@@ -27,9 +28,7 @@ TOPIC = "robot/cmd_vel"
 
 @pytest.fixture
 def port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return free_port()
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from bridges.ev3 import brick as bricks
 from bridges.ev3.brick import Brick, Hands
+from support.ports import free_port
 from support.waiting import no_thread_left
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
@@ -95,9 +96,7 @@ def client(brick: Brick, wired: None, air: Hands) -> Iterator[BrickClient]:
 
 @pytest.fixture
 def free_udp_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return free_port(socket.SOCK_DGRAM)
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
+from support.ports import free_port
 from support.waiting import no_thread_left, until
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -228,12 +229,6 @@ def driving(processes: Processes, tmp_path: Path) -> Callable[..., subprocess.Po
         return run
 
     return start
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def missing(what: str) -> NoReturn:

@@ -12,7 +12,8 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, WAYS, Broker, OfARobot, does_tasks, drives_and_senses, free_port
+from bridges.own.conftest import EXAMPLES, WAYS, Broker, OfARobot, does_tasks, drives_and_senses
+from support.ports import free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge

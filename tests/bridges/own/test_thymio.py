@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from bridges.own.conftest import EXAMPLES, OfARobot, drives_and_senses, free_port
+from bridges.own.conftest import EXAMPLES, OfARobot, drives_and_senses
+from support.ports import free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import Bridge

@@ -31,6 +31,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
+from support.ports import free_port
 from support.waiting import no_thread_left, until
 
 from lrp_jupyter.bridges.ros import RosBridge, link, rosapi, rosbridge, websocket
@@ -413,7 +414,7 @@ class Ros(Processes):
 
     def __init__(self, environment: dict[str, str], folder: Path, master_port: int) -> None:
         super().__init__(environment, folder)
-        self.master_port, self.rosbridge_port = master_port, _free_port()
+        self.master_port, self.rosbridge_port = master_port, free_port()
         self._kept: dict[tuple[str, ...], subprocess.Popen[str]] = {}
         self._is_shaken = False
 
@@ -499,12 +500,6 @@ def _answers(port: int) -> bool:
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
 @pytest.fixture(scope="session")
 def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str, str], Path, int]]:
     """Make ROS importable, and return its environment: one port for all masters, as rospy has one."""
@@ -523,7 +518,7 @@ def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[st
     for name in MODULES:
         if (DEBIAN / name).exists() and importlib.util.find_spec(name.removesuffix(".py")) is None:
             (modules / name).symlink_to(DEBIAN / name)
-    port = _free_port()
+    port = free_port()
     settings = {
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
         "ROS_HOSTNAME": "127.0.0.1",
