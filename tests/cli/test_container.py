@@ -4,7 +4,6 @@ import json
 import os
 import re
 import shutil
-import socket
 import subprocess
 import venv
 from pathlib import Path
@@ -12,6 +11,7 @@ from string import Template
 from urllib.request import urlopen
 
 import pytest
+from support.ports import free_port
 from support.waiting import until
 
 from lrp_jupyter.cli.lab_command import FIRST
@@ -93,9 +93,7 @@ def test_what_the_image_is_made_of_opens_the_first_notebook(tmp_path):
     run = {"cwd": container.here, "env": container.variables}
     subprocess.run(["jupyter", "notebook", "--version"], check=True, stdout=subprocess.DEVNULL, **run)
 
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     command = [
         each.replace("0.0.0.0", "127.0.0.1") for each in container.command
     ]  # this machine's, not a container's
@@ -104,13 +102,13 @@ def test_what_the_image_is_made_of_opens_the_first_notebook(tmp_path):
         server = subprocess.Popen(command, stdout=log, stderr=log, **run)
         try:
             url = f"http://127.0.0.1:{port}/?token=t"
-            until(lambda: server.poll() is not None or opened(url), "the server does not answer")
-            assert opened(url).endswith(f"/tree/{FIRST}?token=t"), "the server has ended"
-            with urlopen(f"http://127.0.0.1:{port}/api/contents/{FIRST}?token=t", timeout=30) as answer:
+            there = until(lambda: opened(url) or server.poll() is not None, "the server does not answer")
+            assert str(there).endswith(f"/tree/{FIRST}?token=t"), "the server has ended"
+            with urlopen(f"http://127.0.0.1:{port}/api/contents/{FIRST}?token=t", timeout=120) as answer:
                 assert json.load(answer)["type"] == "notebook"
         finally:
             server.terminate()
-            server.wait(30)
+            server.wait(120)
 
 
 def opened(url):
