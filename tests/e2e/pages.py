@@ -16,6 +16,10 @@ from lrp_jupyter.widgets import registry
 for each in list(registry.running()):
     registry.forget(each)
 """
+SESSION = """\
+from lrp_jupyter.widgets import registry
+session = [*registry.running()][-1].session
+"""
 IS_TABLET = "matchMedia('(pointer: coarse)').matches"
 AT_REST = """async (root, selector) => {
   let last = "";
@@ -281,6 +285,24 @@ class LabPage:
         self.do("pause")
         self.ready("paused")
         return self
+
+    def pause_when(self, what):
+        """Set a breakpoint for once, by arguments of `Session.pause_when`; return its number."""
+        return int(self.notebook.kernel(f"{SESSION}print(session.pause_when({what}, once=True).number)"))
+
+    def is_paused_by(self, number):
+        """Wait until a breakpoint has paused the program."""
+        self.reads(".lrp-paused-by", f"(breakpoint {number}, ")
+        return self.ready("paused")
+
+    def rewind_to(self, tick):
+        """Undo what came after a tick, however far the program has run."""
+        self.notebook.kernel(f"{SESSION}session.rewind(session.frame.tick - {tick})")
+        self.shows(tick)
+
+    def shows(self, tick):
+        """Wait until a tick is shown."""
+        self.until("(root, tick) => Number(root.dataset.lrpTick) === tick", argument=tick)
 
     def select(self, text):
         """Select a piece of the program, by the editor's own search."""

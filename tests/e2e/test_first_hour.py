@@ -181,7 +181,7 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
     # The robot leaves the line, which is on its left, and stands: `looking` does nothing.
     keep_the_mark_beside_an_open_bracket(lab)
     until(lambda: typist.kernel("session.bridge.robot.light.data") > 138 and not typist.moves, "it stops")
-    lab.goes_on()  # it comes to a stand within half a second of its own time
+    typist.goes_on()  # it comes to a stand within half a second of its own time
     place = typist.pose
     typist.after("(state looking")
     typist.types(" ", "(machine lookalgo", "(var time := [maxlook])")
@@ -234,42 +234,46 @@ def test_section_4_of_the_paper_holds_sentence_by_sentence(open_lab, server, req
     typist.rests()
     assert typist.kernel("[each.resolved for each in session.issues]") == [True]
     lab.do("pause-on-issue")
+    found = lab.pause_when("'moving'")  # on the right
     lab.do("run")
-    typist.sees_active("moving")  # it has found the line on the right
+    lab.is_paused_by(found)
     visits = typist.visits
     assert visits["lookright"] == 1
     assert "returnright" not in visits
 
     # The line curves so much that no sweep finds it: they go on without an end, by now and then a tick each.
+    lab.do("run")
     typist.sees_active("returnright")
     typist.sees_active("lookleft")
     typist.sees_active("returnright")
     # A larger `maxlook` widens the sweep at once, within this visit of `looking`.
+    lab.is_paused_by(lab.pause_when("'lookleft'"))
     looked = typist.visits["looking"]
-    lab.pause()
-    while not typist.kernel("session.frame.is_active('lookleft')"):
-        lab.do("step")
     typist.after("maxlook := [100")
     typist.types("0")
     lab.has_value("follower/looking/lookalgo/time", "1000")
+    found = lab.pause_when("'moving'")
     lab.do("run")
-    typist.sees_active("moving")
+    lab.is_paused_by(found)
     assert typist.visits["looking"] == looked
 
     # The general solution: the sweeps grow from one to the next, from the exit of `returnright` on.
     typist.after("maxlook := [1000")
     lab.page.keyboard.press("Backspace")
+    lab.has_value("maxlook", "100")
+    lab.do("run")
     typist.sees_active("returnright")
     typist.sees_active("returnright")
-    lab.pause()
-    while not typist.kernel("session.frame.is_active('lookleft')"):  # else it would start again
-        lab.do("step")
+    lab.is_paused_by(lab.pause_when("'lookleft'"))  # else it would start again
     typist.after("(state returnright (running [robot.move(angular=search)])")
     typist.types(" (onexit [time = time * 2])")
     typist.rests()
-    lab.do("run")
     for sweep in ("200", "400"):
+        wider = lab.pause_when(f"condition='time == {sweep}', machine='follower/looking/lookalgo'")
+        lab.do("run")
+        lab.is_paused_by(wider)
         lab.has_value("follower/looking/lookalgo/time", sweep)
+    lab.do("run")
     typist.sees_active("moving")
     typist.rests()
     assert {each for each in typist.issues if "lookright" not in each} == set()

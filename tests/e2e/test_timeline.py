@@ -4,6 +4,7 @@ import re
 
 from e2e import axe
 from e2e.conftest import WINDOW
+from e2e.pages import SESSION
 from e2e.programs import COUNTER, FOLLOWER
 
 PLAYHEAD = ".lrp-playhead"
@@ -12,18 +13,10 @@ BODY = ".lrp-timeline-body"
 PARTS = ("editor", "graph", "world", "variables", "timeline")
 VISITS = ".lrp-timeline-visit:not([data-other])"
 ODOMETER = '.lrp-members [data-key="odom.x"]'
-SESSION = """\
-from lrp_jupyter.widgets import registry
-(session,) = (each.session for each in registry.running())
-"""
 PRESENT = f"""\
 {SESSION}
 session.call(session.bridge.refresh)
 print(session.bridge.robot.odom.x)
-"""
-REWIND = f"""\
-{SESSION}
-session.rewind(session.frame.tick - 100)
 """
 NAME = "a_counter_with_a_name_that_is_much_too_long_to_be_read_at_a_glance"
 LONG = re.sub(r"\bn\b", NAME, COUNTER)
@@ -45,11 +38,6 @@ def press(lab, *keys):
     lab.find(PLAYHEAD).focus()
     for key in keys:
         lab.page.keyboard.press(key)
-
-
-def ticks(lab, tick):
-    """Wait until the lab shows a tick."""
-    lab.until("(root, tick) => Number(root.dataset.lrpTick) === tick", argument=tick)
 
 
 def drag(lab, share):
@@ -84,8 +72,7 @@ def test_the_past_of_a_robot_is_asked_and_edited(open_lab):
     plot_a_reading(lab)
     lab.until("root => Number(root.dataset.lrpTick) > 100")
     lab.pause()
-    lab.notebook.kernel(REWIND)  # where its visits are does not depend on how long the page took
-    ticks(lab, 100)
+    lab.rewind_to(100)  # where its visits are does not depend on how long the page took
     ask_at_a_border(lab)
     see_the_robot_of_the_moment(lab)
     press(lab, "Shift+ArrowLeft")
@@ -117,13 +104,13 @@ def drag_the_playhead(lab):
         f"{BAND} [role=status]",
     )
     tick = round(looks(lab) * 10) + 1
-    ticks(lab, tick)
+    lab.shows(tick)
     lab.has_value("m/n", str(tick))
     lab.reads(".lrp-status", f"tick {tick}")
     lab.reads(BAND, "s ago.")
     lab.reads(BAND, f"Looking at {(tick - 1) / 10:.1f} s")
     press(lab, "ArrowLeft")
-    ticks(lab, tick - 1)
+    lab.shows(tick - 1)
     lab.has_value("m/n", str(tick - 1))
     during = places()
     assert during["timeline"] == before["timeline"]
@@ -148,7 +135,7 @@ def go_by_keys(lab):
         (["End"], last),
     ]:
         press(lab, *keys)
-        ticks(lab, tick)
+        lab.shows(tick)
     is_back(lab)
     press(lab, "ArrowLeft")
     assert looks(lab) == (last - 2) / 10
@@ -164,13 +151,15 @@ def go_on_from_the_past(lab):
     looks(lab)
     lab.do("step")  # leads back to the present
     is_back(lab)
-    ticks(lab, last + 1)
+    lab.shows(last + 1)
+    soon = lab.pause_when("condition='n == 20', machine='m'")
     press(lab, "Home")
     looks(lab)
     lab.do("run-from")
     is_back(lab)
-    lab.ready("running")
-    lab.until("(root, tick) => Number(root.dataset.lrpTick) < tick", argument=last)
+    lab.is_paused_by(soon)
+    assert lab.tick == 20 < last
+    lab.do("run")
 
 
 def see_edits_and_issues(lab):

@@ -70,6 +70,11 @@ class Typist:
         """Wait until a state is active, however briefly."""
         assert self.kernel(f"bool(session.wait_for({state!r}, 120))")
 
+    def goes_on(self):
+        """Wait until five more ticks of the run are over, of which the page may know later."""
+        end = self.kernel("session.frame.tick") + 5
+        until(lambda: self.kernel("session.frame.tick") >= end)
+
     @property
     def pose(self):
         """Where the robot is and where it points."""
