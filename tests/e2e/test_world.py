@@ -369,7 +369,8 @@ def look_back_along_the_trail(lab):
     lab.do("run")
     lab.until("(root, tick) => Number(root.dataset.lrpTick) >= tick", argument=begin + 25)
     lab.pause()
-    mouse, now = lab.page.mouse, lab.tick
+    lab.rewind_to(now := begin + 25)  # before it has reached the wall
+    mouse = lab.page.mouse
     mouse.move(*lab.place(1.7, 1.0))
     lab.reads(".lrp-tip", "click to look")
     mouse.click(*lab.place(1.7, 1.0))
@@ -382,5 +383,6 @@ def look_back_along_the_trail(lab):
     lab.misses(f"{WORLD}[data-looking]")
     assert lab.tick == now
     lab.page.keyboard.press("Escape")
+    lab.until("strip => strip.hidden", THING)
     mouse.click(*lab.place(1.5 + 0.02 * (now - begin - 1), 1.0))
-    lab.reads(THING, "Robot")  # as it is: nothing has moved it
+    lab.until("strip => !strip.hidden && strip.textContent.includes('Robot')", THING)  # nothing has moved it
