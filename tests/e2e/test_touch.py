@@ -178,10 +178,13 @@ def go_faster(lab, fingers):
 
 
 def go_back(lab, fingers):
-    head, now = lab.box(PLAYHEAD), lab.tick
+    lab.pause()  # or the playhead would move on
+    head, now = lab.at_rest(PLAYHEAD), lab.tick
     x, y = middle(head)
     fingers.drag((x + 14, y), (x - 100, y))
     lab.sees("css=:scope[data-looking]")
     assert lab.tick < now
     lab.do("back-to-now")
     lab.sees("css=:scope:not([data-looking])")
+    lab.do("run")
+    lab.ready("running")
