@@ -81,6 +81,20 @@ describe("a finger in the world", () => {
 });
 
 describe("a drag in the world", () => {
+  it("takes what is shown in its place, also before the kernel has answered the last one", () => {
+    reply = () => new Promise(() => {});
+    for (const [from, to] of [
+      [0.5, 1.5],
+      [0.5, 1],
+    ] as const) {
+      point("pointerdown", from, 1);
+      point("pointermove", to, 1);
+      point("pointerup", to, 1);
+    }
+    expect(acts.at(-1)).toMatchObject({ do: "set_start", index: 0, pose: [1, 1, 0] });
+    expect(stage.shape({ kind: "robot", index: 0 })?.x).toBe(1.5);
+  });
+
   it("ends with Escape: the thing is where it was, and the pointer is free", () => {
     point("pointerdown", 2, 1);
     point("pointermove", 2.5, 1);

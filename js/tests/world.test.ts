@@ -274,9 +274,10 @@ describe("poses", () => {
 
 describe("the pointer", () => {
   const now = firstPoses(world);
+  const shown = (thing: Thing) => shapeOf(world, now, thing);
 
   it("finds the robot before what is below it", () => {
-    expect(thingAt(world, now, [0.52, 1.02], 0.02)).toEqual({ kind: "robot", index: 0 });
+    expect(thingAt(world, shown, [0.52, 1.02], 0.02)).toEqual({ kind: "robot", index: 0 });
   });
 
   it("finds what it is on, however that is turned, thin things within the grip", () => {
@@ -291,7 +292,7 @@ describe("the pointer", () => {
         const solid: Solid = box ? { box: [0, 0, ...box] } : { circle: [0, 0, radius] };
         const two = complete({ ...view, solids: [{ circle: [99, 99, 1] }, solid], robots: [] });
         const now = { ...firstPoses(two), solids: [[99, 99, 0] as Pose, [x, y, angle] as Pose] };
-        const found = thingAt(two, now, around(shape, along, aside), grip);
+        const found = thingAt(two, (thing) => shapeOf(two, now, thing), around(shape, along, aside), grip);
         expect(found).toEqual(beyond < grip ? { kind: "solid", index: 1 } : null);
       }),
     );
@@ -299,13 +300,17 @@ describe("the pointer", () => {
 
   it("finds the start once the robot has left it", () => {
     const away = { ...now, robots: [{ ...now.robots[0]!, pose: [1.5, 1.5, 0] as Pose }] };
-    expect(thingAt(world, away, [0.5, 1], 0)).toEqual({ kind: "start", index: 0 });
+    expect(thingAt(world, (thing) => shapeOf(world, away, thing), [0.5, 1], 0)).toEqual({
+      kind: "start",
+      index: 0,
+    });
   });
 
   it("catches a zone at its rim, so that what is inside of it stays within reach", () => {
     const zoned = { ...world, zones: { goal: { circle: [1, 1.5, 0.3] as Pose } } };
-    expect(thingAt(zoned, now, [1.3, 1.5], 0.02)).toEqual({ kind: "zone", name: "goal" });
-    expect(thingAt(zoned, now, [1, 1.5], 0.02)).toBeNull();
+    const shown = (thing: Thing) => shapeOf(zoned, now, thing);
+    expect(thingAt(zoned, shown, [1.3, 1.5], 0.02)).toEqual({ kind: "zone", name: "goal" });
+    expect(thingAt(zoned, shown, [1, 1.5], 0.02)).toBeNull();
   });
 
   it("catches the handles of what is selected", () => {

@@ -67,11 +67,19 @@ export function thingsOf(world: FullWorld): Thing[] {
   ];
 }
 
-/** The thing at a point; small and thin ones and the rims of zones can be caught within `grip` metres. */
-export function thingAt(world: FullWorld, now: Snapshot, point: Point, grip: number): Thing | null {
+/**
+ * The thing at a point, of those that are shown in these shapes; small and thin ones and the rims of zones can be
+ * caught within `grip` metres.
+ */
+export function thingAt(
+  world: FullWorld,
+  shown: (thing: Thing) => Shape | null,
+  point: Point,
+  grip: number,
+): Thing | null {
   return (
     thingsOf(world).find((thing) => {
-      const shape = shapeOf(world, now, thing);
+      const shape = shown(thing);
       if (!shape) return false;
       // what lies inside a zone stays within reach, and so does the floor, to pan
       if (thing.kind === "zone") return covers(shape, point, grip) && !covers(shape, point, -grip);

@@ -117,7 +117,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
 
   function thingUnder(point: Point, event: PointerEvent): Thing | null {
     const reach = reachOf(event, CATCH) / stage.viewport.scale;
-    return stage.world && stage.latest && thingAt(stage.world, stage.latest, point, reach);
+    return stage.world && thingAt(stage.world, (thing) => stage.shape(thing), point, reach);
   }
 
   function panning(event: PointerEvent, begin: Point, from: Point): Press {
