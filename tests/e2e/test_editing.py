@@ -239,7 +239,7 @@ def format_the_text(lab):
 
 def see_values(lab):
     """They keep to the right of their lines, need none of their own, and fade where nothing tests them."""
-    lab.sees(".cm-line:has-text('(event waits') .lrp-inline-value")
+    lab.until("lines => lines.querySelectorAll('.lrp-inline-value').length === 4", ".cm-content")
     boxes = lab.find(".cm-line:has(.lrp-inline-value)").evaluate_all(
         "lines => lines.map(line => { const value = line.querySelector('.lrp-inline-value');"
         " const [outer, inner] = [line, value].map(node => node.getBoundingClientRect());"

@@ -1,5 +1,7 @@
 """Pages come and go, cells run again, kernels end: the program and its text stay, and nothing hidden runs."""
 
+from support.waiting import until
+
 from e2e import axe
 from e2e.pages import LabPage, NotebookPage
 from e2e.programs import COUNTER, FOLLOWER
@@ -177,8 +179,7 @@ def test_what_was_typed_comes_back_after_the_end_of_a_kernel(open_lab, server):
     lab.sees('[data-lrp-state="m/fifth"]')
     lab.do("take")
     lab.sees('[data-lrp-state="m/sixth"]')
-    lab.goes_on()
-    assert (notebook.path.parent / ".lrp" / "m.lrp").read_text() == lab.text
+    until(lambda: (notebook.path.parent / ".lrp" / "m.lrp").read_text() == lab.text, "it is kept")
 
 
 def restart(lab):
@@ -230,7 +231,7 @@ def refuse_a_hidden_text(lab):
 
 def take_what_was_changed_outside(lab, file):
     third(lab)
-    lab.goes_on()
+    until(lambda: "(state third)" in file.read_text(), "it is kept")
     outside = COUNTER.replace("(state rest)", "(state rest) (state outside)")
     file.write_text(outside)
     lab.type_after("(state third)", " (state fourth)")
