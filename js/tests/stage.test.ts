@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import type { WorldView } from "../src/protocol";
+import type { Point, WorldView } from "../src/protocol";
 import type { Act } from "../src/session/connection";
 import { type Lab, Store } from "../src/session/store";
 import { Looking } from "../src/timeline/looking";
@@ -103,6 +103,16 @@ describe("a drag in the world", () => {
     expect([...captured, stage.busy, stage.draftOf({ kind: "solid", index: 0 })]).toEqual([false, null]);
     point("pointerup", 2.5, 1);
     expect(acts.filter((act) => act.do === "put_solid")).toEqual([]);
+  });
+
+  it("adds another thing, also before the kernel has answered the last one", () => {
+    reply = () => new Promise(() => {});
+    const wall = { x: 1, y: 1, angle: 0, box: [0.6, 0.04] as Point };
+    const box = { x: 2, y: 1.5, angle: 0, box: [0.2, 0.2] as Point };
+    edits.add("wall", wall);
+    edits.add("box", box);
+    expect(stage.selected && stage.shape(stage.selected)).toEqual(box);
+    expect(stage.shape({ kind: "solid", index: 1 })).toEqual(wall);
   });
 
   it("that ends with Escape leaves an edit that the kernel has not answered as it is shown", () => {

@@ -74,7 +74,9 @@ export class WorldEdits {
       this.act({ do: "put_zone", name, ...shaped(shape) });
     } else {
       this.push = kind === "box" ? PUSH : null;
-      this.hold({ kind: "solid", index: world.solids.length }, shape);
+      let index = world.solids.length;
+      while (this.stage.draftOf({ kind: "solid", index })) index++; // added, and not answered yet
+      this.hold({ kind: "solid", index }, shape);
       this.act({ do: "put_solid", ...shaped(shape), angle: poseOf(shape)[2], push: this.push });
     }
   }
