@@ -5,8 +5,10 @@ import math
 import xml.etree.ElementTree as ElementTree
 
 import pytest
+from support.waiting import until
 
 from e2e import axe
+from e2e.pages import SESSION
 
 STILL = "(machine m (state waiting)) (spawn m waiting)"
 DRIVER = """\
@@ -31,6 +33,11 @@ CURVES = """\
 (spawn m bend)
 """
 DRIVES = STANDS.replace("0.0", "0.2")
+AT_START = f"""\
+{SESSION}
+x, y, _ = session.bridge.simulation.robot.pose
+print(session.frame.tick * (abs(x - 1.0) < 0.05 > abs(y - 0.4)))
+"""
 WORLD = ".lrp-world-body"
 AHEAD = ".lrp-world-ahead"
 WORLDS = '[data-lrp-action="world"]'
@@ -116,7 +123,8 @@ def move_the_start(lab):
     lab.drag_robot((0.6, 0.6), (2.0, 1.5))
     lab.drag_robot((0.6, 0.6), (1.0, 0.4))  # the outline that stays at the start
     lab.do("reset-world")
-    lab.goes_on()
+    tick = until(lambda: int(lab.notebook.kernel(AT_START)), "the robot is at its start")
+    lab.until("(root, tick) => Number(root.dataset.lrpTick) > tick", argument=tick)
     lab.sees(".lrp-canvas").focus()
     press(lab, "Escape")
     lab.until("strip => strip.hidden", THING)
