@@ -247,6 +247,11 @@ class LabPage:
         """Wait until five more ticks are over."""
         self.until("(root, tick) => Number(root.dataset.lrpTick) >= tick", argument=self.tick + 5)
 
+    def catches_up(self):
+        """Wait until the page shows five ticks more than the kernel has made: and what it was sent before."""
+        tick = int(self.notebook.kernel(f"{SESSION}print(session.frame.tick)"))
+        self.until("(root, tick) => Number(root.dataset.lrpTick) >= tick", argument=tick + 5)
+
     def value(self, variable):
         return self.find(f'[data-lrp-variable="{variable}"] .lrp-value').inner_text()
 

@@ -67,7 +67,7 @@ def distance(a, b):
 
 def rests(lab):
     """Wait until neither the drawing nor the camera has moved for some frames."""
-    lab.goes_on()
+    lab.catches_up()
     lab.at_rest(".lrp-graph .lrp-layer-states")
 
 
