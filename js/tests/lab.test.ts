@@ -14,6 +14,7 @@ import recording from "./page/recording.json";
 
 let page: Page;
 beforeEach(async () => {
+  vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "setInterval", "clearInterval", "performance"] });
   localStorage.clear();
   sessionStorage.clear();
   page = await new Page().begin();
@@ -21,6 +22,7 @@ beforeEach(async () => {
 afterEach(() => {
   page.close();
   page.host.remove();
+  vi.useRealTimers();
 });
 
 describe("the editor", () => {
@@ -316,14 +318,12 @@ describe("the editor", () => {
   });
 
   it("sends what is meant with the cursor where it is now, also in a shorter text from elsewhere", () => {
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
     const end = page.editor.state.doc.length;
     page.editor.dispatch({ selection: { anchor: end } });
     page.editor.dispatch({ ...page.editor.state.replaceSelection("(sta"), userEvent: "input.type" });
     page.confirm({ half_typed: true });
     page.hears("(machine m)", { half_typed: true });
     vi.advanceTimersByTime(WORD_AFTER);
-    vi.useRealTimers();
     expect(page.of("cursor").at(-1)).toMatchObject({ selection: [11, 11], meant: true });
   });
 
@@ -409,7 +409,6 @@ describe("a page of any notebook", () => {
     await frames(100);
     expect(page.saved).toBe(0);
     page.traits.reports = true;
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
     await frames(200);
     expect(page.saved).toBe(1);
     await vi.advanceTimersByTimeAsync(250);
@@ -423,7 +422,6 @@ describe("a page of any notebook", () => {
     page.close();
     await vi.advanceTimersByTimeAsync(1000);
     expect(page.saved).toBe(3);
-    vi.useRealTimers();
   });
 
   it("says that no program runs once the kernel has ended", async () => {
@@ -540,8 +538,8 @@ describe("the page", () => {
   });
 
   it("reports what its user looks at only while that is recorded, and says so", async () => {
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
     const mark = page.find(".lrp-recorded");
+    page.find('[data-lrp-action="follow"]').click(); // or what is watched may go meanwhile
     const look = () => {
       page.find('[data-lrp-action="timeline"]').click();
       const state = page.find('[data-lrp-state="follower/looking"]');
@@ -557,9 +555,7 @@ describe("the page", () => {
     expect(mark.hidden).toBe(true);
     expect(look()).toEqual([]);
     page.deliver({ type: "frame", frame: 9, settings: { log: "p.lrplog" } });
-    vi.useRealTimers();
     await page.drawn();
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
     expect(mark.hidden).toBe(false);
     expect(mark.title).toContain("is recorded in the file p.lrplog on");
     expect(look()).toEqual([
@@ -570,7 +566,6 @@ describe("the page", () => {
       ["why", "state follower/looking", true],
       ["why", "state follower/looking", false],
     ]);
-    vi.useRealTimers();
   });
 
   it("offers to run while paused, and to pause while running", async () => {
@@ -643,13 +638,11 @@ describe("the page", () => {
     await page.drawn();
     expect(notice.hidden).toBe(true);
     expect(counter.querySelector("summary")?.textContent).toBe("3 restarts");
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
     page.deliver({ type: "frame", frame: 10, restarts: { 4: { tick: 5, reason: "`moving` changed" } } });
     await page.drawn();
     expect(notice.hidden).toBe(false);
     expect(notice.textContent).toContain("Restarted at tick 5: moving changed");
     vi.advanceTimersByTime(10_000);
-    vi.useRealTimers();
     expect(notice.hidden).toBe(true);
     expect(counter.querySelector("summary")?.textContent).toBe("4 restarts");
     expect([...counter.querySelectorAll("li")].map((item) => item.textContent)).toEqual([
@@ -894,11 +887,9 @@ describe("the page", () => {
     page.deliver({ type: "frame", frame: 9, lit: ["follower/looking", `${inner}/lookleft`] });
     await page.drawn();
     resize(420, 700);
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
     svg.dispatchEvent(new KeyboardEvent("keydown", { key: "Tab", bubbles: true }));
     expect(svg.querySelectorAll("[data-drawing]")).toHaveLength(1);
     await vi.advanceTimersByTimeAsync(1100); // and a pause
-    vi.useRealTimers();
     const places = () =>
       [...svg.querySelectorAll("[data-drawing]")].map((each) => [
         each.getAttribute("data-drawing"),
@@ -1001,7 +992,6 @@ describe("the page", () => {
     const place = () => svg.firstElementChild!.getAttribute("transform");
     for (const side of ["clientWidth", "clientHeight"]) Object.defineProperty(svg, side, { value: 500 });
     page.find('[data-lrp-action="zoom-fit"]').click();
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
     vi.stubGlobal("matchMedia", () => ({ matches: true })); // no gliding
     const before = place();
     press("pointerdown", 1); // where all states are, here: on a border
@@ -1017,7 +1007,6 @@ describe("the page", () => {
     await vi.advanceTimersByTimeAsync(200);
     expect(place()).not.toBe(before);
     vi.unstubAllGlobals();
-    vi.useRealTimers();
   });
 
   it("says whether the robot is followed, whichever way that ended", () => {
@@ -1128,18 +1117,15 @@ describe("the page", () => {
   });
 
   it("says nowhere what a kernel does that is not reachable", async () => {
-    vi.useFakeTimers({ toFake: ["setInterval", "clearInterval"] });
     const other = new Page();
     other.open();
-    const later = performance.now() + LOST_AFTER;
-    const now = vi.spyOn(performance, "now").mockImplementation(() => later);
     vi.advanceTimersByTime(100);
-    now.mockRestore();
+    other.deliver({ type: "frame", frame: 9 });
+    vi.advanceTimersByTime(LOST_AFTER + 1000);
     await other.drawn();
     for (const place of [".lrp-verdict", ".lrp-status"])
       expect(other.find(place).textContent).toMatch(/^not reachable/);
     other.close();
-    vi.useRealTimers();
   });
 
   it("says in a new view, too, that a text is not a program, or does not run yet", async () => {
@@ -1407,7 +1393,6 @@ describe("a text that no kernel has answered", () => {
   });
 
   it("includes one that the kernel has answered, if it is silent since: it may not have kept it", async () => {
-    vi.useFakeTimers({ toFake: ["setInterval", "clearInterval", "performance"] });
     leave();
     page = new Page();
     await vi.advanceTimersByTimeAsync(1);
@@ -1415,7 +1400,6 @@ describe("a text that no kernel has answered", () => {
     page.type("; x\n");
     page.confirm();
     await vi.advanceTimersByTimeAsync(LOST_AFTER + 200);
-    vi.useRealTimers();
     await next();
     await isRecovered(`; x\n${snapshot.text}`);
   });
