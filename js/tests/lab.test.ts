@@ -883,6 +883,7 @@ describe("the page", () => {
       Object.defineProperty(svg, "clientHeight", { value: height, configurable: true });
     };
     resize(420, 200);
+    page.find('[data-lrp-action="follow"]').click();
     page.find('[data-lrp-action="zoom-fit"]').click();
     page.deliver({ type: "frame", frame: 9, lit: ["follower/looking", `${inner}/lookleft`] });
     await page.drawn();

@@ -65,6 +65,7 @@ def test_on_paper_program_graph_and_world_are_whole_and_one_below_the_other(plai
     for width, height in ((700, 900), (WINDOW["width"], WINDOW["height"])):
         lab.page.set_viewport_size({"width": width, "height": height})
         lab.at_rest(".lrp-canvas")
+        lab.at_rest(".lrp-graph .lrp-layer-states")
         lab.page.emulate_media(media="print")
         printed = lab.root.evaluate(PRINTED)
         lab.page.emulate_media(media="screen")

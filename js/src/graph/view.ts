@@ -128,7 +128,7 @@ export function graphView(lab: Lab): HTMLElement {
     }
     root.removeAttribute("visibility");
     const { width, height } = size();
-    const next = width && (force || shown !== machine) ? shapeFor(width, height, form) : form;
+    const next = width && (force || !places.length) ? shapeFor(width, height, form) : form;
     const isKept = shown === machine && store.state.follow !== "active";
     const [lit, before] = [inGraph(store.state).lit, [...spots().keys()]];
     const likely = isKept ? [...lit, ...before] : [...before, ...lit];
