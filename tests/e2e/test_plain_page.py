@@ -13,8 +13,9 @@ NEWER = """() => new Promise(resolve => {
   indexedDB.open("lrp-texts", 99).onsuccess = ({ target }) => { target.result.close(); resolve(); };
 })"""
 
-PRINTED = """root => {
+PRINTED = """async root => {
   dispatchEvent(new Event("beforeprint")); // the editor draws all lines for a moment
+  for (let n = 0; n < 3; n++) await new Promise(requestAnimationFrame); // the panels have other sizes
   const box = found => found.getBoundingClientRect();
   const part = name => root.querySelector(`[data-lrp="${name}"]`);
   const panels = ["world", "editor", "graph", "variables", "issues", "goal"].map(part).map(box);

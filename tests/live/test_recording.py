@@ -503,7 +503,7 @@ def moody(robot):
 
 
 MOODY = """
-(var seen := [[]]) (var fails := [0])
+(var seen := [[]])
 (machine m
   (state a (running
     [seen = seen + [robot.battery()]]

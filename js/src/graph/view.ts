@@ -60,6 +60,7 @@ export function graphView(lab: Lab): HTMLElement {
   const counts = new CountBars(store.state);
   const place = () => {
     setAttribute(root, "transform", camera.transform);
+    if (svg.hasAttribute("viewBox")) print(true);
     counts.place(camera);
     scrollBars.update(camera, contents(), size());
   };
