@@ -58,13 +58,13 @@ class Message:
     accepts a number in place of the nested message.
     """
 
-    __slots__ = ("_fields", "_is_set", "_path")
+    __slots__ = ("_fields", "_path", "_was_assigned")
     FIELDS: ClassVar[Mapping[str, type[Message] | Plain]] = {}
     WORDS: ClassVar[Mapping[str, str]] = {}
     OPTIONAL: ClassVar[tuple[str, ...]] = ()  # parts that are among its values only if something is set there
 
     _fields: dict[str, Any]
-    _is_set: bool
+    _was_assigned: bool
     _path: str
 
     def __init__(self, path: str = "msg", /, **fields: object) -> None:
@@ -73,7 +73,7 @@ class Message:
             for name, kind in self.FIELDS.items()
         }
         object.__setattr__(self, "_path", path)
-        object.__setattr__(self, "_is_set", False)
+        object.__setattr__(self, "_was_assigned", False)
         object.__setattr__(self, "_fields", values)
         self(**fields)
 
@@ -153,8 +153,14 @@ class Message:
             if name not in self.OPTIONAL or value._is_set
         }
 
+    @property
+    def _is_set(self) -> bool:
+        """Whether something was set here or in a part."""
+        parts = (each for each in self._fields.values() if isinstance(each, Message))
+        return self._was_assigned or any(part._is_set for part in parts)
+
     def _assign(self, name: str, value: object) -> None:
-        object.__setattr__(self, "_is_set", True)
+        object.__setattr__(self, "_was_assigned", True)
         kind = self.FIELDS.get(name)
         if kind is None and name in self.WORDS:
             self.set(name, value)

@@ -185,6 +185,19 @@ class Label(Message):
     FIELDS = {"text": Plain("string", "", _text), "size": NUMBER, "place": Vector3}  # noqa: RUF012
 
 
+class Pose(Message):
+    """A message whose numbers are two parts deep."""
+
+    FIELDS = {"target": Label}  # noqa: RUF012
+
+
+def test_what_is_set_deep_inside_is_copied() -> None:
+    pose = Pose()
+    pose.target.place.x = 1
+    pose.target.place(y=2)
+    assert copy.copy(pose) == pose == Pose(target_place_x=1, target_place_y=2) != Pose()
+
+
 def test_a_field_may_be_of_any_kind() -> None:
     label = Label(text="home", size=2)
     assert label.as_dict() == {"text": "home", "size": 2.0, "place": {"x": 0.0, "y": 0.0, "z": 0.0}}

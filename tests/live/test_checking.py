@@ -328,6 +328,7 @@ def test_uses_of_a_task_are_checked_also_where_other_members_may_come(action, co
         ("(on [robot.go.succeeded] * -> c)", False),
         ("(on [robot.go.active] b -> c)", False),
         ("(ontime 1 a -> b (effect [robot.go(2)])) (on [robot.go.succeeded] b -> c)", False),
+        ("(ontime 1 a -> b (effect [with robot.go as go: pass])) (on [robot.go.succeeded] b -> c)", False),
         ("(state b (machine inner (state x (running [robot.go(2)]))) (onentry (spawn inner x)))", False),
     ],
 )

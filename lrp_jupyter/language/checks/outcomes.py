@@ -17,7 +17,8 @@ _OF_STATES = ("onentry", "running")
 def check_tasks(report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
     """Report transitions that test the outcome of a task that only other states of the machine ask for."""
     for name in () if robot is None else robot.tasks:
-        asked = [place for place in names.all_blocks for use in _uses(place, name) if use.role == "called"]
+        uses = [(place, use) for place in names.all_blocks for use in _uses(place, name)]
+        asked = [place for place, use in uses if use.role in ("called", "with")]
         arrows = {arrow.element: arrow for scope in names.scopes for arrow in names.arrows[scope]}
         asking = {state for place in asked for state in _states(place, arrows)}
         machines = {state[:-1] for state in asking}
