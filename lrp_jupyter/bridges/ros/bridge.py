@@ -295,6 +295,7 @@ class RosBridge(Bridge):
                     message=channel.message,
                     velocity=channel.is_velocity,
                     limits=wire.limits if channel.message else None,
+                    mover=wire.variable if channel.is_velocity else "",
                 )
         except ValueError as error:
             raise BridgeError(str(error)) from error
@@ -362,6 +363,16 @@ class RosBridge(Bridge):
                     failures.append(str(error))
         if failures:
             raise BridgeError(f"{failures[0]} It is stopped as soon as it is found.")
+
+    def stop_mover(self, mover: str) -> None:
+        """Publish a zero where the program gives no more velocities; what else it drives goes on."""
+        channel = next(each for each in self.wiring.channels if each.wire.variable == mover)
+        try:
+            self.wiring.stop(channel, ())
+        except BridgeError:
+            super().stop_mover(mover)
+        else:
+            self.safety.moving(mover, False, mover)
 
     guarded_by = (
         "If this program dies or hangs, a guard process stops the robot. If this computer sleeps or is cut"

@@ -613,6 +613,22 @@ def test_the_stop_button_works_while_the_program_hangs(ros: RosBridge, graph: An
         session.close()
 
 
+def test_each_velocity_ends_when_the_program_gives_no_more_of_it(ros: RosBridge, graph: Any) -> None:
+    ros.publish("move", "/cmd_vel")
+    ros.publish("second.move", "/second", "geometry_msgs/Twist")
+    text = """(machine m
+        (state both (running [robot.move(linear=0.1)] [robot.second.move(linear=0.2)]))
+        (state one (running [robot.second.move(linear=0.2)]))
+        (ontime 100 both -> one))
+      (spawn m both)"""
+    sent = []
+    with Session(text, bridge=ros, clock=VirtualClock(), rate=10) as session:
+        session.on_tick(lambda: sent.append([each.last_sent.get("linear.x") for each in ros.wiring.channels]))
+        session.run(1)
+    assert [0.1, 0.2] in sent
+    assert sent[-1] == [0.0, 0.2]
+
+
 def speeds(graph: Any) -> list[float]:
     return [values["linear"]["x"] for topic, values in tuple(graph.heard) if topic == "/cmd_vel"]
 
