@@ -79,6 +79,13 @@ class Drawing(StrEnum):
     json = "json"
 
 
+class EditPolicy(StrEnum):
+    """What an edit does that changes an active state."""
+
+    restart = "restart"
+    keep = "keep"
+
+
 class OnIssue(StrEnum):
     """What happens at a fault of the running program."""
 
@@ -247,6 +254,13 @@ def run(
     watch: Annotated[
         bool, Option("--watch", help="Patch the running program at every save of the file.")
     ] = False,
+    on_active_edit: Annotated[
+        EditPolicy,
+        Option(
+            help="What a save does that changes an active state: `restart` the program, or `keep` it"
+            " in that state, with the new actions."
+        ),
+    ] = EditPolicy.restart,
     on_issue: Annotated[
         OnIssue, Option(help="What to do whenever a fault of the program occurs.")
     ] = OnIssue.record,
@@ -276,6 +290,7 @@ def run(
         breakpoints=tuple(breakpoints or ()),
         fires=fires or [],
         watch=watch,
+        on_active_edit=on_active_edit.value,
         on_issue=on_issue.value,
         answers=[*([f"host={host}"] if host else []), *(options or [])],
     )

@@ -108,6 +108,7 @@ def _run(
             bridge,
             rate=wanted.rate,
             name=FilePath(source.name).stem,
+            on_active_edit=wanted.on_active_edit,
             on_issue=wanted.on_issue,
             journal=0 if wanted.animate is None else None,
             speed=wanted.speed,

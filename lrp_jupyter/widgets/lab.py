@@ -39,7 +39,7 @@ from lrp_jupyter.widgets.text.kept import Version
 from lrp_jupyter.widgets.views.program_picture import bitmap, still
 from lrp_jupyter.widgets.wire.own_comm import OwnComm
 from lrp_jupyter.widgets.wire.packing import packed, unpacked
-from lrp_jupyter.widgets.wire.protocol import Edits, GraphMode
+from lrp_jupyter.widgets.wire.protocol import Edits, GraphMode, OnActiveEdit
 
 _NAME = re.compile(r"[\w-]+")
 """The name of a program: no text is one word, because a program has parentheses."""
@@ -181,6 +181,8 @@ class Lab(Part):
         The name of the program; default: that of its first machine.
     rate : float, optional
         Ticks per second.
+    on_active_edit : {"restart", "keep"}, optional
+        What an edit does that changes an active state.
     namespace : dict, optional
         Names that blocks can read; default: those of a Jupyter notebook. Elsewhere pass ``globals()``.
     challenge : str or Challenge, optional
@@ -222,6 +224,7 @@ class Lab(Part):
         *,
         name: str | None = None,
         rate: float | None = None,
+        on_active_edit: OnActiveEdit | None = None,
         namespace: dict[str, Any] | None = None,
         challenge: str | Challenge | None = None,
         edits: Edits | None = None,
@@ -258,6 +261,7 @@ class Lab(Part):
             bridge,
             namespace=names,
             rate=rate,
+            on_active_edit=on_active_edit,
             task=task,
             conditions=conditions,
             log=log,

@@ -34,6 +34,9 @@ _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ] [--challenge CHALLENGE]
                       run the cell's text as a program and show its lab; running the cell again
                       changes the running program; other options are the bridge's: --seed 5
+       [--on-active-edit restart|keep]
+                      what an edit does that changes an active state: it restarts the program, or
+                      leaves it in that state, with the new actions
        [--edits live|hold] [--graph live|static|hidden] [--quiet] [--lock]
                       the conditions of a study: edits wait for Apply; the graph is drawn on request,
                       or not shown; nothing of the run is shown outside of it; the page cannot
@@ -94,11 +97,13 @@ _VALUES = {
     "world": "line",
     "bridge": "sim",
     "rate": "20",
+    "on-active-edit": "keep",
     "challenge": "square",
     "edits": "hold",
     "graph": "static",
     "log": "participant-07.lrplog",
 }
+_CHOICES = {**CHOICES, "on-active-edit": ("restart", "keep")}
 _SWITCHES = ("quiet", "lock")
 _OPTIONS = [f"--{name}" for name in (*_VALUES, *_SWITCHES)]
 
@@ -106,9 +111,9 @@ _OPTIONS = [f"--{name}" for name in (*_VALUES, *_SWITCHES)]
 def _value(key: str, value: str) -> object:
     if key == "rate":
         return _hertz(value, "%%lrp: `--rate`")
-    if key in CHOICES:
+    if key in _CHOICES:
         try:
-            check_choice(f"--{key}", value, CHOICES[key])
+            check_choice(f"--{key}", value, _CHOICES[key])
         except ValueError as error:
             raise UsageError(f"%%lrp: {error}") from None
     return value

@@ -18,6 +18,7 @@ from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import LRPError, UnknownElementError, did_you_mean, most_similar
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.language.parser import scan
+from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 from lrp_jupyter.widgets.connection import PageConnection
@@ -27,6 +28,7 @@ from lrp_jupyter.widgets.text.kept import checked_name
 from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Texts
 from lrp_jupyter.widgets.views.goal import Goal
+from lrp_jupyter.widgets.wire.protocol import OnActiveEdit
 
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
@@ -106,6 +108,7 @@ def open_program(
     *,
     namespace: dict[str, Any] | None = None,
     rate: float | None = None,
+    on_active_edit: OnActiveEdit | None = None,
     folder: str | os.PathLike[str] | None = None,
     paused: str = "",
     given_in: str = "cell",
@@ -119,6 +122,7 @@ def open_program(
 
     `text`: the text of the cell; None or blank: the lab's text.
     `bridge`: default: that of the open program, else the simulator.
+    `rate`, `on_active_edit`: of the session; default: as before.
     `folder`: of the notebook, which decides where texts are kept; default: the current one.
     `paused`: why a newly opened program does not run until its user starts it.
     `given_in`: where this text comes from, in a word: a cell, or a link.
@@ -179,6 +183,8 @@ def open_program(
         connection.session.start()
     if rate is not None:
         connection.session.rate = rate
+    if on_active_edit is not None:
+        connection.session.on_active_edit = on_active_edit
     connection.saver.save()  # no page may ever open
     connection.wake()
     return connection
@@ -234,7 +240,10 @@ def _open_session(
 
 
 def _reopen(old: Session, bridge: str, log: FilePath | None = None, **options: Any) -> Session:
-    return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options, log=log)
+    new = _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options, log=log)
+    for policy in ("on_active_edit", "on_issue"):
+        new.ask(do.SetPolicy(policy, getattr(old, policy)))
+    return new
 
 
 @atexit.register

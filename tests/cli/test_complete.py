@@ -35,6 +35,7 @@ def asked(words: str) -> dict[str, str]:
         ("lrp run follower --noise m", {"motor="}),
         ("lrp explain LRP30", {f"LRP30{n}" for n in range(1, 10)}),
         ("lrp run follower --speed m", {"max"}),
+        ("lrp run follower --on-active-edit k", {"keep"}),
         ("lrp run missing --until ", set()),
     ],
 )

@@ -143,6 +143,24 @@ def test_every_save_changes_the_running_program(process, program, tmp_path):
     assert out.count("The last program keeps running.") == 2  # each is reported once
 
 
+def test_an_active_state_is_kept_when_a_save_changes_it_if_that_is_wanted(process, program, tmp_path):
+    path, trace, output = program(WAIT), tmp_path / "trace.jsonl", tmp_path / "output"
+    with output.open("w") as out:
+        run = process("run", path, "--watch", "--on-active-edit", "keep", "--trace", trace, stdout=out)
+    until(lambda: events_of(trace, "commanded"), "the start")
+    path.write_text(WAIT.replace("0.1", "0.2"))
+    until(
+        lambda: (
+            events_of(trace, "commanded")[-1]["arguments"] != events_of(trace, "commanded")[0]["arguments"]
+        )
+    )
+    run.send_signal(signal.SIGINT)
+    assert run.wait() == 130
+    assert [event["restarted"] for event in events_of(trace, "patched")] == [False]
+    assert not events_of(trace, "restarted")
+    assert "saved: applied while it runs: `running` of `" in output.read_text()
+
+
 def test_a_save_starts_a_file_that_was_no_program_and_resumes_a_run_that_paused_at_an_issue(
     process, program, tmp_path
 ):

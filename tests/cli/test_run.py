@@ -209,6 +209,7 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--watch"], "--watch needs a file of your own"),
         (["--trace", "no/such/folder"], "`no/such/folder` cannot be written: there is no such folder."),
         (["--on-issue", "panic"], "panic"),
+        (["--on-active-edit", "kep"], "kep"),
     ],
 )
 def test_what_cannot_be_meant_is_a_sentence_and_exit_code_2(lrp, arguments, sentence):

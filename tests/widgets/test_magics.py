@@ -82,6 +82,18 @@ def test_a_cell_is_a_program_and_its_output_the_lab(shell):
     assert lab.text == B
 
 
+def test_a_cell_says_what_an_edit_of_an_active_state_does_also_with_another_robot(shell, run):
+    lab = cell(shell, "mine --on-active-edit keep", A)
+    session = lab.session
+    session.on_issue = "pause"
+    assert session.on_active_edit == "keep"
+    run("bridge none")
+    assert lab.session is not session
+    assert (lab.session.on_active_edit, lab.session.on_issue) == ("keep", "pause")
+    cell(shell, "mine --on-active-edit restart", A)
+    assert lab.session.on_active_edit == "restart"
+
+
 def test_blocks_see_the_notebooks_names_and_write_none(shell):
     shell.run_cell("def double(x): return 2 * x")
     lab = cell(shell, "mine --rate 100", "(var x := [double(21)])" + A)
@@ -328,6 +340,10 @@ def test_mistakes_are_reported_in_a_sentence(shell, line, sentence):
     [
         ("mine --world paradise", "There is no world `paradise`"),
         ("mine --bridge wings", "There is no bridge `wings`"),
+        (
+            "mine --on-active-edit kep",
+            "`--on-active-edit` must be `restart` or `keep`, not `kep`. Did you mean `keep`?",
+        ),
         ("mine --rate fast", "`--rate` is a number of ticks per second, not `fast`."),
         ("mine --wings", "`--wings` needs a value"),
         ("mine --world", "`--world` needs a value, as in `--world line`."),
