@@ -24,7 +24,8 @@ to be read by waiting has a base of its own, :class:`~lrp_jupyter.bridges.reconn
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
 `add_members`, `close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`,
-`press`, `panel`, `stopper`; for a robot in a world with a clock of its own, `advance`, `moment` and `rewind`.
+`press`, `panel`, `tell`, `stopper`; for a robot in a world with a clock of its own, `advance`, `moment` and
+`rewind`.
 A session calls, on the interpreter's thread unless stated otherwise::
 
     bridge.open()                          # once
@@ -147,12 +148,15 @@ class Bridge(Interface, ABC):
     complete : bool
         Whether `add_members` adds every member that there will be, so that a program which uses another one
         is wrong, and the checks say so before it runs.
+    tells_why : bool
+        Whether `tell` is also told why a transition fired.
     robot : Robot
         What a program sees.
     safety : Safety
         Armed or not, the log of commands and notices.
     """
 
+    tells_why: bool = False
     stops_when_found: ClassVar[bool] = False
     complete: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Bridge]]] = {}
@@ -215,6 +219,19 @@ class Bridge(Interface, ABC):
 
     def on_resume(self) -> None:
         """React to the end of a pause. Nothing commanded before the pause is sent again."""
+
+    def tell(self, told: Mapping[str, Any]) -> None:
+        """Publish what has happened in the run, for those who follow it from outside. Default: nothing.
+
+        Called after each tick or command in which something happened, in general on the thread that ticks: it
+        must not wait. It is no command: also a disarmed bridge is told, and nothing of it is recorded or
+        repeated. What it raises is a notice.
+
+        Parameters
+        ----------
+        told : mapping
+            Can be written as JSON; see `lrp_jupyter.live.teller`.
+        """
 
     def panel(self) -> Panel | None:
         """Return the current panel.

@@ -45,6 +45,7 @@ from lrp_jupyter.live.running.frame import Frame, Status, missing_state
 from lrp_jupyter.live.running.live_variables import LiveVariables
 from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.running.output import Output
+from lrp_jupyter.live.teller import make_teller
 
 _GLANCE = 1.0  # wall seconds of one wait, which Ctrl-C does not end if another thread gets the signal
 
@@ -134,6 +135,7 @@ class Runner:
             partial(getattr, self.output, "count"),
         )
         self.output.written = partial(self._loop.emit, "printed")
+        self._teller = make_teller(self._loop, name)
         self._driver = Driver(self._loop, name)
         self.ask, self.submit = self._driver.ask, self._driver.submit  # internal, not in `help`, `dir`
         self.dead_man = dead_man
@@ -606,6 +608,8 @@ class Runner:
         with self._changed:
             self._version += 1
             self._changed.notify_all()
+        if self._teller is not None:
+            self._teller.published(self.name)
         for listener in self._listeners:
             listener()
 

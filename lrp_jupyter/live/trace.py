@@ -81,7 +81,7 @@ def _details(event: TraceEvent) -> dict[str, Any]:
         case "spawned" | "discarded":
             return {"machine": path}
         case "changed":
-            return {"variable": path} if data is UNSET else {"variable": path, "value": _shown(data)}
+            return {"variable": path} if data is UNSET else {"variable": path, "value": json_value(data)}
         case "restarted":
             return {"reason": data}
         case "fired":
@@ -118,7 +118,8 @@ def _details(event: TraceEvent) -> dict[str, Any]:
     return {}
 
 
-def _shown(value: object) -> object:
+def json_value(value: object) -> object:
+    """Return a value that JSON has, else its text."""
     if value is None or type(value) in (bool, int):
         return value
     if type(value) is float:

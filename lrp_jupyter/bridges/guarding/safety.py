@@ -168,6 +168,7 @@ class Safety:
         self.halted: Motion = {}  # what moved when the robot was stopped, and has not been commanded since
         self._notices: deque[Notice] = deque(maxlen=_NOTICES)
         self.recorded: Callable[[CommandRecord], object] | None = None  # called with every command
+        self.noticed: Callable[[Notice], object] | None = None  # called with every new notice, on any thread
         self._commands: deque[CommandRecord] = deque(maxlen=COMMANDS)
         self._last: CommandRecord | None = None
         self._begun = BY_HAND
@@ -205,6 +206,8 @@ class Safety:
                     return entry
             entry = Notice(kind, text, self.now, 1, about, origin, origin)
             self._notices.append(entry)
+        if self.noticed is not None:
+            self.noticed(entry)
         return entry
 
     def forget_notices(self, *kinds: NoticeKind) -> None:
