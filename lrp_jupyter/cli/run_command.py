@@ -47,6 +47,7 @@ from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.teller import REMEMBERED
 from lrp_jupyter.logs import open_log
 
 LIMIT = 10.0
@@ -110,7 +111,7 @@ def _run(
             name=FilePath(source.name).stem,
             on_active_edit=wanted.on_active_edit,
             on_issue=wanted.on_issue,
-            journal=0 if wanted.animate is None else None,
+            journal=None if wanted.animate is not None else REMEMBERED if bridge.tells_why else 0,
             speed=wanted.speed,
         )
         if wanted.animate is not None and bridge.simulated is None:

@@ -40,8 +40,10 @@ from lrp_jupyter.bridges.ros.backends import Choice, check_backend, check_ros2, 
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
+from lrp_jupyter.bridges.ros.outlets import StateOutlet
 from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
+from lrp_jupyter.bridges.ros.rosout import LogOutlet
 from lrp_jupyter.bridges.ros.setup import (
     KINDS,
     TASKS,
@@ -92,6 +94,8 @@ class RosBridge(Bridge):
     messages : str or iterable of str
         Folders with definitions of message types, ``package/msg/Type.msg`` (`dds`); in a text
         they are separated as in ``PATH``.
+    state_topic : str
+        A topic for others: what happens in the run, as JSON in a ``std_msgs/String``. Default: none.
 
     Raises
     ------
@@ -112,6 +116,7 @@ class RosBridge(Bridge):
         node: str = "lrp",
         domain: int | str | None = None,
         messages: str | Iterable[str] = "",
+        state_topic: str = "",
     ) -> None:
         super().__init__()
         self.backend = check_backend(backend, host, port)
@@ -122,6 +127,9 @@ class RosBridge(Bridge):
         self._patience = real_number(patience, "patience")
         self._draft = Draft()
         self.wiring = Wiring(self._offer, self._withdraw)
+        self._log = LogOutlet()
+        self._states = StateOutlet(_state_topic(state_topic)) if state_topic else None
+        self.tells_why = self._states is not None
         self._in_tick = 0  # the thread of the tick that is under way: it must not wait
         self._pace = ProgramPace()
         if setup is not None:
@@ -431,6 +439,12 @@ class RosBridge(Bridge):
             if channel.wire.at_tick is not None and self.safety.armed:
                 self.wiring.say_in_tick(channel)
 
+    def tell(self, told: Mapping[str, Any]) -> None:
+        """Publish what happens in the run."""
+        if self._states is not None:
+            self._states.put(told)
+        self._log.tell(told)
+
     def take_messages(self, readings: Collection[str]) -> None:
         """Have the robot send every message on these topics; on others, the last one is enough."""
         super().take_messages(readings)
@@ -458,7 +472,10 @@ class RosBridge(Bridge):
         """Create a link, with a new channel for each connection of the set-up."""
         place = f"The robot at `{self._host}`" if self._host else "The robot"
         wiring = self.wiring
-        link = TopicLink(self._find, place, lambda: wiring.channels, self._report, wiring.learned, self._warn)
+        outlets = () if self._node == GUARD_NODE else tuple(filter(None, (self._log, self._states)))
+        link = TopicLink(
+            self._find, place, lambda: wiring.channels, self._report, wiring.learned, self._warn, outlets
+        )
         try:
             wiring.attach(link)
             if searching:
@@ -589,6 +606,14 @@ class RosBridge(Bridge):
                 self._start(searching=True)
         else:
             super().answer(key, value)
+
+
+def _state_topic(name: str) -> str:
+    """Return the whole name of a topic; BridgeError: it is not one."""
+    try:
+        return Wire("state", "publisher", name).topic
+    except BridgeError as error:
+        raise BridgeError(f"`state_topic`: {error}") from None
 
 
 def _is_stopped(channel: Channel) -> bool:

@@ -93,8 +93,9 @@ class DdsTransport(Transport):
     def topics(self) -> Mapping[str, str]:
         """Return the topics of other nodes; BridgeError: none is left on the far side of any topic."""
         node = self._open_node()
-        met = {(end.topic, end.writes) for end in node.ends if end.others()}
-        self._met = (self._met | met) & {(end.topic, end.writes) for end in node.ends}
+        ends = [end for end in node.ends if not end.keeps]  # who follows the run is not the robot
+        met = {(end.topic, end.writes) for end in ends if end.others()}
+        self._met = (self._met | met) & {(end.topic, end.writes) for end in ends}
         if self._met and not met:
             raise BridgeError(self._gone())
         return node.graph.topics()
@@ -126,6 +127,15 @@ class DdsTransport(Transport):
                 end = node.subscribe(topic, type_, receive, every)
             self._met |= {(topic, end.writes)} if end.others() else set()
             return end
+        except BridgeError:
+            raise
+        except Exception as error:  # of cyclonedds, for this topic
+            raise RefusedError(f"`{topic}` cannot be connected: {error}.") from error
+
+    def announce(self, topic: str, type_: str, keeps: int) -> object:
+        """Create a writer that keeps its last messages."""
+        try:
+            return self._open_node().advertise(topic, type_, keeps=keeps)
         except BridgeError:
             raise
         except Exception as error:  # of cyclonedds, for this topic

@@ -24,7 +24,14 @@ from cyclonedds.util import duration
 from lrp_jupyter.bridges.latched_values import MOST
 from lrp_jupyter.bridges.ros.dds_domain import DdsDomain
 from lrp_jupyter.bridges.ros.dds_graph import Endpoint, EndpointGraph, NodeDirectory
-from lrp_jupyter.bridges.ros.dds_qos import command_qos, disagreements, node_of, qos_of, reading_qos
+from lrp_jupyter.bridges.ros.dds_qos import (
+    announcing_qos,
+    command_qos,
+    disagreements,
+    node_of,
+    qos_of,
+    reading_qos,
+)
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, Receive
 from lrp_jupyter.errors import BridgeError
@@ -39,6 +46,7 @@ class _TopicEnd:
     """The part of this node in a topic."""
 
     writes = False
+    keeps = 0  # messages, for readers that come later
 
     def __init__(self, node: DdsNode, topic: str, type_: str) -> None:
         self.topic, self.type = topic, type_
@@ -122,14 +130,19 @@ class TopicReader(_TopicEnd):
 
 
 class TopicPublisher(_TopicEnd):
-    """A publisher; `was_heard` if another node subscribed at some time."""
+    """A publisher; `was_heard` if another node subscribed at some time.
+
+    `keeps`: how many messages are kept for readers that come later; 0: it is for commands.
+    """
 
     writes = True
 
-    def __init__(self, node: DdsNode, topic: str, type_: str, was_heard: bool) -> None:
+    def __init__(self, node: DdsNode, topic: str, type_: str, was_heard: bool, keeps: int) -> None:
         super().__init__(node, topic, type_)
+        self.keeps = keeps
         name = node.name if GUARD_NODE in node.name else ""  # so that it can be recognised
-        self._entity = DataWriter(node.participant, self._topic, command_qos(self._hash, name))
+        qos = announcing_qos(self._hash, keeps) if keeps else command_qos(self._hash, name)
+        self._entity = DataWriter(node.participant, self._topic, qos)
         self._qos = qos_of(self._entity)
         self.was_heard = was_heard
         self._owed: Any = None  # a stop that no subscriber received
@@ -219,10 +232,10 @@ class DdsNode:
             reader.every, self._to_adapt = every, True
             self._bell.set(True)
 
-    def advertise(self, topic: str, type_: str, was_heard: bool = False) -> TopicPublisher:
+    def advertise(self, topic: str, type_: str, was_heard: bool = False, keeps: int = 0) -> TopicPublisher:
         """Become a publisher of a topic."""
         with self._lock:
-            publisher = TopicPublisher(self, topic, type_, was_heard)
+            publisher = TopicPublisher(self, topic, type_, was_heard, keeps)
             self._add(publisher)
             return publisher
 

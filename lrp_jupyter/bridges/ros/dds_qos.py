@@ -16,6 +16,7 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.util import duration
 
 _BLOCKED = duration(milliseconds=10)  # that a command may wait for room; nothing else of Python runs then
+_ANNOUNCED = 100  # messages
 _HASH = b"typehash="
 _NODE = b"node="  # not of ROS 2, where a node announces its name only to others that do
 
@@ -30,6 +31,20 @@ def command_qos(type_hash: str, node: str = "") -> Qos:
         Policy.Durability.Volatile,
         Policy.History.KeepLast(1),
         *_common(type_hash, node),
+    )
+
+
+def announcing_qos(type_hash: str, keeps: int) -> Qos:
+    """Return what a publisher offers that keeps its last messages for subscribers that come later.
+
+    One that is slow misses messages only if more than a hundred wait for it.
+    """
+    return Qos(
+        Policy.Reliability.Reliable(_BLOCKED),
+        Policy.Durability.TransientLocal,
+        Policy.History.KeepLast(max(keeps, _ANNOUNCED)),
+        Policy.DurabilityService(0, Policy.History.KeepLast(keeps), -1, -1, -1),
+        *_common(type_hash),
     )
 
 

@@ -10,7 +10,7 @@ Paper: §7.1 (subscriptions are the bridge's, not the program's, so a restart ma
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -19,6 +19,7 @@ from lrp_jupyter.bridges.link import Link
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, messages_of
+from lrp_jupyter.bridges.ros.outlets import Outlet
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction, article
 from lrp_jupyter.bridges.ros.types import RosMessage, Types
@@ -53,6 +54,7 @@ class Transport(ABC):
 
     place: str = ""  # address of the robot, for messages
     node: str = "lrp"  # name of the node on this side, where there is one
+    version: int = 2  # of ROS; 0 while it is not known
     has_tasks: bool = True  # whether it can reach actions and services
     period: float = 2.0  # seconds between two comparisons with the robot
     pace: float = 0.02  # seconds between two readings that the program can use; more of them may be dropped
@@ -61,6 +63,11 @@ class Transport(ABC):
     def __init__(self) -> None:
         self.changed: Callable[[], None] = lambda: None  # to be called, on any thread, to compare at once
         self.clock = RobotClock()  # learns from the time stamps of messages, and tells their age
+
+    @property
+    def log_name(self) -> str:
+        """The name of the node, for the log."""
+        return self.node if self.version == 2 else f"/{self.node}"
 
     @abstractmethod
     def connect(self) -> None:
@@ -119,6 +126,14 @@ class Transport(ABC):
         """
 
     @abstractmethod
+    def announce(self, topic: str, type_: str, keeps: int) -> object:
+        """Advertise a topic of which each message counts; return the handle for `send` and `leave`.
+
+        `keeps`: how many of the last messages a later subscriber gets, where the back end can do that; at
+            least the last one.
+        """
+
+    @abstractmethod
     def leave(self, handle: object) -> None:
         """End a subscription or an advertisement."""
 
@@ -160,6 +175,7 @@ class TopicLink(Link):
     `report`: called with the state and a sentence when they change; on the link's thread.
     `learned`: called with a channel whose type has become known; on the link's thread.
     `warn`: called with a sentence about a robot that can be used, but not as expected; on the link's thread.
+    `outlets`: the topics on which the bridge itself publishes.
     """
 
     def __init__(
@@ -170,8 +186,10 @@ class TopicLink(Link):
         report: Callable[[ConnectionState, str], None],
         learned: Callable[[Channel], None],
         warn: Callable[[str], None],
+        outlets: Collection[Outlet] = (),
     ) -> None:
         super().__init__("ROS")
+        self._outlets = outlets
         self._find = find
         self.place = place
         self._transport: Transport | None = None
@@ -235,6 +253,8 @@ class TopicLink(Link):
         self._described.clear()
         for channel in self._channels:
             self._leave(channel)
+        for outlet in self._outlets:
+            outlet.leave()
         return self.attend()
 
     def attend(self) -> float:
@@ -259,6 +279,10 @@ class TopicLink(Link):
         for channel in self._channels:
             if isinstance(channel.handle, TaskClient):
                 channel.handle.look()
+        for outlet in self._outlets:
+            outlet.join(self.transport)
+            if complaint := outlet.complaint():
+                self._warn(complaint)
         self._look_around()
         self._report_change(*self._summary())
         for channel in self._channels:  # last: who waited for the answer finds the status that belongs to it
@@ -423,6 +447,8 @@ class TopicLink(Link):
     def lose(self, sentence: str) -> float:
         """Report that the robot is lost, and forget what is known of it."""
         self.connected, self.live = False, {}
+        for outlet in self._outlets:
+            outlet.wait()
         for channel in self._wanted():
             channel.forget()
             channel.problem, channel.commanders = sentence, ()
@@ -438,6 +464,9 @@ class TopicLink(Link):
         for channel in self._channels:
             with suppress(Exception):  # of a library: most leave all channels when they disconnect
                 self._leave(channel)
+        for outlet in self._outlets:
+            with suppress(Exception):
+                outlet.leave()
 
     def disconnect(self) -> None:
         """Close the connection."""

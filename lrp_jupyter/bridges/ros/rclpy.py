@@ -148,6 +148,13 @@ class RclpyTransport(Transport):
         self._subscriptions.append(made)
         return made
 
+    def announce(self, topic: str, type_: str, keeps: int) -> object:
+        """Create a reliable publisher that keeps its last messages."""
+        qos = _import("rclpy.qos")
+        kept = qos.DurabilityPolicy.TRANSIENT_LOCAL
+        profile = qos.QoSProfile(depth=max(keeps, _QUEUE), durability=kept)
+        return self._node.create_publisher(_class_of(type_), topic, profile)
+
     def client(self, direction: Direction, name: str, type_: str) -> TaskClient:
         """Create a client of an action or a service."""
         node, kind = self._node, _whole_class(type_, direction)

@@ -40,6 +40,7 @@ from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
 _QUIET = 1.0  # seconds without a message after which a new publisher is worth another subscription …
 _UNPACKED = 3.0  # … and after which arrays are asked for as text
+_ANNOUNCED = 100  # messages that wait in the server for a slow subscriber where each of them counts
 _ECHO = 10.0  # seconds after which an own command no longer comes back
 _FIGHT = 5.0  # seconds for which another client counts as one that commands
 
@@ -106,6 +107,11 @@ class RosbridgeTransport(Transport):
             raise BridgeError(self.trouble())
         return socket
 
+    @property
+    def version(self) -> int:  # type: ignore[override]
+        """Of ROS, as rosapi's list of topics shows it; a server without rosapi has none."""
+        return 0 if not self._rosapi.topics() else 2 if self._rosapi.is_ros2 else 1
+
     # -- topics -----------------------------------------------------------------------------------
 
     def topics(self) -> Mapping[str, str]:
@@ -158,6 +164,14 @@ class RosbridgeTransport(Transport):
         self.hear(handle, every)
         return handle
 
+    def announce(self, topic: str, type_: str, keeps: int) -> object:
+        """Have the server create a publisher that keeps its last messages."""
+        socket, number = self._open_socket(), next(self._ids)
+        kept = {"latch": True, "queue_size": max(keeps, _ANNOUNCED)}
+        request = {"op": "advertise", "id": f"p{number}", "topic": topic, "type": self._spelled(type_)}
+        socket.put(json.dumps({**request, **kept}))
+        return _Handle("publisher", topic, number, socket, every=True, announced=True)
+
     def hear(self, handle: object, every: bool) -> None:
         """Subscribe again, without dropping messages or with it, if that changes for the topic."""
         assert isinstance(handle, _Handle)
@@ -195,7 +209,7 @@ class RosbridgeTransport(Transport):
         echo = self._echoes.get(topic)
         if echo is not None:
             echo.sent(values)
-        if urgent and handle.every:
+        if handle.announced or (urgent and handle.every):
             socket.put(text)  # it replaces nothing, and never expires either
         else:
             socket.put(text, topic=topic, urgent=urgent)
@@ -327,6 +341,7 @@ class _Handle(NamedTuple):
     number: int
     socket: Socket
     every: bool
+    announced: bool = False
 
 
 class _Input:

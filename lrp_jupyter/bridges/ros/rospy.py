@@ -40,6 +40,7 @@ from lrp_jupyter.errors import BridgeError
 _ANSWER = 2.0  # seconds for the master to answer
 _MEET = 0.5  # seconds for subscribers to connect to a new publisher
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
+_ANNOUNCED = 100  # … where each of them counts
 
 _node_lock = threading.Lock()
 _node_master = ""  # the master that this process's node belongs to
@@ -49,6 +50,7 @@ class RospyTransport(Transport):
     """The node of this process, with the master that ``ROS_MASTER_URI`` names unless another one is given."""
 
     period = 0.5
+    version = 1
 
     def __init__(self, master: str = "") -> None:
         super().__init__()
@@ -59,6 +61,11 @@ class RospyTransport(Transport):
         self._topics: Mapping[str, str] = {}  # as the master knew them a moment ago, …
         self._system: Any = ([], [], [])  # … with who publishes, subscribes and serves
         self._service_types: dict[str, str] = {}
+
+    @property
+    def log_name(self) -> str:
+        """The name that the node of this process has."""
+        return str(_rospy().get_name())
 
     def connect(self) -> None:
         """Find the master and, in a process's first connection, create the node."""
@@ -140,11 +147,21 @@ class RospyTransport(Transport):
         try:
             if direction == "publisher":
                 publisher = rospy.Publisher(topic, kind, queue_size=_QUEUE, tcp_nodelay=True)
-                self._wait_for_listeners(publisher, topic)
+                self._wait_for_listeners(publisher, bool(self._others(topic, 1)))
                 return publisher
             subscriber = rospy.Subscriber(topic, kind, callback=receive, queue_size=1, tcp_nodelay=True)
             self.hear(subscriber, every)
             return subscriber
+        except (rospy.ROSException, ValueError) as error:
+            raise RefusedError(f"`{topic}`: {error}") from error
+
+    def announce(self, topic: str, type_: str, keeps: int) -> object:
+        """Create a publisher that keeps its last message."""
+        rospy, kind = _rospy(), _class_of(type_)
+        try:
+            publisher = rospy.Publisher(topic, kind, queue_size=_ANNOUNCED, latch=True, tcp_nodelay=True)
+            self._wait_for_listeners(publisher, len(self._others(topic, 1)))
+            return publisher
         except (rospy.ROSException, ValueError) as error:
             raise RefusedError(f"`{topic}`: {error}") from error
 
@@ -166,12 +183,11 @@ class RospyTransport(Transport):
             for connection in list(impl.connections):  # those that are there have their own
                 connection.protocol.queue_size = size
 
-    def _wait_for_listeners(self, publisher: Any, topic: str) -> None:
+    def _wait_for_listeners(self, publisher: Any, count: int) -> None:
         """Wait a moment for existing subscribers, or they would miss the first message."""
-        if self._others(topic, 1):
-            end = time.monotonic() + _MEET
-            while publisher.get_num_connections() == 0 and time.monotonic() < end:
-                time.sleep(0.01)
+        end = time.monotonic() + _MEET
+        while publisher.get_num_connections() < count and time.monotonic() < end:
+            time.sleep(0.01)
 
     def _is_offered(self, service: str) -> bool:
         return any(name == service for name, _nodes in self._master.ask("getSystemState")[2])

@@ -76,6 +76,7 @@ class MemoryGraph:
         self.others: set[str] = set()  # topics to which other nodes subscribe
         self.publishers: dict[str, list[str]] = {"/client_count": ["/rosbridge_websocket"]}
         self.best_effort: set[str] = set()  # topics that are published so
+        self.latched: set[str] = set()  # topics that the clients have latched
         self.kept: dict[str, dict[str, Any]] = {}  # the last message of latched topics
         self.master_is_alive = True
         self.is_ros2 = False
@@ -158,9 +159,11 @@ class MemoryGraph:
     def unsubscribe(self, handle: Any) -> None:
         self.listeners.remove(handle)
 
-    def advertise(self, topic: str, type_: str) -> object:
-        self.types.setdefault(topic, type_)
+    def advertise(self, topic: str, type_: str, latch: bool = False) -> object:
+        self.types.setdefault(topic, type_.replace("/msg/", "/"))
         self.advertised.append(topic)
+        if latch:
+            self.latched.add(topic)
         return topic
 
     def unadvertise(self, handle: Any) -> None:
@@ -171,7 +174,7 @@ class MemoryGraph:
         if header is not None:
             header.setdefault("stamp", self.stamp(self.time()))
         self.heard.append((handle, values))
-        self.send(handle, **values)
+        (self.latch if handle in self.latched else self.send)(handle, **values)
 
     def stamp(self, seconds: float) -> dict[str, int]:
         whole, rest = int(seconds), round(seconds % 1 * 1e9)
@@ -303,10 +306,13 @@ class RospyGraph:
     def unsubscribe(self, handle: Any) -> None:
         handle.unregister()
 
-    def advertise(self, topic: str, type_: str) -> Any:
-        publisher = self.rospy.Publisher(topic, self._class(type_), queue_size=10, tcp_nodelay=True)
+    def advertise(self, topic: str, type_: str, latch: bool = False) -> Any:
+        publisher = self.rospy.Publisher(
+            topic, self._class(type_), queue_size=100, latch=latch, tcp_nodelay=True
+        )
         publisher.began, publisher.first = 0.0, []
-        publisher.impl.add_subscriber_listener(Latecomers(publisher))
+        if not latch:
+            publisher.impl.add_subscriber_listener(Latecomers(publisher))
         return publisher
 
     def unadvertise(self, handle: Any) -> None:
@@ -535,7 +541,10 @@ class RosbridgeServer:
                 self.graph.unsubscribe(subscriptions.pop(topic).handle)
                 known.finish()
         elif operation == "advertise":
-            publishers[request["id"]] = (topic, self.graph.advertise(topic, request["type"]))
+            publishers[request["id"]] = (
+                topic,
+                self.graph.advertise(topic, request["type"], request.get("latch", False)),
+            )
         elif operation == "unadvertise":
             self.graph.unadvertise(publishers.pop(request["id"])[1])
         elif operation == "publish":

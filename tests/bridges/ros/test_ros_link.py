@@ -51,6 +51,9 @@ class Slow(Transport):
     ) -> object:
         return topic
 
+    def announce(self, topic: str, type_: str, keeps: int) -> object:
+        return topic
+
     def hear(self, handle: object, every: bool) -> None:
         """Nothing comes."""
 

@@ -1,0 +1,114 @@
+"""What other nodes see of a run: its states beside the sensors in a bag, and its log."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xmlrpc.client import ServerProxy
+
+import pytest
+from bridges.ros.follower import PATIENT
+from support.waiting import until
+
+from lrp_jupyter.bridges.ros import RosBridge
+
+PROGRAM = """\
+(machine m
+  (state bright)
+  (state dark (running [1 / 0]))
+  (on [robot.light.data < 100] bright -> dark darkens)
+  (on [robot.light.data > 150] dark -> bright brightens))
+(spawn m bright)
+"""
+LIGHT = {"topic": "/light", "type": "std_msgs/UInt8"}
+SETUP = {"subscriptions": {"light": LIGHT}, "publishers": {}}
+FOLLOWS = {
+    "subscriptions": {"state": {"topic": "/lrp/state", "type": "std_msgs/String"}},
+    "publishers": {"light": LIGHT},
+}
+
+
+@pytest.fixture
+def setup(tmp_path: Path) -> Path:
+    path = tmp_path / "robot.json"
+    path.write_text(json.dumps(SETUP))
+    return path
+
+
+def state(peer: RosBridge) -> dict[str, Any]:
+    arrival = next(each for each in peer.wiring.channels if each.wire.variable == "state").latest
+    return json.loads(arrival.value.data) if arrival is not None else {"active": [], "events": []}
+
+
+def hears(node: str, real: Any, topic: str) -> bool:
+    """Whether a node is connected to a publisher of a topic, by its own account."""
+    import rosgraph
+
+    (name,) = [each for each in real.subscribers(topic) if node in each]
+    with ServerProxy(rosgraph.Master("/tests").lookupNode(name)) as asked:
+        _code, _text, connections = asked.getBusInfo("/tests")
+    return any(each[2] == "i" and each[4] == topic and each[5] for each in connections)
+
+
+@pytest.mark.ros
+def test_a_bag_has_the_states_and_their_reasons_beside_the_sensors_and_the_log(
+    real: Any, backend: str, bare_lrp: Callable[..., Any], setup: Path, tmp_path: Path
+) -> None:
+    bag, program = tmp_path / "run.bag", tmp_path / "light.lrp"
+    program.write_text(PROGRAM)
+    topics = "/light", "/lrp/state", "/rosout"
+    recorder = real.start("/usr/bin/rosbag", "record", "-O", str(bag), *topics)
+    until(lambda: all(any("record" in node for node in real.subscribers(topic)) for topic in topics))
+    port = real.start_rosbridge() if backend == "rosbridge" else real.master_port
+    where = [
+        f"{name}={value}" for name, value in {"backend": backend, "host": "127.0.0.1", "port": port}.items()
+    ]
+    options = [word for each in (*where, f"setup={setup}", "state_topic=/lrp/state") for word in ("-o", each)]
+    run = bare_lrp("run", program, "--bridge", "ros", *options, environment=real.environment, before=PATIENT)
+    peer = RosBridge("rospy", setup=FOLLOWS)
+    peer.open()
+    try:
+        peer.arm()
+        until(lambda: all(hears("record", real, topic) for topic in topics))
+        for brightness, active in ((200, "m/bright"), (42, "m/dark"), (201, "m/bright")):
+            until(lambda b=brightness, a=active: peer.robot.light(data=b) or state(peer)["active"] == [a])
+        late = real.start("/usr/bin/rostopic", "echo", "-n", "1", "-p", "/lrp/state")
+        output, _ = late.communicate(timeout=60)
+        assert '"active": ["m/bright"]' in output
+    finally:
+        peer.close()
+    run.send_signal(signal.SIGINT)
+    run.communicate(timeout=60)
+    assert run.returncode == 130
+    os.killpg(recorder.pid, signal.SIGINT)
+    until(bag.exists)
+    read = ["/usr/bin/python3", str(Path(__file__).with_name("read_bag.py")), str(bag)]
+    own = {name: text for name, text in os.environ.items() if name != "PYTHONPATH"}  # Debian's Python
+    lines = subprocess.run(read, capture_output=True, text=True, check=True, env=own).stdout
+    heard = [json.loads(line) for line in lines.splitlines()]
+
+    before: dict[str, Any] = {}
+    changes = []
+    for each in heard:
+        if each["topic"] == "/light":
+            before = each
+        elif each["topic"] == "/lrp/state":
+            told = json.loads(each["data"])
+            for event in told["events"]:
+                if event["event"] == "fired":
+                    assert event["values"] == {"robot.light.data": before["data"]}
+                    assert before["time"] <= each["time"]
+                    changes.append((event["transition"], event["line"], before["data"], told["active"]))
+    assert changes == [("darkens", 4, 42, ["m/dark"]), ("brightens", 5, 201, ["m/bright"])]
+    log = [each for each in heard if each["topic"] == "/rosout" and each["file"] == str(program)]
+    assert {each["name"].startswith("/lrp") for each in log} == {True}
+    assert [(each["level"], each["msg"], each["line"], each["function"]) for each in log][-3:] == [
+        (2, "`light` has started.", 0, ""),
+        (8, "LRP601 ZeroDivisionError: division by zero", 3, "m/dark"),
+        (2, "`light` has ended.", 0, ""),
+    ]
