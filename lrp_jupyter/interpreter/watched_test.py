@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -24,9 +24,18 @@ class Shown(str):
 
 
 def items(evaluation: Evaluation) -> list[tuple[str, object]]:
-    """Return the parts with their values, except for parts of a robot."""
-    found = evaluation.values.items()
-    return [(text, scalar_of(value)) for text, value in found if not isinstance(value, NotAValue)]
+    """Return the parts with their values, except for parts of a robot, and for what only leads to a value."""
+    values = evaluation.values
+    return [
+        (text, scalar_of(value))
+        for text, value in values.items()
+        if not (isinstance(value, NotAValue) or _leads(text, value, values))
+    ]
+
+
+def _leads(text: str, value: object, values: Iterable[str]) -> bool:
+    """Return whether a value says nothing, as a message does of which a field is compared."""
+    return not is_scalar(scalar_of(value)) and any(other.startswith(f"{text}.") for other in values)
 
 
 def _shown(value: object) -> object:

@@ -7,6 +7,7 @@ from support.tables import every
 
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.live.reason import EXPLANATIONS
+from lrp_jupyter.live.session import Session
 
 REFERENCE = Path(__file__).parents[3] / "notebooks" / "reference" / "language.ipynb"
 
@@ -41,3 +42,12 @@ def test_the_reference_lists_them_all():
     for kind, codes in EXPLANATIONS.items():
         for code, text in codes.items():
             assert f"| {kind} | `{code}` | {text} |" in tables
+
+
+def test_a_reading_is_told_by_the_field_that_is_compared_not_by_the_whole_message():
+    text = "(machine m (state a (running [robot.move(linear=0.3)])) (state b) (on [robot.odom.x > 0.1] a -> b far))"
+    with Session(f"{text} (spawn m a)", "sim", world="empty") as session:
+        assert session.run(10, until="b")
+        reason = session.why_not("far")
+    assert list(reason.facts["values"]) == ["robot.odom.x"]
+    assert "`robot.odom` was" not in str(reason)
