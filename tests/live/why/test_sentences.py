@@ -2,7 +2,9 @@
 
 import json
 from pathlib import Path
+from typing import NamedTuple
 
+from support.robots import Bare
 from support.tables import every
 
 from lrp_jupyter.codes import CODES
@@ -44,10 +46,17 @@ def test_the_reference_lists_them_all():
             assert f"| {kind} | `{code}` | {text} |" in tables
 
 
+class Seen(NamedTuple):
+    """A message of a sensor."""
+
+    data: int
+
+
 def test_a_reading_is_told_by_the_field_that_is_compared_not_by_the_whole_message():
-    text = "(machine m (state a (running [robot.move(linear=0.3)])) (state b) (on [robot.odom.x > 0.1] a -> b far))"
-    with Session(f"{text} (spawn m a)", "sim", world="empty") as session:
-        assert session.run(10, until="b")
-        reason = session.why_not("far")
-    assert list(reason.facts["values"]) == ["robot.odom.x"]
-    assert "`robot.odom` was" not in str(reason)
+    robot = Bare(lambda robot: robot.add_variable("light", lambda: Seen(42)))
+    text = "(machine m (state a) (state b) (on [robot.light.data < 100] a -> b dark)) (spawn m a)"
+    with Session(text, robot) as session:
+        assert session.run(1, until="b")
+        reason = session.why_not("dark")
+    assert reason.facts["values"] == {"robot.light.data": 42}
+    assert str(reason).endswith("because `robot.light.data < 100` was True (`robot.light.data` was 42).")
