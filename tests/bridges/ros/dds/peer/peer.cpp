@@ -48,6 +48,8 @@ using TwistStamped = geometry_msgs::msg::dds_::TwistStamped_;
 using Odometry = nav_msgs::msg::dds_::Odometry_;
 using LaserScan = sensor_msgs::msg::dds_::LaserScan_;
 using UInt8 = std_msgs::msg::dds_::UInt8_;
+using Text = std_msgs::msg::dds_::String_;
+using Log = rcl_interfaces::msg::dds_::Log_;
 using Entities = rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_;
 using Node = rmw_dds_common::msg::dds_::NodeEntitiesInfo_;
 using Gid = rmw_dds_common::msg::dds_::Gid_;
@@ -57,6 +59,15 @@ static std::mutex out_lock;
 static void say(const std::string& members) {
   std::lock_guard<std::mutex> guard(out_lock);
   std::cout << '{' << members << '}' << std::endl;
+}
+
+static std::string json_text(const std::string& text) {
+  std::string all = "\"";
+  for (char each : text) {
+    if (each == '"' || each == '\\') all += '\\';
+    all += each;
+  }
+  return all + '"';
 }
 
 template <typename Octets>
@@ -119,6 +130,12 @@ static const std::map<std::string, Kind> kinds = {
     {"light", kind<std_msgs::msg::dds_::UInt8_PubSubType>(
                   "rt/light", "std_msgs::msg::dds_::UInt8_",
                   "6138bd83d8c3569cb80a667db03cfc1629f529fee79d944c39c34e352e72f010")},
+    {"state", kind<std_msgs::msg::dds_::String_PubSubType>(
+                  "rt/lrp/state", "std_msgs::msg::dds_::String_",
+                  "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18")},
+    {"rosout", kind<rcl_interfaces::msg::dds_::Log_PubSubType>(
+                   "rt/rosout", "rcl_interfaces::msg::dds_::Log_",
+                   "e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac")},
     {"ros_discovery_info", kind<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(
                                "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
                                "91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e")},
@@ -244,6 +261,17 @@ class Peer : public fast::DataReaderListener {
               std::to_string(twist.header().stamp().sec()) + ",\"nanosec\":" +
               std::to_string(twist.header().stamp().nanosec()) + ",\"frame\":\"" +
               twist.header().frame_id() + '"');
+    } else if (topic == "rt/lrp/state") {
+      Text text;
+      while (reader->take_next_sample(&text, &info) == ReturnCode_t::RETCODE_OK)
+        if (info.valid_data) say(got + "\"data\":" + json_text(text.data()));
+    } else if (topic == "rt/rosout") {
+      Log log;
+      while (reader->take_next_sample(&log, &info) == ReturnCode_t::RETCODE_OK)
+        if (info.valid_data)
+          say(got + "\"level\":" + std::to_string(log.level()) + ",\"name\":" + json_text(log.name()) +
+              ",\"msg\":" + json_text(log.msg()) + ",\"file\":" + json_text(log.file()) + ",\"line\":" +
+              std::to_string(log.line()) + ",\"sec\":" + std::to_string(log.stamp().sec()));
     } else {
       Entities entities;
       while (reader->take_next_sample(&entities, &info) == ReturnCode_t::RETCODE_OK)
