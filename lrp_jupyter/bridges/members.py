@@ -6,7 +6,7 @@ import dataclasses
 import inspect
 import reprlib
 import typing
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -126,6 +126,19 @@ def _public_fields(value: object, type_: object) -> dict[str, object]:
     return {name: field for name, field in found.items() if not callable(field)}
 
 
+def _questions(path: str, kind: object) -> Iterator[Member]:
+    """Yield the methods by which a program asks a reading for more: its class names them in `QUESTIONS`.
+
+    What they answer depends on the reading and the arguments alone.
+    """
+    for name in getattr(kind, "QUESTIONS", ()) if isinstance(kind, type) else ():
+        function = getattr(kind, name)
+        _self, *parameters = inspect.signature(function).parameters.values()
+        signature = signature_text(inspect.Signature(parameters))
+        doc = (inspect.getdoc(function) or "").partition("\n")[0]
+        yield Member(f"{path}.{name}", "method", doc=doc, signature=signature)
+
+
 def describe_value(member: Member, type_: object = None, depth: int = _DEEPEST) -> Member:
     """Add the fields of the member's value (or, before the first reading, of its type)."""
     if depth == 0:
@@ -141,4 +154,5 @@ def describe_value(member: Member, type_: object = None, depth: int = _DEEPEST) 
             f"{member.name}.{name}", "variable", text, age=member.age, value=value, stale=member.stale
         )
         fields.append(describe_value(field, field_type, depth - 1))
+    fields.extend(_questions(member.name, type_ if member.value is None else type(member.value)))
     return dataclasses.replace(member, fields=tuple(fields))

@@ -25,6 +25,7 @@ from lrp_jupyter.bridges.guarding.safety import Motion
 from lrp_jupyter.bridges.interventions import WorldLoaded
 from lrp_jupyter.bridges.member_tree import RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, Twist
+from lrp_jupyter.bridges.scans import RayScan
 from lrp_jupyter.bridges.tasks import Task, TaskState
 from lrp_jupyter.bridges.wheel_tasks import ERRANDS, add_errands
 from lrp_jupyter.errors import BridgeError
@@ -182,6 +183,10 @@ class SimBridge(Bridge, SimulatedWorld):
         for side, number in ray_directions(spec.distance).items():
             doc = f"to the next solid {_bearing(spec.distance[number][0])}; inf: nothing in reach"
             add(f"{side}.distance", partial(_nth_distance, number), doc, "m", float)
+        if spec.distance:
+            scans = partial(_scans, tuple(angle for angle, _ in spec.distance))
+            doc = "what all rays see; `scan.nearest(-30, 30)` is the nearest, from 30° right to 30° left, in m"
+            add("scan", lambda seen: next(iter(scans(seen)), None), doc, kind=RayScan, new=scans)
         add("gyro.data", lambda seen: seen.gyro, "angle turned since the start", "rad", float)
         for axis, (name, unit, doc) in enumerate(_ODOM):
             add(f"odom.{name}", partial(_odom, axis), doc, unit, float)
@@ -668,6 +673,10 @@ def _nth_light(index: int, seen: Readings) -> int | None:
 
 def _nth_distance(index: int, seen: Readings) -> float | None:
     return seen.distances[index] if index < len(seen.distances) else None
+
+
+def _scans(angles: tuple[float, ...], seen: Readings) -> tuple[RayScan, ...]:
+    return (RayScan(angles, seen.distances),) if len(seen.distances) == len(angles) else ()
 
 
 def _odom(index: int, seen: Readings) -> float:

@@ -231,7 +231,7 @@ def _robot_name(value: object, place: str) -> str:
 
 _MEMBERS = frozenset(
     {
-        *("light", "bumper", "distance", "gyro", "odom", *DIRECTIONS),
+        *("light", "bumper", "distance", "scan", "gyro", "odom", *DIRECTIONS),
         *("move", "stop", "pen", "lamp", "drive_by", "turn_by", "drive_to", "say"),
     }
 )

@@ -62,6 +62,7 @@ def test_the_robot_of_the_papers_program_is_there(sim: SimBridge) -> None:
         "odom",
         "pen",
         "say",
+        "scan",
         "stop",
         "turn_by",
     ]

@@ -28,6 +28,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     FieldType,
     canonical,
 )
+from lrp_jupyter.bridges.scans import Scanned
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
 VELOCITIES = frozenset({"geometry_msgs/Twist", "geometry_msgs/TwistStamped"})
@@ -100,7 +101,7 @@ class ReceivedMessage:
                 f"A `{self._type}` has no `{name}`: that is asked of the robot, in a block, with the name of"
                 f" the reading, as in `robot.order.{name}`."
             )
-        hint = did_you_mean(name, self.__slots__)
+        hint = did_you_mean(name, (*self.__slots__, *getattr(type(self), "QUESTIONS", ())))
         raise MemberError(f"`{self._type}` has no `{name}`; it has {listed(self.__slots__)}.{hint}")
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -215,7 +216,7 @@ class Types:
         extra = [name for name in _EXTRA.get(definition.type, ()) if name not in fields]
         kind: type[ReceivedMessage] = type(
             definition.type.rpartition("/")[2],
-            (ReceivedMessage,),
+            (*_QUESTIONS.get(definition.type, ()), ReceivedMessage),
             {
                 "__slots__": (*fields, *extra),
                 "__doc__": f"A `{definition.type}` that arrived.",
@@ -398,6 +399,7 @@ _DECODERS: Mapping[str, Decode] = {
     "bool": _exactly(bool, int),
 }
 
+_QUESTIONS = {"sensor_msgs/LaserScan": (Scanned,)}
 _EXTRA = {"nav_msgs/Odometry": ("x", "y", "theta")}
 
 

@@ -73,7 +73,7 @@ class Evaluation:
     """An expression and its parts with their values.
 
     `values`: the value of every name, attribute, call and arithmetic part that was evaluated, by its text, in
-        the order of evaluation; constants are left out.
+        the order of evaluation; without constants, and what was only asked for an attribute.
     `decides`: the text of the part that determined the result: a comparison, or the smallest part that is
         one operand of `and`, `or` and `not`.
     `decided`: the value of that part: below a `not`, the opposite of the whole.
@@ -142,7 +142,9 @@ class _Evaluator:
             ):
                 return getattr(robot, path)
             case ast.Attribute(inner, name):
-                return getattr(self.of(inner), name)
+                value = getattr(self.of(inner), name)
+                self.values.pop(_text(inner), None)  # what it was asked for says more
+                return value
             case ast.BoolOp(connective, operands):
                 for operand in operands:
                     result = self.of(operand)
@@ -209,7 +211,9 @@ def _binds_less(node: ast.expr, is_or: bool) -> bool:
 
 
 def _is_pure(function: object) -> bool:
+    """Return whether a function changes nothing; of a reading's, its class says so."""
+    asked = type(getattr(function, "__self__", None))
     try:
-        return function in _PURE
+        return getattr(function, "__name__", "") in getattr(asked, "QUESTIONS", ()) or function in _PURE
     except TypeError:  # it cannot be hashed
         return False

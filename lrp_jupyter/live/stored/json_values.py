@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from lrp_jupyter.bridges.scans import Scanned
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.interpreter.rendering import render
 
@@ -60,6 +61,13 @@ class Fields:
         return hash(tuple(vars(self)))
 
 
+class ScanFields(Scanned, Fields):
+    """The recorded fields of a scan."""
+
+
+_SCAN = {"angle_min", "angle_increment", "range_min", "range_max", "ranges"}
+
+
 def unplain(value: Any) -> Any:
     """Return the value that :func:`plain` converted; an object has only its fields."""
     if isinstance(value, list):
@@ -81,5 +89,6 @@ def unplain(value: Any) -> Any:
         case "items":
             return {unplain(key): unplain(part) for key, part in content}
         case "fields":
-            return Fields({name: unplain(part) for name, part in content.items()})
+            kind = ScanFields if content.keys() >= _SCAN else Fields
+            return kind({name: unplain(part) for name, part in content.items()})
     return content
