@@ -185,7 +185,7 @@ class SimBridge(Bridge, SimulatedWorld):
             add(f"{side}.distance", partial(_nth_distance, number), doc, "m", float)
         if spec.distance:
             scans = partial(_scans, tuple(angle for angle, _ in spec.distance))
-            doc = "what all rays see; `scan.nearest(-30, 30)` is the nearest, from 30° right to 30° left, in m"
+            doc = "what all rays see; `scan.nearest(-30, 30)`: the nearest from 30° right to 30° left, in m"
             add("scan", lambda seen: next(iter(scans(seen)), None), doc, kind=RayScan, new=scans)
         add("gyro.data", lambda seen: seen.gyro, "angle turned since the start", "rad", float)
         for axis, (name, unit, doc) in enumerate(_ODOM):
