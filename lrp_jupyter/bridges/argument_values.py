@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from copy import copy
 from typing import Any
 
@@ -21,6 +21,16 @@ def are_same(one: Any, other: Any) -> bool:
         return _are_same(one, other)
     except Exception:  # of values that cannot be compared
         return False
+
+
+def is_told(recorded: object) -> bool:
+    """Return whether a recorded answer of a method is told with the arguments, as a pair."""
+    return isinstance(recorded, tuple) and len(recorded) == 2 and isinstance(recorded[0], dict)
+
+
+def answer_to(asked: Mapping[str, Any], recorded: Iterable[Any]) -> tuple[Mapping[str, Any], Any] | None:
+    """Return the first recorded pair with the same arguments; None: there is none."""
+    return next((each for each in recorded if is_told(each) and are_same(each[0], asked)), None)
 
 
 def _kept(value: Any) -> Any:

@@ -415,13 +415,19 @@ class Bridge(Interface, ABC):
                 self._find_again()
 
     def send(self, method: RobotMethod, command: Command) -> object:
-        """Send a command; what a robot that cannot be reproduced answers is kept with the tick's readings."""
+        """Send a command; what a robot that cannot be reproduced answers is kept with the tick's readings.
+
+        With the arguments, if it is an error, or if the method only asks for something.
+        """
         if self.simulated is not None or not self.latch or threading.get_ident() != self._ticks_in:
             return super().send(method, command)
         answer: object = None
         answers = self.answers.setdefault(method.path, [])
         try:
-            answer = super().send(method, command)
+            result = super().send(method, command)
+            is_asked = result is not None and not method.command
+            answer = (arguments_of(command), result) if is_asked else result
+            return result
         except Exception as error:
             kind = NoDataYet if isinstance(error, NoDataYet) else BridgeError
             answer = arguments_of(command), kind(str(error))  # without the frames
@@ -430,7 +436,6 @@ class Bridge(Interface, ABC):
             answers.append(kept(answer))
             if answer is not None:
                 self.readings[f"{method.path}()"] = answers
-        return answer
 
     def judge_ages(self) -> None:
         """Let nothing move the robot while a reading is too old to drive on, or has never arrived."""

@@ -202,7 +202,7 @@ class RobotMethod(NotAValue):
         """Check the arguments, and send them if the bridge's safety allows it."""
         if self.message is not None:
             return self._bridge.send(self, self._fill(self.message, args, kwargs))
-        return self._bridge.send(self, self._bind(args, kwargs))
+        return self._bridge.send(self, self.bind(args, kwargs))
 
     def __enter__(self) -> Message:
         if self.message is None:
@@ -308,7 +308,8 @@ class RobotMethod(NotAValue):
             )
         return message(**kwargs)
 
-    def _bind(self, args: tuple[object, ...], kwargs: dict[str, object]) -> inspect.BoundArguments:
+    def bind(self, args: tuple[object, ...], kwargs: dict[str, object]) -> inspect.BoundArguments:
+        """Return arguments by the names of the parameters; BridgeError: they do not fit."""
         try:
             return self._parameters.bind(*args, **kwargs)
         except TypeError as error:

@@ -12,7 +12,7 @@ from functools import partial
 from inspect import Parameter, Signature
 from typing import Any
 
-from lrp_jupyter.bridges.argument_values import are_same, kept
+from lrp_jupyter.bridges.argument_values import answer_to, is_told, kept
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain, real_number
@@ -64,12 +64,13 @@ class RecordedBridge(Bridge, offered=False):
     def _answer(self, method: RobotMethod, command: Command) -> object:
         given = self.given.get(f"{method.path}()") if self.latch else None
         number = len(self.answers.get(method.path, ()))
-        answer = given[number] if isinstance(given, list) and number < len(given) else None
-        match answer:
-            case (asked, Exception() as error):  # an edited program may ask for something else
-                if are_same(asked, arguments_of(command)):
-                    raise error.with_traceback(None)
-                answer = None
+        answers = given if isinstance(given, list) else []
+        first = answers[number : number + 1]
+        told = answer_to(arguments_of(command), first if method.command else [*first, *answers])
+        alone = (each for each in first if not is_told(each))  # an edited program may ask for other things
+        answer = told[1] if told is not None else next(alone, None)
+        if isinstance(answer, Exception):
+            raise answer.with_traceback(None)
         if isinstance(method, RobotTask):
             self.requested.ask(method, command)
         return kept(answer)

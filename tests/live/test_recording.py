@@ -1,6 +1,7 @@
 """A recorded session is the same in another process: bit for bit, or the first difference is told."""
 
 import gzip
+import itertools
 import json
 import random
 import subprocess
@@ -532,6 +533,31 @@ def test_what_a_robot_has_answered_its_program_is_answered_again_in_a_replay_and
     other = MOODY.replace("0.1", "0.2")  # whether that would have failed is not known
     with reproduce(read_recording(path), program=other).session as session:
         assert session.frame.values["seen"].count("held") == session.frame.tick
+
+
+ASKS = """
+(var seen := [[]])
+(machine m (state a (running [seen = seen + [robot.where("a"), robot.where("b")]])))
+(spawn m a)
+"""
+
+
+def test_what_a_program_only_asks_for_is_answered_by_what_it_asks_in_whatever_order(tmp_path):
+    answers = itertools.count()
+
+    def where(name):
+        return f"{name}{next(answers)}"
+
+    path = tmp_path / "run.lrplog"
+    robot = Bare(lambda robot: robot.add_method("where", where, command=False))
+    with Session(ASKS, robot, clock=VirtualClock()) as session, session.record(path):
+        session.run(0.2)
+        assert session.frame.values["seen"] == ["a0", "b1", "a2", "b3"]
+    for asked, answered in ((("b", "a"), ["b1", "a0", "b3", "a2"]), (("c",), [None, None])):
+        calls = ", ".join(f'robot.where("{name}")' for name in asked)
+        program = ASKS.replace('robot.where("a"), robot.where("b")', calls)
+        with reproduce(read_recording(path), program=program).session as session:
+            assert session.frame.values["seen"] == answered
 
 
 def publisher(robot):

@@ -26,6 +26,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -53,6 +54,7 @@ from lrp_jupyter.bridges.ros.setup import (
     name_for,
     setup_as_dict,
 )
+from lrp_jupyter.bridges.ros.transforms import Transform
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.bridges.tasks import RobotTask
@@ -146,7 +148,8 @@ class RosBridge(Bridge):
     ) -> None:
         """Subscribe ``robot.<variable>`` to a topic; its value is the last message.
 
-        Idempotent; another topic replaces the first.
+        Idempotent; another topic replaces the first. Of transforms (``/tf``, with ``/tf_static``), it is a method:
+        ``robot.tf("map", "base_link")`` is where the second frame is in the first.
 
         Parameters
         ----------
@@ -270,7 +273,14 @@ class RosBridge(Bridge):
         """Register a channel as a member of the robot; again when its type is known."""
         wire = channel.wire
         try:
-            if wire.direction == "subscription":
+            if channel.tree is not None:
+                self.add_method(
+                    wire.variable,
+                    partial(self._transform, channel),
+                    "where the source frame is in the target frame: `x`, `y`, `yaw`, `translation`, …",
+                    command=False,
+                )
+            elif wire.direction == "subscription":
                 reading = RobotVariable(
                     self,
                     wire.variable,
@@ -319,6 +329,23 @@ class RosBridge(Bridge):
         if channel.problem:
             raise BridgeError(f"`robot.{channel.wire.variable}`: {channel.problem}")
         raise NoDataYet(f"`robot.{channel.wire.variable}` has no data yet.")
+
+    def _transform(self, channel: Channel, target_frame: str, source_frame: str) -> Transform:
+        """Return where a frame is in another one, by what the tick sees."""
+        call = f"robot.{channel.wire.variable}"
+        for frame in (target_frame, source_frame):
+            if not isinstance(frame, str):
+                raise BridgeError(
+                    f'`{call}` takes the names of two frames, as in `{call}("map", "base_link")`.'
+                )
+        assert channel.tree is not None
+        now, stale_after = time.monotonic(), channel.wire.stale_after
+        try:
+            return channel.tree.lookup(target_frame, source_frame, now, bool(self.latch), stale_after)
+        except (NoDataYet, BridgeError) as error:
+            if channel.problem:
+                raise BridgeError(f"`{call}`: {channel.problem}") from None
+            raise type(error)(f"`{call}`: {error}") from None
 
     def _contents(self, channel: Channel) -> tuple[object, ...]:
         messages = self._new_messages(channel.wire.variable, channel.arrivals)
@@ -431,6 +458,8 @@ class RosBridge(Bridge):
             link.transport.pace = self._pace.seconds
         for channel in self.wiring.channels:
             channel.arrivals.latch()
+            if channel.tree is not None:
+                channel.tree.latch()
 
     def act(self, now: float) -> None:
         """Mark the end of the tick, and publish what the set-up says is published in each."""
@@ -474,7 +503,7 @@ class RosBridge(Bridge):
         wiring = self.wiring
         outlets = () if self._node == GUARD_NODE else tuple(filter(None, (self._log, self._states)))
         link = TopicLink(
-            self._find, place, lambda: wiring.channels, self._report, wiring.learned, self._warn, outlets
+            self._find, place, lambda: wiring.all_channels, self._report, wiring.learned, self._warn, outlets
         )
         try:
             wiring.attach(link)

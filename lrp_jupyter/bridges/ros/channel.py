@@ -9,12 +9,14 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
+from dataclasses import replace
 from typing import Any
 
 from lrp_jupyter.bridges.latched_values import Arrival, Arrivals
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import Wire
+from lrp_jupyter.bridges.ros.transforms import TRANSFORMS, TransformTree
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 from lrp_jupyter.errors import ended
 
@@ -24,9 +26,11 @@ _SILENT = 2.0  # seconds without a message after which a topic that had a rate i
 class Channel:
     """A wire with the state of its connection."""
 
-    def __init__(self, wire: Wire) -> None:
+    def __init__(self, wire: Wire, tree: TransformTree | None = None) -> None:
         self.wire = wire
-        self.type = wire.type  # or, if it has none, that of the live topic; empty while unknown
+        self.is_static = tree is not None  # of transforms that are published once, if there are any
+        self.tree = tree  # of what arrives, if that is transforms
+        self.static: Channel | None = None  # their other topic
         self.form: Form | None = None  # decodes messages or results, if the type is known
         self.feedback_form: Form | None = None  # … and those in between, of an action
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
@@ -45,6 +49,20 @@ class Channel:
         self.answered = threading.Event()
         self.last_sent: RosMessage | None = None
         self._times: deque[float] = deque(maxlen=20)
+        self.learn(wire.type)
+
+    def learn(self, type_: str) -> None:
+        """Take the type of the messages: of the set-up, or of the live topic; empty while it is unknown."""
+        self.type = type_
+        if type_ == TRANSFORMS and self.wire.direction == "subscription" and self.tree is None:
+            self.tree = TransformTree()
+            static = replace(self.wire, topic=f"{self.wire.topic}_static", type=type_, stale_after=None)
+            self.static = Channel(static, self.tree)
+
+    @property
+    def takes_all(self) -> bool:
+        """Whether every message counts, and not only the last one."""
+        return self.tree is not None or self.arrivals.is_heard
 
     @property
     def is_velocity(self) -> bool:
@@ -84,7 +102,7 @@ class Channel:
     @property
     def expects(self) -> bool:
         """Whether it is a subscription without a message so far."""
-        return self.wire.direction == "subscription" and self.latest is None
+        return self.wire.direction == "subscription" and self.latest is None and not self.is_static
 
     @property
     def own(self) -> tuple[str, ...]:
@@ -121,7 +139,12 @@ class Channel:
         except (AttributeError, TypeError, ValueError) as error:
             self.problem = f"A message on `{self.wire.topic}` is not a `{self.type}`: {error}"
             return
-        self.problem = ""
+        try:
+            if self.tree is not None:
+                self.tree.put(value, time.monotonic() if at is None else at, self.is_static)
+            self.problem = ""
+        except ValueError as error:
+            self.problem = f"A message on `{self.wire.topic}` was not taken as a whole: {error}"
         self.is_unclear = self.is_unclear or form.unclear.count > unclear
         self._times.append(time.monotonic() if at is None else at)
         self.arrivals.put(value, self.stamps.made_at(raw, self._times[-1]), is_news=at is None)
@@ -135,6 +158,8 @@ class Channel:
         """Return to "no data yet"."""
         self.live = False
         self.arrivals.last = None
+        if self.tree is not None:
+            self.tree.forget(self.is_static)
         self._times.clear()
 
     def age(self, in_tick: bool = False) -> float | None:
@@ -158,7 +183,7 @@ class Channel:
     def is_silent(self) -> bool:
         """Return whether a topic that used to have messages has none any more."""
         times = list(self._times)
-        if len(times) < 3:
+        if len(times) < 3 or self.is_static:
             return False
         period = (times[-1] - times[0]) / (len(times) - 1)
         return time.monotonic() - times[-1] > max(_SILENT, 5 * period)

@@ -331,13 +331,13 @@ class TopicLink(Link):
             if channel.type == type_:
                 channel.waiting = self._hint(channel.handle)
                 if wire.direction == "subscription":
-                    self.transport.hear(channel.handle, channel.arrivals.is_heard)
+                    self.transport.hear(channel.handle, channel.takes_all)
                 return
             self._leave(channel)
         if not type_:
             channel.waiting = self._missing(channel)
             return
-        channel.type = type_
+        channel.learn(type_)
         messages = messages_of(wire.direction, type_)
         known = [self._describe(channel, message) for message in messages]  # all are asked for at once
         channel.is_asked_for = not all(known)
@@ -356,7 +356,7 @@ class TopicLink(Link):
         if wire.direction in TASKS:
             handle: object = self.transport.client(wire.direction, wire.topic, type_)
         else:
-            every = channel.arrivals.is_heard
+            every = channel.takes_all
             handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive, every)
         if channel.owes_stop:
             self._pay_stop(channel, handle)

@@ -34,6 +34,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
+from lrp_jupyter.bridges.ros.transforms import TF_TOPICS, TRANSFORMS
 from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
 
@@ -89,7 +90,9 @@ class Wire:
                 f"with `/` between names.{hint}"
             )
         object.__setattr__(self, "topic", absolute)
-        object.__setattr__(self, "type", check_type(self.type, self.direction))
+        is_tf = self.direction == "subscription" and absolute.rpartition("/")[2] in TF_TOPICS
+        type_ = self.type or (TRANSFORMS if is_tf else "")
+        object.__setattr__(self, "type", check_type(type_, self.direction))
         seconds = self.stale_after
         if seconds is not None and (type(seconds) not in (int, float) or not 0 < seconds < math.inf):
             raise BridgeError(f"`stale_after` must be a number of seconds above 0, not {seconds!r}.")

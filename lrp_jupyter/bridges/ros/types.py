@@ -28,6 +28,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     FieldType,
     canonical,
 )
+from lrp_jupyter.bridges.ros.transforms import Rotation
 from lrp_jupyter.bridges.scans import Scanned
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
@@ -406,5 +407,4 @@ _EXTRA = {"nav_msgs/Odometry": ("x", "y", "theta")}
 def _plane(pose: Any) -> tuple[float, float, float]:
     """Return x, y (metres) and the heading (radians) of a robot on the floor."""
     position, turn = pose.pose.position, pose.pose.orientation
-    heading = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y), 1 - 2 * (turn.y * turn.y + turn.z * turn.z))
-    return position.x, position.y, heading
+    return position.x, position.y, Rotation(turn.x, turn.y, turn.z, turn.w).yaw

@@ -38,6 +38,12 @@ class Wiring:
         """All channels, connected or not yet."""
         return tuple(self._channels.values())
 
+    @property
+    def all_channels(self) -> tuple[Channel, ...]:
+        """The channels, and those of static transforms beside them."""
+        static = (channel.static for channel in self.channels)
+        return (*self.channels, *(channel for channel in static if channel is not None))
+
     def as_dict(self) -> dict[str, Any]:
         """Return the set-up in its JSON form."""
         return setup_as_dict(channel.wire for channel in self.channels)
@@ -165,6 +171,8 @@ class Wiring:
             with contextlib.suppress(BridgeError):  # it is lost and cannot be stopped from here
                 self.stop(channel, channel.unfinished)
         channel.forget()
+        if channel.static is not None:
+            channel.static.forget()
 
     def _store(self) -> None:
         if self.path:

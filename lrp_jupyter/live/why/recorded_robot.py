@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from operator import attrgetter
 from typing import Any
 
-from lrp_jupyter.bridges.tasks import RobotTask, TaskState
+from lrp_jupyter.bridges.argument_values import answer_to
+from lrp_jupyter.bridges.member_tree import RobotMethod
+from lrp_jupyter.bridges.tasks import RobotTask, TaskState, arguments_of
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.language.blocks.expressions import UnknownValueError
 
@@ -23,6 +25,24 @@ class _EarlierTask(NotAValue):
         return getattr(self._state, name)
 
 
+class _EarlierAnswers:
+    """What a method that only asks for something has answered in a tick."""
+
+    QUESTIONS = ("answer",)
+
+    def __init__(self, method: RobotMethod, answers: object) -> None:
+        self._method, self._answers = method, answers if isinstance(answers, list) else []
+
+    def answer(self, *arguments: object) -> object:
+        """Return the answer to the same question."""
+        told = answer_to(arguments_of(self._method.bind(arguments, {})), self._answers)
+        if told is None:
+            raise UnknownValueError(f"`robot.{self._method.path}` was not asked this in this tick.")
+        if isinstance(told[1], Exception):
+            raise told[1]
+        return told[1]
+
+
 class RecordedRobot(NotAValue):
     """A robot with only the readings of one tick, or the part of it that has a prefix, such as ``light.``."""
 
@@ -36,8 +56,11 @@ class RecordedRobot(NotAValue):
             if isinstance(value, Exception):
                 raise value
             return _EarlierTask(value) if isinstance(value, TaskState) else value
-        if isinstance(self._nodes.get(path), RobotTask):
+        node = self._nodes.get(path)
+        if isinstance(node, RobotTask):
             return _EarlierTask(TaskState())
+        if isinstance(node, RobotMethod) and not node.command:
+            return _EarlierAnswers(node, self._readings.get(f"{path}()")).answer
         if "." in name:  # asked for at once, see `language.blocks.companions`
             return attrgetter(name)(self)
         if any(each.startswith(f"{path}.") for each in self._nodes):

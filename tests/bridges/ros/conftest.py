@@ -45,8 +45,9 @@ MODULES = (
     *("catkin", "catkin_pkg", "pyparsing", "dateutil", "docutils", "six.py", "defusedxml"),
     *("std_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "actionlib_msgs"),
     *("actionlib", "move_base_msgs", "std_srvs", "rosservice", "rosmsg", "rosbag"),
+    *("tf2_msgs", "tf2_py", "tf2_ros"),
 )
-_NEEDED = ("rospy", "nav_msgs", "actionlib", "move_base_msgs", "std_srvs", "rosservice")
+_NEEDED = ("rospy", "nav_msgs", "actionlib", "move_base_msgs", "std_srvs", "rosservice", "tf2_ros")
 PROGRAMS = ("/usr/bin/rosmaster", "/usr/bin/rostopic", "/usr/lib/topic_tools/relay")
 
 

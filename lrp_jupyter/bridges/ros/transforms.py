@@ -1,0 +1,244 @@
+"""Transforms between frames, as tf publishes them: a tree, and where a frame is in another one (REP 105).
+
+Nothing is waited for or interpolated: of each transform, the newest counts.
+
+Paper: §7.1 (what arrives on a topic is read from `robot`).
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from lrp_jupyter.errors import BridgeError, NoDataYet, StaleData, did_you_mean
+
+TRANSFORMS = "tf2_msgs/TFMessage"
+"""The type of the messages."""
+
+TF_TOPICS = ("tf", "tf_static")
+"""The topics that have it, below the namespace of a robot."""
+
+_SMALL = 0.01  # by which the length of a quaternion may differ from 1
+_SHOWN = 20  # frames that a sentence lists
+
+
+class Translation(NamedTuple):
+    """Metres along the axes."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+class Rotation(NamedTuple):
+    """A quaternion of length 1."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    w: float = 1.0
+
+    def times(self, other: Rotation) -> Rotation:
+        """Return the rotation by the other one, then by this one."""
+        x, y, z, w = self
+        a, b, c, d = other
+        return Rotation(
+            w * a + x * d + y * c - z * b,
+            w * b - x * c + y * d + z * a,
+            w * c + x * b - y * a + z * d,
+            w * d - x * a - y * b - z * c,
+        )
+
+    def inverse(self) -> Rotation:
+        """Return the rotation back."""
+        return Rotation(-self.x, -self.y, -self.z, self.w)
+
+    def turned(self, way: Translation) -> Translation:
+        """Return a vector, turned."""
+        return Translation(*self.times(Rotation(*way, 0.0)).times(self.inverse())[:3])
+
+    @property
+    def yaw(self) -> float:
+        """The angle about the vertical axis, in radians."""
+        x, y, z, w = self
+        return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+class _Pose(NamedTuple):
+    """Where a frame is in another one."""
+
+    translation: Translation = Translation()
+    rotation: Rotation = Rotation()
+
+    def times(self, other: _Pose) -> _Pose:
+        """Return where the other's frame is, if the other is where it is in this one's frame."""
+        there = self.rotation.turned(other.translation)
+        way = Translation(*(one + two for one, two in zip(self.translation, there, strict=True)))
+        return _Pose(way, self.rotation.times(other.rotation))
+
+    def inverse(self) -> _Pose:
+        """Return where the other frame is in this one."""
+        back = self.rotation.inverse()
+        x, y, z = back.turned(self.translation)
+        return _Pose(Translation(-x, -y, -z), back)
+
+
+@dataclass(frozen=True, slots=True)
+class Transform:
+    """Where a frame is in another one.
+
+    Attributes
+    ----------
+    x, y : float
+        In metres.
+    yaw : float
+        The heading, in radians, to the left of the x axis.
+    translation : Translation
+        With `x`, `y`, `z`, as in ``geometry_msgs/Transform``.
+    rotation : Rotation
+        A quaternion, with `x`, `y`, `z`, `w`.
+    age : float
+        Seconds since the oldest of its parts arrived; 0 if it consists of static ones.
+    """
+
+    x: float
+    y: float
+    yaw: float
+    translation: Translation
+    rotation: Rotation
+    age: float
+
+
+class _Link(NamedTuple):
+    """The newest transform of a frame: where it is in its parent, and when that arrived."""
+
+    parent: str
+    pose: _Pose
+    at: float
+    is_static: bool
+
+
+class TransformTree:
+    """The newest transform of every frame.
+
+    Owner: any thread puts and reads; the interpreter's thread latches.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._links: Mapping[str, _Link] = {}  # by their frames; always replaced, never changed
+        self._latched: Mapping[str, _Link] = {}
+
+    def put(self, message: Any, at: float, is_static: bool) -> None:
+        """Take the transforms of a message; ValueError: one of them is none, and the others are taken."""
+        wrong, found = "", {}
+        for each in message.transforms:
+            frame, parent = _frame(each.child_frame_id), _frame(each.header.frame_id)
+            pose = _pose_of(each.transform)
+            if pose is None or not frame or not parent or frame == parent:
+                wrong = f"that of `{frame}` in `{parent}` is no transform"
+            else:
+                found[frame] = _Link(parent, pose, at, is_static)
+        with self._lock:
+            self._links = {**self._links, **found}
+        if wrong:
+            raise ValueError(wrong)
+
+    def forget(self, is_static: bool) -> None:
+        """Forget the static transforms, or all others."""
+        with self._lock:
+            self._links = {name: each for name, each in self._links.items() if each.is_static != is_static}
+
+    def latch(self) -> None:
+        """Hold what there is for the tick that begins."""
+        self._latched = self._links
+
+    def lookup(
+        self, target: str, source: str, now: float, in_tick: bool, stale_after: float | None = None
+    ) -> Transform:
+        """Return where the source frame is in the target frame.
+
+        `now`: in the time in which messages arrived.
+        Raises NoDataYet: that is not known; StaleData: it is older than `stale_after`.
+        """
+        links = self._latched if in_tick else self._links
+        known = dict.fromkeys([*links, *(each.parent for each in links.values())])
+        target, source = _frame(target), _frame(source)
+        for frame in (target, source):
+            if frame not in known:
+                raise NoDataYet(_unknown(frame, known))
+        up, down = _Way.to_the_root(links, source), _Way.to_the_root(links, target)
+        if up.frames[-1] != down.frames[-1]:
+            raise NoDataYet(
+                f"No transform connects `{target}` and `{source}`: one between `{down.frames[-1]}` and"
+                f" `{up.frames[-1]}` is missing, known are {_chain(up.frames)}; {_chain(down.frames)}."
+            )
+        while up.links and down.links and up.links[-1] is down.links[-1]:
+            up, down = up.shorter(), down.shorter()
+        way = down.pose().inverse().times(up.pose())
+        moving = [each for each in (*up.links, *down.links) if not each.is_static]
+        oldest = min(moving, key=lambda link: link.at, default=None)
+        age = 0.0 if oldest is None else max(0.0, now - oldest.at)
+        if stale_after is not None and age > stale_after:
+            raise StaleData(f"The transform from `{source}` to `{target}` is stale: it is {age:.1f} s old.")
+        translation, rotation = way
+        return Transform(translation.x, translation.y, rotation.yaw, translation, rotation, age)
+
+
+class _Way(NamedTuple):
+    """The way from a frame up to another one."""
+
+    frames: tuple[str, ...]
+    links: tuple[_Link, ...]
+
+    @staticmethod
+    def to_the_root(links: Mapping[str, _Link], frame: str) -> _Way:
+        """Return the way to the last frame; BridgeError: it goes round."""
+        frames, passed = [frame], []
+        while (link := links.get(frames[-1])) is not None:
+            frames.append(link.parent)
+            passed.append(link)
+            if link.parent in frames[:-1]:
+                raise BridgeError(f"The transforms go round in a circle: {_chain(frames)}.")
+        return _Way(tuple(frames), tuple(passed))
+
+    def shorter(self) -> _Way:
+        """Return the way without its last step."""
+        return self._replace(frames=self.frames[:-1], links=self.links[:-1])
+
+    def pose(self) -> _Pose:
+        """Return where the first frame is in the last one."""
+        found = _Pose()
+        for link in self.links:
+            found = link.pose.times(found)
+        return found
+
+
+def _frame(name: str) -> str:
+    """Return the name of a frame as tf2 has it: some nodes still write a slash before it."""
+    return name.removeprefix("/")
+
+
+def _pose_of(raw: Any) -> _Pose | None:
+    """Return the pose in a message; None: its numbers are none, or its quaternion is no rotation."""
+    way, turn = raw.translation, raw.rotation
+    numbers = (way.x, way.y, way.z, turn.x, turn.y, turn.z, turn.w)
+    length = math.hypot(*numbers[3:])
+    if not (all(map(math.isfinite, numbers)) and abs(length - 1) < _SMALL):
+        return None
+    return _Pose(Translation(*numbers[:3]), Rotation(*(each / length for each in numbers[3:])))
+
+
+def _unknown(frame: str, known: Mapping[str, None]) -> str:
+    if not known:
+        return "No transform has arrived yet."
+    names = ", ".join(f"`{each}`" for each in sorted(known)[:_SHOWN])
+    more = f" and {len(known) - _SHOWN} more" if len(known) > _SHOWN else ""
+    return f"There is no frame `{frame}`; there are {names}{more}.{did_you_mean(frame, known)}"
+
+
+def _chain(frames: tuple[str, ...] | list[str]) -> str:
+    return " in ".join(f"`{each}`" for each in frames)
