@@ -148,8 +148,8 @@ class RosBridge(Bridge):
     ) -> None:
         """Subscribe ``robot.<variable>`` to a topic; its value is the last message.
 
-        Idempotent; another topic replaces the first. Of transforms (``/tf``, with ``/tf_static``), it is a method:
-        ``robot.tf("map", "base_link")`` is where the second frame is in the first.
+        Idempotent; another topic replaces the first. Of transforms (``/tf``, with ``/tf_static``) it is a
+        method: ``robot.tf("map", "base_link")`` is where the second frame is in the first.
 
         Parameters
         ----------
