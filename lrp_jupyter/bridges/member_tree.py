@@ -11,8 +11,9 @@ import keyword
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from types import TracebackType
-from typing import NoReturn, Protocol, Self
+from typing import NamedTuple, NoReturn, Protocol, Self
 
 from lrp_jupyter.bridges.guarding.safety import Safety
 from lrp_jupyter.bridges.members import Member, MemberError, age_text, describe_value, signature_text
@@ -44,12 +45,23 @@ class MemberOwner(Protocol):
         """Pass a command through the safety and, if it allows, perform it."""
 
 
+class AgeLimit(NamedTuple):
+    """The seconds after which a reading is too old to act on; None: never.
+
+    `measured`: how it was found out, and how it is switched off, in sentences; empty if it was given. It
+    counts for readings that the program has used.
+    """
+
+    seconds: float | None
+    measured: str = ""
+
+
 class RobotVariable:
     """A reading: read at most once in a tick, so that one tick sees one world.
 
     Owner: the interpreter's thread; other threads may read `value` and `arrived`.
 
-    `stale_after`: the seconds after which a reading is too old to act on; None: never.
+    `limit`: the age from which on it is too old to act on, or what returns that.
     `lateness`: why the robot must not drive on this reading in the present tick; empty if it may.
     `of`: the path of the reading that it accompanies (``light.new``: ``light.data``); empty if it is one.
     """
@@ -63,20 +75,22 @@ class RobotVariable:
         unit: str,
         type_: type | str | None,
         age: Callable[[], float | None] | None,
-        stale_after: float | None = None,
+        limit: float | Callable[[], AgeLimit] | None = None,
         of: str = "",
     ) -> None:
-        if stale_after is not None and age is None:
+        if limit is not None and age is None:
             raise ValueError(f"`{path}`: `stale_after` needs an `age`; or `feed` the values.")
-        if stale_after is not None and not stale_after > 0:
+        if not (limit is None or callable(limit) or limit > 0):
             raise ValueError(f"`{path}`: `stale_after` is a number of seconds above 0, or None: never.")
         self._bridge, self.path, self.getter, self._age, self.of = bridge, path, getter, age, of
-        self.stale_after, self.lateness = stale_after, ""
+        self.is_timed, self.lateness = limit is not None, ""
+        self._limit = limit if callable(limit) else partial(AgeLimit, limit)
+        self._is_used = False  # whether a program has read it
         self._waiting_since: float | None = None
         self.doc, self.unit, self.type = doc, unit, type_
         self.value: object = None
         self.arrived: float | None = None
-        self._seen = -1
+        self._seen = self._judged = -1  # the ticks in which it was read, and judged, last
         self._failure: LRPError | None = None
 
     def read(self) -> object:
@@ -89,6 +103,7 @@ class RobotVariable:
         tick = self._bridge.latch
         if tick != self._seen or tick == 0:
             self._seen = tick
+            self._is_used |= tick > 0
             self._failure = None
             try:
                 value = self.getter()
@@ -103,7 +118,9 @@ class RobotVariable:
             if self._failure is None:
                 if value is None:
                     self._failure = NoDataYet(f"`robot.{self.path}` has no data yet.")
-                elif self.stale_after is not None and (late := self.lateness if tick else self.judge()):
+                elif self.is_timed and (
+                    late := self.lateness if tick and tick == self._judged else self.judge()
+                ):
                     self._failure = StaleData(late)
                 else:
                     self.value, self.arrived = value, self._bridge.safety.now
@@ -119,6 +136,11 @@ class RobotVariable:
         return self._age is not None
 
     @property
+    def stale_after(self) -> float | None:
+        """The seconds after which a reading is too old to act on, now; None: never."""
+        return self._limit().seconds
+
+    @property
     def is_stale(self) -> bool:
         """Whether its last value is too old to act on, now."""
         age, most = self.age(), self.stale_after
@@ -129,8 +151,11 @@ class RobotVariable:
 
         That the first value is awaited is no reason before it has been for `stale_after` seconds of the run.
         """
-        age, most, now = self.age(), self.stale_after, self._bridge.safety.now
+        age, (most, measured), now = self.age(), self._limit(), self._bridge.safety.now
         self.lateness = ""
+        if measured and not self._is_used:
+            return ""
+        self._judged = self._bridge.latch
         if most is None:
             return ""
         if age is None:
@@ -142,6 +167,8 @@ class RobotVariable:
             self._waiting_since = None
             if age > most:
                 self.lateness = f"`robot.{self.path}` is stale: its value is {age_text(age)} old."
+        if self.lateness and measured:
+            self.lateness += f" {measured}"
         return self.lateness
 
     def age(self) -> float | None:
@@ -392,9 +419,7 @@ class Nodes:
 
     def _replace(self, table: Mapping[str, object]) -> None:
         nodes = table.values()
-        self.timed = tuple(
-            node for node in nodes if isinstance(node, RobotVariable) and node.stale_after is not None
-        )
+        self.timed = tuple(node for node in nodes if isinstance(node, RobotVariable) and node.is_timed)
         self.table = table
 
     def remove(self, name: str) -> None:

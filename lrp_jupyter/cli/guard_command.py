@@ -122,7 +122,7 @@ class RosSide:
             "actions": {f"action{number}": action for number, action in enumerate(actions)},
         }
         self._bridge = RosBridge(**where, setup=setup, node=GUARD_NODE)
-        self._heard, self._state = (0.0, False), ""
+        self._heard = (0.0, False)
         self._bridge.open()
 
     @property
@@ -135,11 +135,8 @@ class RosSide:
         return self._heard
 
     def state(self) -> str:
-        """Return a sentence about the connection; silence is no news here."""
-        status = self._bridge.status
-        if status.state is not ConnectionState.STALE:
-            self._state = status.sentence
-        return self._state
+        """Return a sentence about the connection."""
+        return self._bridge.status.sentence
 
     def stop(self) -> None:
         """Send a velocity of zero."""

@@ -30,23 +30,24 @@ import time
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, Task
 from lrp_jupyter.bridges.guarding.guard import Stopper
 from lrp_jupyter.bridges.member_tree import Limits, RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, moves, real_number
-from lrp_jupyter.bridges.panel import Panel, number_in
+from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.ros.backends import Choice, check_backend, check_ros2, choose_backend, make_transport
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.outlets import StateOutlet
-from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel
+from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel, stale_after_in
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.rosout import LogOutlet
 from lrp_jupyter.bridges.ros.setup import (
     KINDS,
+    MEASURED,
     TASKS,
     Direction,
     Wire,
@@ -144,7 +145,7 @@ class RosBridge(Bridge):
         variable: str,
         topic: str,
         type: str = "",  # noqa: A002
-        stale_after: float | None = None,
+        stale_after: float | Literal["measured"] | None = MEASURED,
     ) -> None:
         """Subscribe ``robot.<variable>`` to a topic; its value is the last message.
 
@@ -156,9 +157,10 @@ class RosBridge(Bridge):
         variable, topic : str
         type : str, optional
             Default: that of the live topic.
-        stale_after : float, optional
+        stale_after : float, None or "measured"
             Seconds after which the last message is too old to drive by: then the reading fails, and the robot
-            is stopped until there is a new one. Default: it never is.
+            is stopped until there is a new one. None: it never is. ``"measured"``: once messages came
+            steadily, when none has come for a second more than twice the longest recent pause.
 
         Raises
         ------
@@ -289,7 +291,7 @@ class RosBridge(Bridge):
                     "",
                     channel.form.kind if channel.form is not None else channel.type,
                     lambda: channel.age(bool(self.latch)),
-                    wire.stale_after,
+                    None if wire.stale_after is None else channel.age_limit,
                 )
                 self._add_reading(reading, partial(self._contents, channel), channel.own)
                 channel.arrivals.hear(companion_path(wire.variable, "new") in self.messages_taken)
@@ -339,9 +341,10 @@ class RosBridge(Bridge):
                     f'`{call}` takes the names of two frames, as in `{call}("map", "base_link")`.'
                 )
         assert channel.tree is not None
-        now, stale_after = time.monotonic(), channel.wire.stale_after
+        now, given = time.monotonic(), channel.wire.stale_after
+        limit = None if given == MEASURED else given
         try:
-            return channel.tree.lookup(target_frame, source_frame, now, bool(self.latch), stale_after)
+            return channel.tree.lookup(target_frame, source_frame, now, bool(self.latch), limit)
         except (NoDataYet, BridgeError) as error:
             if channel.problem:
                 raise BridgeError(f"`{call}`: {channel.problem}") from None
@@ -597,8 +600,7 @@ class RosBridge(Bridge):
                 raise BridgeError(
                     f"`{STALE_AFTER}` is for subscriptions. Leave it empty for other connections."
                 )
-            stale_after = number_in(late, STALE_AFTER) if late else None
-            wire = Wire(variable, direction, fields.get("topic", ""), type_, stale_after=stale_after)
+            wire = Wire(variable, direction, fields.get("topic", ""), type_, stale_after=stale_after_in(late))
             self.connect(wire, wait=False)
             self._draft = Draft()
         elif key == "pick":

@@ -13,14 +13,19 @@ from dataclasses import replace
 from typing import Any
 
 from lrp_jupyter.bridges.latched_values import Arrival, Arrivals
+from lrp_jupyter.bridges.member_tree import AgeLimit
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
+from lrp_jupyter.bridges.ros.rhythm import Rhythm
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
-from lrp_jupyter.bridges.ros.setup import Wire
+from lrp_jupyter.bridges.ros.setup import MEASURED, Wire
 from lrp_jupyter.bridges.ros.transforms import TRANSFORMS, TransformTree
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 from lrp_jupyter.errors import ended
 
-_SILENT = 2.0  # seconds without a message after which a topic that had a rate is silent
+_SWITCHED_OFF = (
+    'If it may be silent for longer, say so: `"stale_after": null` in the set-up, `stale_after=None` in'
+    " Python, or `never` as **Too old after** in the panel."
+)
 
 
 class Channel:
@@ -48,7 +53,8 @@ class Channel:
         self.owes_stop = False  # as soon as there is a connection again
         self.answered = threading.Event()
         self.last_sent: RosMessage | None = None
-        self._times: deque[float] = deque(maxlen=20)
+        self.rhythm = Rhythm()  # of what arrives or is sent
+        self._under_way = 0.0  # s, for which the last message was
         self.learn(wire.type)
 
     def learn(self, type_: str) -> None:
@@ -146,12 +152,15 @@ class Channel:
         except ValueError as error:
             self.problem = f"A message on `{self.wire.topic}` was not taken as a whole: {error}"
         self.is_unclear = self.is_unclear or form.unclear.count > unclear
-        self._times.append(time.monotonic() if at is None else at)
-        self.arrivals.put(value, self.stamps.made_at(raw, self._times[-1]), is_news=at is None)
+        arrived = time.monotonic() if at is None else at
+        made = self.stamps.made_at(raw, arrived)
+        self._under_way = arrived - made
+        self.rhythm.note(arrived)
+        self.arrivals.put(value, made, is_news=at is None)
 
     def sent(self, message: RosMessage) -> None:
         """Record a message that was sent, which may be a stop."""
-        self._times.append(time.monotonic())
+        self.rhythm.note(time.monotonic())
         self.last_sent = message
 
     def forget(self) -> None:
@@ -160,30 +169,30 @@ class Channel:
         self.arrivals.last = None
         if self.tree is not None:
             self.tree.forget(self.is_static)
-        self._times.clear()
+        self.rhythm.interrupt()
 
     def age(self, in_tick: bool = False) -> float | None:
         """Return the seconds since the last message was made or sent; None before the first.
 
         `in_tick`: it is the message that the tick sees.
         """
-        seen, times = self.arrivals.seen(in_tick), self._times
+        seen, last = self.arrivals.seen(in_tick), self.rhythm.last
         if seen is not None:
             return time.monotonic() - seen.time
-        return time.monotonic() - times[-1] if times else None
+        return None if last is None else time.monotonic() - last
+
+    def age_limit(self) -> AgeLimit:
+        """Return from which age on the last message is too old to drive by."""
+        given, rhythm = self.wire.stale_after, self.rhythm
+        if given != MEASURED:
+            return AgeLimit(given)
+        patience, period = rhythm.patience, rhythm.period
+        if patience is None:
+            return AgeLimit(None)
+        pace = f"one came every {period:.2g} s" if period is not None else "they came steadily"
+        how = f"Before, {pace}, with pauses of at most {rhythm.longest:.2g} s. {_SWITCHED_OFF}"
+        return AgeLimit(patience + self._under_way, how)
 
     def rate(self) -> float:
         """Return the recent messages per second; 0 when they have ceased."""
-        times = list(self._times)
-        if len(times) < 2 or times[-1] <= times[0]:
-            return 0.0
-        period = (times[-1] - times[0]) / (len(times) - 1)
-        return 0.0 if time.monotonic() - times[-1] > max(1.0, 5 * period) else 1 / period
-
-    def is_silent(self) -> bool:
-        """Return whether a topic that used to have messages has none any more."""
-        times = list(self._times)
-        if len(times) < 3 or self.is_static:
-            return False
-        period = (times[-1] - times[0]) / (len(times) - 1)
-        return time.monotonic() - times[-1] > max(_SILENT, 5 * period)
+        return self.rhythm.rate(time.monotonic())

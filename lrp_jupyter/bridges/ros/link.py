@@ -261,6 +261,8 @@ class TopicLink(Link):
         """Make the actual connections match the wanted ones; return the seconds until the next time."""
         trouble = self.transport.trouble()
         if trouble:
+            for channel in self._channels:
+                channel.rhythm.interrupt()
             self._report_change(ConnectionState.STALE, trouble)
             return self.transport.period
         topics = self.transport.topics()
@@ -479,9 +481,6 @@ class TopicLink(Link):
             if why:
                 return ConnectionState.WAITING, f"`robot.{channel.wire.variable}`: {ended(why)}"
         inputs = [channel for channel in self._channels if channel.wire.direction == "subscription"]
-        silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.is_silent()]
-        if silent:
-            return ConnectionState.STALE, f"{', '.join(silent)}: nothing has arrived for a while."
         empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
         if empty:
             return ConnectionState.WAITING, f"{', '.join(empty)}: nothing has arrived yet."

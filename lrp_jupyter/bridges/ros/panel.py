@@ -10,12 +10,13 @@ import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
+from typing import Literal
 
-from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
+from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table, number_in
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.goal_topics import topics_of
 from lrp_jupyter.bridges.ros.link import SLOW
-from lrp_jupyter.bridges.ros.setup import TASKS
+from lrp_jupyter.bridges.ros.setup import MEASURED, TASKS
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 
 STALE_AFTER = "Too old after"
@@ -31,7 +32,11 @@ _OF_EVERY_NODE = (
 _MOST = 6  # fields of a message that are shown
 _short = reprlib.Repr()
 _short.maxother = _short.maxstring = 120
-_COLUMNS = ("variable", "direction", "topic", "type", "rate (Hz)", "age (s)", "value")
+_NEVER = "never"
+_COLUMNS = (
+    *("variable", "direction", "topic", "type", "rate (Hz)", "age (s)"),
+    *(f"{STALE_AFTER[0].lower()}{STALE_AFTER[1:]} (s)", "value"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +83,7 @@ def draw_panel(
             Field("variable", "Variable", "text", draft.variable),
             Field("topic", "Topic, action or service", "text", draft.topic, (*names, *called), press="pick"),
             Field("type", "Type", "text", draft.type, tuple(sorted(types))),
-            Field("stale_after", STALE_AFTER, "number", unit="s"),
+            Field("stale_after", STALE_AFTER, "text", choices=(_NEVER,), unit="s"),
             Field("setup", "Set-up file", "text", setup),
         ),
         tables=(
@@ -143,8 +148,26 @@ def _row(channel: Channel) -> tuple[str, ...]:
         channel.type,
         f"{rate:.1f}" if rate else "",
         "" if age is None else f"{age:.1f}",
+        _limit(channel),
         shown,
     )
+
+
+def _limit(channel: Channel) -> str:
+    """Return when the messages of a subscription are too old; empty while that is not known."""
+    if channel.wire.direction != "subscription":
+        return ""
+    limit, is_measured = channel.age_limit().seconds, channel.wire.stale_after == MEASURED
+    if limit is None:
+        return "" if is_measured else _NEVER
+    return f"{limit:.1f} (measured)" if is_measured else f"{limit:g}"
+
+
+def stale_after_in(text: str) -> float | Literal["measured"] | None:
+    """Return what a person wrote into the field for `stale_after`."""
+    if text == _NEVER:
+        return None
+    return number_in(text, STALE_AFTER) if text else MEASURED
 
 
 def gist(message: ReceivedMessage | RosMessage) -> str:

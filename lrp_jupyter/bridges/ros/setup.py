@@ -14,7 +14,8 @@
      "stop": {"horn": {"data": false}},
      "tick": {"alive": {}}}
 
-A type that is left out is taken from what is live. ``stop`` names what else is sent at a stop, and ``tick``
+A type that is left out is taken from what is live, and a ``stale_after`` from the pace of the messages; null
+is never. ``stop`` names what else is sent at a stop, and ``tick``
 what is sent in every tick while the robot is armed: a message, by its fields, through a publisher. What can
 be checked without a robot is checked here, and the rest later.
 
@@ -40,6 +41,9 @@ from lrp_jupyter.files import write_file
 
 Direction = Literal["subscription", "publisher", "action", "service"]
 TASKS: tuple[Direction, ...] = ("action", "service")
+MEASURED: Literal["measured"] = "measured"
+"""A `stale_after` that follows from the pace of the messages."""
+
 KINDS: Mapping[str, str] = {"subscription": "topic", "publisher": "topic", **{task: task for task in TASKS}}
 
 _TOPIC = re.compile(r"/[A-Za-z]\w*(/[A-Za-z_]\w*)*$", re.ASCII)
@@ -64,7 +68,7 @@ class Wire:
     topic: str  # absolute: `odom` becomes `/odom`; or the name of the action or service
     type: str = ""  # `package/Type`; empty: that of the live one
     limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)  # of what is sent
-    stale_after: float | None = None  # s after which a subscription's last message is too old to drive by
+    stale_after: float | Literal["measured"] | None = MEASURED  # s; a message that is older is none
     at_stop: Mapping[str, Any] | None = None  # the fields that a publisher sends at a stop; None: it does not
     at_tick: Mapping[str, Any] | None = None  # … and in every tick
 
@@ -94,7 +98,9 @@ class Wire:
         type_ = self.type or (TRANSFORMS if is_tf else "")
         object.__setattr__(self, "type", check_type(type_, self.direction))
         seconds = self.stale_after
-        if seconds is not None and (type(seconds) not in (int, float) or not 0 < seconds < math.inf):
+        if seconds not in (None, MEASURED) and not (
+            type(seconds) in (int, float) and 0 < float(seconds) < math.inf
+        ):
             raise BridgeError(f"`stale_after` must be a number of seconds above 0, not {seconds!r}.")
 
     def as_dict(self) -> dict[str, Any]:
@@ -104,7 +110,7 @@ class Wire:
             wire["type"] = self.type
         if self.limits:
             wire["limits"] = dict(self.limits)
-        if self.stale_after is not None:
+        if self.stale_after != MEASURED:
             wire["stale_after"] = self.stale_after
         return wire
 
@@ -194,7 +200,8 @@ def _wire_from(variable: str, direction: Direction, entry: object, place: str) -
     if not isinstance(entry, Mapping) or not isinstance(entry.get(named), str):
         raise BridgeError(f"{place}: {article(named).capitalize()} `{named}` is missing.")
     _no_others(entry, (named, "type", *_OWN.get(direction, ())), place)
-    type_, limits, stale_after = entry.get("type", ""), entry.get("limits", {}), entry.get("stale_after")
+    type_, limits = entry.get("type", ""), entry.get("limits", {})
+    stale_after = entry.get("stale_after", MEASURED)
     if not isinstance(type_, str):
         raise BridgeError(f"{place}: The `type` must be a string.")
     try:

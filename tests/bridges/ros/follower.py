@@ -16,10 +16,11 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.simulation import STEP
 
 SETUP = Path(__file__).with_suffix(".json")
-LOOSE: dict[str, Any] = json.loads(SETUP.read_text())  # whose changes are not saved
+LOOSE: dict[str, Any] = json.loads(SETUP.read_text())  # whose changes are not saved, on a machine that stalls
 FRESH: dict[str, Any] = json.loads(SETUP.read_text())  # one whose readings become too old
-for _wire in FRESH["subscriptions"].values():
-    _wire["stale_after"] = 0.5
+for _setup, _seconds in ((LOOSE, None), (FRESH, 0.5)):
+    for _wire in _setup["subscriptions"].values():
+        _wire["stale_after"] = _seconds
 _ROUNDING = 1e-6  # s
 TOLD = 0.0  # the speed of a robot whose time passes when it is told to
 PATIENT = """

@@ -135,7 +135,7 @@ def test_topics_are_found_heard_and_commanded(real: Any, connect: Connect) -> No
 
     def row() -> str:
         table = ros.panel().tables[0]
-        return str(dict(zip(table.keys, table.rows, strict=True))["move"][6])
+        return str(dict(zip(table.keys, table.rows, strict=True))["move"][-1])
 
     until(lambda: any("/rostopic_" in notice.text for notice in ros.safety.notices))
     until(lambda: "/rostopic_" in row())

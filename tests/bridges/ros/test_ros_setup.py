@@ -18,7 +18,7 @@ from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.bridges.ros.address import parse_address
-from lrp_jupyter.bridges.ros.setup import Wire, setup_as_dict, setup_from_dict
+from lrp_jupyter.bridges.ros.setup import MEASURED, Wire, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 Make = Callable[..., RosBridge]
@@ -74,6 +74,7 @@ def test_a_topic_without_a_slash_is_meant_from_the_root() -> None:
     assert Wire("odom", "subscription", "base/odom").topic == "/base/odom"
 
 
+ages = st.sampled_from([MEASURED, None, 0.5])
 names = st.text("abcz09", min_size=1, max_size=8).map("n{}".format)
 wires = st.builds(
     Wire,
@@ -81,7 +82,7 @@ wires = st.builds(
     st.sampled_from(["subscription", "publisher", "action", "service"]),
     st.lists(names, min_size=1, max_size=3).map("/".join),
     st.sampled_from(["", "std_msgs/String", "nav_msgs/msg/Odometry"]),
-)
+) | st.builds(Wire, names, st.just("subscription"), names, stale_after=ages)
 
 
 @given(st.lists(wires, unique_by=lambda wire: wire.variable))
@@ -454,6 +455,12 @@ def test_a_person_chooses_when_a_message_is_too_old(
         ros.end_tick(0.0)
         assert (ros.status.state is ConnectionState.STALE) is is_stale
     assert "`robot.light`" in ros.status.sentence
+    for late, said, shown in (("0.5", 0.5, "0.5"), ("never", None, "never")):
+        ros.press("subscribe", values={"variable": "light", "topic": "/light", "stale_after": late})
+        assert ros.setup["subscriptions"]["light"]["stale_after"] == said
+        assert rows(ros)["light"]["too old after (s)"] == shown
+    ros.press("subscribe", values={"variable": "light", "topic": "/light", "stale_after": ""})
+    assert "stale_after" not in ros.setup["subscriptions"]["light"], "it is measured"
 
 
 def test_what_cannot_be_connected_is_reported_in_its_row(ros: RosBridge) -> None:

@@ -59,7 +59,7 @@ def notices(ros: RosBridge) -> list[str]:
 def value(ros: RosBridge, row: str) -> str:
     """What the panel shows in the row of a variable."""
     table = ros.panel().tables[0]
-    return dict(zip(table.keys, table.rows, strict=True))[row][6]
+    return dict(zip(table.keys, table.rows, strict=True))[row][-1]
 
 
 # -- types ----------------------------------------------------------------------------------------

@@ -1,0 +1,130 @@
+"""A subscription whose messages cease is too old to drive by, although the set-up does not say when."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterable
+from itertools import accumulate
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support.waiting import until
+
+from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros.rhythm import Rhythm
+from lrp_jupyter.live.session import Session
+
+DRIVES = """\
+(machine m
+  (state s (running [robot.move(linear=0.2)]))
+  (state near)
+  (on [robot.scan.data < 5] s -> near))
+(spawn m s)
+"""
+
+
+def heard(pauses: Iterable[float], rhythm: Rhythm | None = None, since: float = 0.0) -> Rhythm:
+    """What a topic is like whose messages come after these pauses."""
+    found = Rhythm() if rhythm is None else rhythm
+    for now in accumulate(pauses, initial=since):
+        found.note(now)
+    return found
+
+
+@given(st.floats(0.001, 10), st.floats(0.3, 0.6), st.integers(0, 30))
+def test_a_sensor_is_waited_for_a_second_and_for_a_message_that_was_lost(
+    period: float, jitter: float, lost: int
+) -> None:
+    count = 20 + round(5 / period)
+    pauses = [period * (1 + jitter * (-1) ** number) for number in range(2 * count)]
+    rhythm = heard(pauses)
+    patience = rhythm.patience
+    assert patience is not None
+    assert 1 + 2 * period <= patience <= 1 + 4 * period
+    heard([2 * period], rhythm, rhythm.last or 0.0)
+    assert 2 * period * (1 + jitter) < patience, "one lost message is no silence"
+
+
+BURST = [0.02] * 100  # of a joystick, for two seconds
+SLOWLY = [3.0, 40.0, 0.7, 12.0, 90.0, 5.0, 31.0, 0.2, 65.0, 8.0]
+
+
+@pytest.mark.parametrize(
+    "pauses",
+    [[], [0.1] * 15, [0.001] * 300, (*BURST, 3.0) * 20, SLOWLY * 20, [0.1, 0.1, 4.0] * 50],
+    ids=["map", "few", "a single burst", "joystick", "orders", "button"],
+)
+def test_what_comes_by_events_is_never_too_late(pauses: list[float]) -> None:
+    assert heard(pauses).patience is None
+
+
+def test_a_pause_counts_for_some_minutes_and_then_no_more() -> None:
+    rhythm = heard([0.1] * 100)
+    assert rhythm.patience == pytest.approx(1.2)
+    heard([8.0], rhythm, rhythm.last or 0.0)
+    assert rhythm.patience == pytest.approx(17)
+    heard([0.1] * 5900, rhythm, rhythm.last or 0.0)
+    assert rhythm.patience == pytest.approx(17)
+    heard([0.1] * 200, rhythm, rhythm.last or 0.0)
+    assert rhythm.patience == pytest.approx(1.2)
+
+
+def test_a_pause_before_the_first_rhythm_or_of_a_robot_that_was_lost_is_none_of_the_topic() -> None:
+    rhythm = heard([30.0, *[0.1] * 100])
+    assert rhythm.patience == pytest.approx(1.2)
+    rhythm.interrupt()
+    assert rhythm.last is None
+    heard([0.1] * 3, rhythm, 1000.0)
+    assert rhythm.patience == pytest.approx(1.2)
+
+
+# -- a real ROS 1 ---------------------------------------------------------------------------------
+
+
+@pytest.mark.ros
+def test_a_robot_stands_when_its_scanner_dies_and_drives_when_that_is_back(
+    real: Any, connect: Callable[..., RosBridge]
+) -> None:
+    wheels: list[str] = real.lines(real.start_robot(world="empty"))
+    scanner = real.start("/usr/bin/rostopic", "pub", "-r", "20", "/scan", "std_msgs/UInt8", "data: 9")
+    real.start("/usr/bin/rostopic", "pub", "-r", "20", "/unused", "std_msgs/UInt8", "data: 9")
+    ros = connect(setup={"subscriptions": {"scan": "/scan", "unused": "/unused"}})
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+
+    def limit() -> float:
+        row = dict(zip(ros.panel().tables[0].columns, ros.panel().tables[0].rows[0], strict=True))
+        return float(row["too old after (s)"].partition(" (measured)")[0] or 0)
+
+    def state() -> ConnectionState:
+        return ros.status.state
+
+    with Session(DRIVES, bridge=ros, rate=20) as session:
+        session.start()
+        until(lambda: wheels[-1:] and wheels[-1].endswith(" 0.2"))
+        first = until(limit)
+        os.killpg(scanner.pid, signal.SIGSTOP)
+        silent = time.monotonic()
+        until(lambda: wheels[-1].endswith(" 0.0"))
+        assert float(wheels[-1].split()[0]) > silent + 0.9 * first, "not before its time"
+        assert state() is ConnectionState.STALE
+        said = next(notice.text for notice in ros.safety.notices if notice.kind == "stale")
+        assert said.startswith("`robot.scan` is stale: its value is ")
+        assert "one came every 0.05 s" in said
+        assert '`"stale_after": null` in the set-up' in said
+        assert "nothing moves the robot" in said
+        os.killpg(scanner.pid, signal.SIGCONT)
+        until(lambda: wheels[-1].endswith(" 0.2"))
+        until(lambda: limit() > 2 * first)
+        stops = ros.safety.stops
+        until(lambda: state() is ConnectionState.CONNECTED)
+
+        ros.subscribe("scan", "/scan", stale_after=None)
+        until(lambda: ros.describe("scan").age is not None)
+        real.end(scanner)
+        until(lambda: (ros.describe("scan").age or 0) > 1.5 * first)
+        assert ros.safety.stops == stops, "it is never too old"
