@@ -145,6 +145,8 @@ class Bridge(Interface, ABC):
     stops_when_found : bool
         Whether the bridge itself stops a robot that was lost, as the first thing over the new connection; if
         not, the base does when the status says that it is found.
+    gone : str
+        Why the robot will never be found again by this bridge, a sentence; empty: it may be.
     complete : bool
         Whether `add_members` adds every member that there will be, so that a program which uses another one
         is wrong, and the checks say so before it runs.
@@ -156,6 +158,7 @@ class Bridge(Interface, ABC):
         Armed or not, the log of commands and notices.
     """
 
+    gone: str = ""
     tells_why: bool = False
     stops_when_found: ClassVar[bool] = False
     complete: ClassVar[bool] = False

@@ -41,6 +41,7 @@ from lrp_jupyter.bridges.ros.backends import Choice, check_backend, check_ros2, 
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
+from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.outlets import StateOutlet
 from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel, stale_after_in
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
@@ -90,13 +91,20 @@ class RosBridge(Bridge):
         changes are written to a file.
     patience : float
         Seconds that opening may take.
-    node : str
-        Name of the node on this side; a rosbridge server has its own.
+    node : str, optional
+        Name of the node on this side, which no other node may have; a rosbridge server has its own.
+        Default: one that begins with ``lrp_`` and differs each time.
     domain : int, optional
         Of ROS 2 (`dds`, `rclpy`). Default: ``ROS_DOMAIN_ID`` of the environment, or 0.
     messages : str or iterable of str
         Folders with definitions of message types, ``package/msg/Type.msg`` (`dds`); in a text
         they are separated as in ``PATH``.
+    namespace : str, optional
+        Of the node, as ``/robot1``: the topic ``odom`` is then ``/robot1/odom``. Default:
+        ``ROS_NAMESPACE`` of the environment, or the root.
+    remap : str, iterable of str, or mapping of str to str
+        Rules ``from:=to`` that replace the names of topics, actions and services; in a text they are
+        separated by spaces or commas.
     state_topic : str
         A topic for others: what happens in the run, as JSON in a ``std_msgs/String``. Default: none.
 
@@ -116,22 +124,26 @@ class RosBridge(Bridge):
         port: int | str | None = None,
         setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
         patience: float = 8.0,
-        node: str = "lrp",
+        node: str | None = None,
         domain: int | str | None = None,
         messages: str | Iterable[str] = "",
+        namespace: str | None = None,
+        remap: str | Iterable[str] | Mapping[str, str] = "",
         state_topic: str = "",
     ) -> None:
         super().__init__()
         self.backend = check_backend(backend, host, port)
         self._host, self._port = (host or "").strip(), port
         self._domain, self._messages = check_ros2(backend, domain, messages)
-        self._node = node
+        self._is_guard = node == GUARD_NODE  # of which there may be many
+        own_name = None if self._is_guard else node
+        self.names = GraphNames(own_name, namespace, remap, stem=GUARD_NODE if self._is_guard else "lrp")
         self._chosen: Choice | None = None
         self._patience = real_number(patience, "patience")
         self._draft = Draft()
-        self.wiring = Wiring(self._offer, self._withdraw)
+        self.wiring = Wiring(self.names, self._offer, self._withdraw)
         self._log = LogOutlet()
-        self._states = StateOutlet(_state_topic(state_topic)) if state_topic else None
+        self._states = StateOutlet(self._global(state_topic)) if state_topic else None
         self.tells_why = self._states is not None
         self._in_tick = 0  # the thread of the tick that is under way: it must not wait
         self._pace = ProgramPace()
@@ -271,6 +283,12 @@ class RosBridge(Bridge):
 
     # -- the robot --------------------------------------------------------------------------------
 
+    def _global(self, state_topic: str) -> str:
+        try:
+            return self.names.resolve(Wire("state", "publisher", state_topic).topic)
+        except BridgeError as error:
+            raise BridgeError(f"`state_topic`: {error}") from None
+
     def _offer(self, channel: Channel) -> None:
         """Register a channel as a member of the robot; again when its type is known."""
         wire = channel.wire
@@ -390,7 +408,9 @@ class RosBridge(Bridge):
         Of our own goals, those that are not wanted any more: where all is stopped, none is; and where only a
         velocity is overdue, the tasks go on. A guard cancels the goals of every client.
         """
-        failures, is_guard = [], self._node == GUARD_NODE
+        if self.gone:
+            return
+        failures, is_guard = [], self._is_guard
         for channel in self.wiring.channels:
             goals = [request for request in channel.unfinished if not request.is_wanted()]
             is_everyone = is_guard and channel.wire.direction == "action"
@@ -446,7 +466,8 @@ class RosBridge(Bridge):
         where: dict[str, Any] = {"backend": self._chosen.backend, "host": self._host, "port": self._port}
         if self._domain is not None or self._messages:
             where |= {"domain": self._domain, "messages": self._messages}
-        return Stopper(_HERE, {**where, "node": GUARD_NODE, "setup": setup})
+        own = {"node": GUARD_NODE, "namespace": self.names.namespace}
+        return Stopper(_HERE, {**where, **own, "setup": setup})
 
     def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
         """Return whether a command is a velocity that is not zero, or a goal: other topics carry anything."""
@@ -504,7 +525,7 @@ class RosBridge(Bridge):
         """Create a link, with a new channel for each connection of the set-up."""
         place = f"The robot at `{self._host}`" if self._host else "The robot"
         wiring = self.wiring
-        outlets = () if self._node == GUARD_NODE else tuple(filter(None, (self._log, self._states)))
+        outlets = () if self._is_guard else tuple(filter(None, (self._log, self._states)))
         link = TopicLink(
             self._find, place, lambda: wiring.all_channels, self._report, wiring.learned, self._warn, outlets
         )
@@ -525,8 +546,15 @@ class RosBridge(Bridge):
         transport = make_transport(
             self._chosen.backend, self._host, self._port, self._warn, self._domain, self._messages
         )
-        transport.node = self._node
+        transport.names = self.names
+        transport.ending = self._end
         return transport
+
+    def _end(self, why: str) -> None:
+        """Stop the robot for the last time; nothing moves it any more."""
+        self.set_status(ConnectionState.LOST, why)
+        self.stop_all()
+        self.gone = why
 
     def _warn(self, sentence: str) -> None:
         self.safety.notice("fault", sentence)
@@ -637,14 +665,6 @@ class RosBridge(Bridge):
                 self._start(searching=True)
         else:
             super().answer(key, value)
-
-
-def _state_topic(name: str) -> str:
-    """Return the whole name of a topic; BridgeError: it is not one."""
-    try:
-        return Wire("state", "publisher", name).topic
-    except BridgeError as error:
-        raise BridgeError(f"`state_topic`: {error}") from None
 
 
 def _is_stopped(channel: Channel) -> bool:

@@ -29,10 +29,15 @@ _SWITCHED_OFF = (
 
 
 class Channel:
-    """A wire with the state of its connection."""
+    """A wire with the state of its connection.
 
-    def __init__(self, wire: Wire, tree: TransformTree | None = None) -> None:
-        self.wire = wire
+    `name`: the global name of what it is wired to.
+    `tree`: of what arrives, if that is static transforms.
+    """
+
+    def __init__(self, wire: Wire, name: str = "", tree: TransformTree | None = None) -> None:
+        self.written = wire  # as the set-up has it
+        self.wire = replace(wire, topic=name) if name else wire
         self.is_static = tree is not None  # of transforms that are published once, if there are any
         self.tree = tree  # of what arrives, if that is transforms
         self.static: Channel | None = None  # their other topic
@@ -63,7 +68,7 @@ class Channel:
         if type_ == TRANSFORMS and self.wire.direction == "subscription" and self.tree is None:
             self.tree = TransformTree()
             static = replace(self.wire, topic=f"{self.wire.topic}_static", type=type_, stale_after=None)
-            self.static = Channel(static, self.tree)
+            self.static = Channel(static, tree=self.tree)
 
     @property
     def takes_all(self) -> bool:

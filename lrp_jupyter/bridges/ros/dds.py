@@ -55,7 +55,7 @@ class DdsTransport(Transport):
         """Join the domain and wait for other nodes: any, or those that were lost."""
         self.disconnect()
         types = MessageTypes(self._folders)
-        node = DdsNode(self._domain, self.node, self._host, types, lambda: self.changed())
+        node = DdsNode(self._domain, self.names, self._host, types, lambda: self.changed())
         self._node = node
         if not node.wait_for(lambda: self._is_there(node), _FIND):
             raise BridgeError(self._gone() if self._met else self._no_node())

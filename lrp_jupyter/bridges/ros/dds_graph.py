@@ -27,6 +27,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from lrp_jupyter.bridges.ros.dds_qos import reading, type_hash_of
+from lrp_jupyter.bridges.ros.names import GraphNames
 
 _AT_ONCE = 100  # samples
 _TYPE = re.compile(r"(\w+)::msg::dds_::(\w+)_$")
@@ -125,8 +126,8 @@ class NodeDirectory:
     Owner: the thread that updates the graph.
     """
 
-    def __init__(self, participant: DomainParticipant, name: str) -> None:
-        self._participant, self._name = participant, name
+    def __init__(self, participant: DomainParticipant, names: GraphNames) -> None:
+        self._participant, self._own = participant, names
         self._octets = 0  # of an identity; 0: no node was announced yet
         self._reader: Any = None
         self._writer: Any = None
@@ -157,9 +158,8 @@ class NodeDirectory:
 
     def _announce(self, readers: Iterable[UUID], writers: Iterable[UUID]) -> None:
         kind = _announcement(self._octets)
-        node = _node(self._octets)(
-            "/", self._name, list(map(self._identity, readers)), list(map(self._identity, writers))
-        )
+        ids = (list(map(self._identity, ends)) for ends in (readers, writers))
+        node = _node(self._octets)(self._own.namespace, self._own.node, *ids)
         announced = kind(self._identity(self._participant.guid), [node])
         if announced != self._announced:
             self._announced = announced

@@ -34,6 +34,7 @@ from lrp_jupyter.bridges.ros.dds_qos import (
 )
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, Receive
+from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.errors import BridgeError
 
 _ENCLAVE = Policy.Userdata(b"enclave=/;")
@@ -188,9 +189,9 @@ class DdsNode:
     """
 
     def __init__(
-        self, number: int, name: str, host: str, types: MessageTypes, changed: Callable[[], None]
+        self, number: int, names: GraphNames, host: str, types: MessageTypes, changed: Callable[[], None]
     ) -> None:
-        self.name, self.types = name, types
+        self.name, self.types = names.node, types
         self.failure = ""  # why it no longer works
         self._changed = changed
         self._domain = DdsDomain.enter(number, host)
@@ -200,7 +201,7 @@ class DdsNode:
             self._domain.leave()
             raise BridgeError(f"DDS has no room for another node in domain {number}: {error}") from error
         self.graph = EndpointGraph(self.participant)
-        self.directory = NodeDirectory(self.participant, name)
+        self.directory = NodeDirectory(self.participant, names)
         self.ends: tuple[_TopicEnd, ...] = ()
         self._lock = threading.RLock()  # for the ends
         self._to_adapt = False  # whether an end wants another quality of service

@@ -19,6 +19,7 @@ from lrp_jupyter.bridges.link import Link
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, messages_of
+from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.outlets import Outlet
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction, article
@@ -53,7 +54,6 @@ class Transport(ABC):
     """
 
     place: str = ""  # address of the robot, for messages
-    node: str = "lrp"  # name of the node on this side, where there is one
     version: int = 2  # of ROS; 0 while it is not known
     has_tasks: bool = True  # whether it can reach actions and services
     period: float = 2.0  # seconds between two comparisons with the robot
@@ -61,13 +61,15 @@ class Transport(ABC):
     round_trip: float | None = None  # recent median of the seconds until a pong; None: it is not measured
 
     def __init__(self) -> None:
+        self.names = GraphNames()  # of the node on this side, where there is one
         self.changed: Callable[[], None] = lambda: None  # to be called, on any thread, to compare at once
+        self.ending: Callable[[str], None] = lambda _why: None  # … before the connection ends for good
         self.clock = RobotClock()  # learns from the time stamps of messages, and tells their age
 
     @property
     def log_name(self) -> str:
         """The name of the node, for the log."""
-        return self.node if self.version == 2 else f"/{self.node}"
+        return self.names.full if self.version == 1 else self.names.full.strip("/").replace("/", ".")
 
     @abstractmethod
     def connect(self) -> None:

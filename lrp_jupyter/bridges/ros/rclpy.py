@@ -61,7 +61,12 @@ class RclpyTransport(Transport):
         self._context = _import("rclpy.context").Context()
         try:
             rclpy.init(args=[], context=self._context, domain_id=self._domain)
-            self._node = rclpy.create_node(self.node, context=self._context, use_global_arguments=False)
+            self._node = rclpy.create_node(
+                self.names.node,
+                namespace=self.names.namespace,
+                context=self._context,
+                use_global_arguments=False,
+            )
             self._executor = executors.SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self._node)
         except Exception as error:  # rclpy raises RuntimeError, and errors of its middleware

@@ -22,6 +22,7 @@ from http.client import HTTPConnection, HTTPException
 from io import BytesIO
 from typing import Any
 from urllib.parse import urlsplit
+from weakref import WeakSet
 
 from lrp_jupyter.bridges.ros.definitions import (
     Definition,
@@ -33,6 +34,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 )
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
+from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words, sentence
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError
@@ -44,6 +46,8 @@ _ANNOUNCED = 100  # … where each of them counts
 
 _node_lock = threading.Lock()
 _node_master = ""  # the master that this process's node belongs to
+_node_end = ""  # why the node has ended, a sentence
+_transports = WeakSet["RospyTransport"]()  # that use it
 
 
 class RospyTransport(Transport):
@@ -69,15 +73,11 @@ class RospyTransport(Transport):
 
     def connect(self) -> None:
         """Find the master and, in a process's first connection, create the node."""
-        rospy = _rospy()
+        _check_node()
         self._pid = int(self._master.ask("getPid"))
         self._service_types = {}
-        _make_node(self.place, self.node)
-        if rospy.is_shutdown():
-            raise BridgeError(
-                "The ROS node of this process was shut down, and there cannot be a second one. "
-                "Restart the kernel."
-            )
+        _make_node(self.place, self.names)
+        _transports.add(self)
 
     def silence(self) -> str:
         """Ask for the master only: a node of this process could not be made again."""
@@ -88,12 +88,12 @@ class RospyTransport(Transport):
         return ""
 
     def disconnect(self) -> None:
-        """Do nothing: the node stays, and its topics were unregistered one by one."""
+        """Leave the node, which stays; its topics were unregistered one by one."""
+        _transports.discard(self)
 
     def topics(self) -> Mapping[str, str]:
         """Ask the master, for topics with subscribers only too; BridgeError: it was restarted."""
-        if _rospy().is_shutdown():
-            raise BridgeError("The ROS node of this process was shut down. Restart the kernel.")
+        _check_node()
         if int(self._master.ask("getPid")) != self._pid:
             raise BridgeError(f"The ROS master at `{self.place}` was restarted.")
         pairs = self._master.ask("getTopicTypes")
@@ -224,7 +224,27 @@ def _rospy() -> Any:
     return rospy
 
 
-def _make_node(master: str, name: str) -> None:
+def _check_node() -> None:
+    """Raise a BridgeError if the node of this process has ended."""
+    if _node_end or _rospy().is_shutdown():
+        why = _node_end or "The ROS node of this process was shut down."
+        raise BridgeError(f"{why} There cannot be a second one: start the program, or the kernel, again.")
+
+
+def _note_end(reason: str) -> None:
+    """Have the robot stopped while this node can still send; rospy calls it, on a thread of its own."""
+    global _node_end
+    name = _rospy().get_name()
+    if "same name" in reason:  # the master's words
+        why = f"Another node has taken the name `{name}`, so the ROS master has ended this one."
+    else:
+        why = f"The ROS node `{name}` was shut down ({reason})."
+    _node_end = why
+    for transport in tuple(_transports):
+        transport.ending(why)
+
+
+def _make_node(master: str, names: GraphNames) -> None:
     """Create the one node of this process."""
     global _node_master
     rospy = _rospy()
@@ -235,16 +255,21 @@ def _make_node(master: str, name: str) -> None:
                 "Restart the kernel."
             )
         if _node_master:
+            if not names.is_anonymous and names.full != rospy.get_name():
+                raise BridgeError(
+                    f"The ROS node of this process is `{rospy.get_name()}` and cannot become `{names.full}`."
+                    " Restart the kernel."
+                )
             return
         root = logging.getLogger()
         handlers, level = root.handlers[:], root.level
         before = os.environ.get("ROS_MASTER_URI")
         os.environ["ROS_MASTER_URI"] = master  # rospy has no other way to set it
+        rospy.names._set_caller_id(names.full)  # nor to set the namespace
         try:
             rospy.init_node(
-                name,
+                names.node,
                 argv=["lrp"],
-                anonymous=True,
                 disable_signals=True,
                 disable_rosout=True,
                 disable_rostime=True,
@@ -261,6 +286,7 @@ def _make_node(master: str, name: str) -> None:
             root.handlers[:] = handlers
             root.setLevel(level)
         _node_master = master
+        rospy.core.add_preshutdown_hook(_note_end)
 
 
 def _class_of(type_: str, whole: bool = False) -> Any:

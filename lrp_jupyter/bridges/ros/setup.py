@@ -35,6 +35,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
+from lrp_jupyter.bridges.ros.names import is_name
 from lrp_jupyter.bridges.ros.transforms import TF_TOPICS, TRANSFORMS
 from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
@@ -46,7 +47,6 @@ MEASURED: Literal["measured"] = "measured"
 
 KINDS: Mapping[str, str] = {"subscription": "topic", "publisher": "topic", **{task: task for task in TASKS}}
 
-_TOPIC = re.compile(r"/[A-Za-z]\w*(/[A-Za-z_]\w*)*$", re.ASCII)
 _TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*$", re.ASCII)
 _SECTIONS: Mapping[str, Direction] = {
     "subscriptions": "subscription",
@@ -65,7 +65,7 @@ class Wire:
 
     variable: str  # the name after `robot.`
     direction: Direction
-    topic: str  # absolute: `odom` becomes `/odom`; or the name of the action or service
+    topic: str  # or the name of the action or service, as it was written: see `names`
     type: str = ""  # `package/Type`; empty: that of the live one
     limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)  # of what is sent
     stale_after: float | Literal["measured"] | None = MEASURED  # s; a message that is older is none
@@ -85,16 +85,15 @@ class Wire:
                 f"`{self.variable}` is not a valid name for a member of `robot`. Use one like `odom`."
             )
         topic = self.topic.strip()
-        absolute = topic if topic.startswith(("/", "~")) else f"/{topic}"
-        if not _TOPIC.match(absolute):
-            better = re.sub(r"/+", "/", "/" + re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
-            hint = f" Did you mean `{better}`?" if _TOPIC.match(better) else ""
+        if not is_name(topic):
+            better = re.sub(r"/+", "/", re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
+            hint = f" Did you mean `{better}`?" if is_name(better) else ""
             raise BridgeError(
                 f"`{topic}` is not a valid {self.kind} name. Use letters, digits and `_`, "
                 f"with `/` between names.{hint}"
             )
-        object.__setattr__(self, "topic", absolute)
-        is_tf = self.direction == "subscription" and absolute.rpartition("/")[2] in TF_TOPICS
+        object.__setattr__(self, "topic", topic)
+        is_tf = self.direction == "subscription" and topic.rpartition("/")[2] in TF_TOPICS
         type_ = self.type or (TRANSFORMS if is_tf else "")
         object.__setattr__(self, "type", check_type(type_, self.direction))
         seconds = self.stale_after

@@ -15,6 +15,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import TopicLink
+from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import Wire, load_setup, save_setup, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, did_you_mean
@@ -26,9 +27,12 @@ class Wiring:
     Owner: the threads of a person, the link and the loop may change it; a lock serializes them.
     """
 
-    def __init__(self, offer: Callable[[Channel], None], withdraw: Callable[[str], None]) -> None:
+    def __init__(
+        self, names: GraphNames, offer: Callable[[Channel], None], withdraw: Callable[[str], None]
+    ) -> None:
         self.path = ""  # the file to which every change is written
         self.link: TopicLink | None = None
+        self.names = names
         self._offer, self._withdraw = offer, withdraw
         self._changing = threading.RLock()
         self._channels: dict[str, Channel] = {}
@@ -46,7 +50,7 @@ class Wiring:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the set-up in its JSON form."""
-        return setup_as_dict(channel.wire for channel in self.channels)
+        return setup_as_dict(channel.written for channel in self.channels)
 
     def connect(self, wire: Wire, patience: float) -> None:
         """Connect a variable, and wait at most `patience` seconds for the robot's answer.
@@ -91,14 +95,14 @@ class Wiring:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the set-up to a file, now and after every change."""
-        save_setup(path, [channel.wire for channel in self.channels])
+        save_setup(path, [channel.written for channel in self.channels])
         self.path = os.fspath(path)
 
     def attach(self, link: TopicLink) -> None:
         """Replace the link, with new channels on which nothing has arrived yet."""
         with self._changing:
             self.link = link
-            self._channels = {wire.variable: Channel(wire) for wire in [c.wire for c in self.channels]}
+            self._channels = {each.wire.variable: self._channel(each.written) for each in self.channels}
             for channel in self.channels:
                 self._offer(channel)
 
@@ -146,9 +150,9 @@ class Wiring:
         link = self.link
         with self._changing:
             old = self._channels.get(wire.variable)
-            if old is not None and old.wire == wire and not old.problem:
-                return old.wire, old
-            channel = Channel(wire)
+            if old is not None and old.written == wire and not old.problem:
+                return old.written, old
+            channel = self._channel(wire)
             if link is not None:
                 self._offer(channel)  # first: it may refuse the name
             if old is not None:
@@ -156,7 +160,10 @@ class Wiring:
             self._channels[wire.variable] = channel
             if link is not None:
                 link.hurry()
-            return old.wire if old is not None else None, channel
+            return old.written if old is not None else None, channel
+
+    def _channel(self, wire: Wire) -> Channel:
+        return Channel(wire, self.names.resolve(wire.topic))
 
     def _remove(self, channel: Channel) -> None:
         self._release(channel)

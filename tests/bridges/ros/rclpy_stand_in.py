@@ -199,15 +199,15 @@ class Client:
 
 
 class Node:
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
+    def __init__(self, graph: Graph, name: str, namespace: str) -> None:
+        self._graph, self._name, self._namespace = graph, name, namespace
         graph.alive.append(self)
 
     def get_name(self) -> str:
-        return "lrp"
+        return self._name
 
     def get_namespace(self) -> str:
-        return "/"
+        return self._namespace
 
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         ends = [*self._graph.publishers, *self._graph.subscriptions]
@@ -232,12 +232,12 @@ class Node:
         return [end for end in self._graph.subscriptions if end.topic_name == topic]
 
     def create_publisher(self, msg_type: Any, topic: str, qos_profile: QoSProfile) -> Publisher:
-        made = Publisher(topic, msg_type, qos_profile, "lrp", graph=self._graph)
+        made = Publisher(topic, msg_type, qos_profile, self._name, self._namespace, graph=self._graph)
         self._graph.publishers.append(made)
         return made
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, qos_profile: Any) -> Endpoint:
-        made = Endpoint(topic, msg_type, qos_profile, "lrp", callback=callback)
+        made = Endpoint(topic, msg_type, qos_profile, self._name, self._namespace, callback=callback)
         self._graph.subscriptions.append(made)
         return made
 
@@ -358,11 +358,10 @@ def install(patch: pytest.MonkeyPatch) -> Graph:
         graph.domain = domain_id
         graph.alive.append(context)
 
-    def create_node(name: str, *, context: Context, use_global_arguments: bool) -> Node:
-        assert name == "lrp"
+    def create_node(name: str, *, namespace: str, context: Context, use_global_arguments: bool) -> Node:
         assert context in graph.alive
         assert not use_global_arguments
-        return Node(graph)
+        return Node(graph, name, namespace)
 
     def executor(context: Context) -> SingleThreadedExecutor:
         assert context in graph.alive

@@ -32,7 +32,9 @@ def ros(graph: Any) -> Iterator[RosBridge]:
     yield bridge
     bridge.close()
     assert graph.alive == []
-    assert [end for end in (*graph.publishers, *graph.subscriptions) if end.node_name == "lrp"] == []
+    assert [
+        end for end in (*graph.publishers, *graph.subscriptions) if end.node_name.startswith("lrp_")
+    ] == []
 
 
 def test_topics_of_other_nodes_are_listed_with_their_types(ros: RosBridge) -> None:

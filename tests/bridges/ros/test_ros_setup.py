@@ -55,7 +55,8 @@ def fields(ros: RosBridge) -> dict[str, Any]:
         ("odom", "/odom//x", "", "not a valid topic name.*Did you mean `/odom/x`"),
         ("odom", "/odom/", "", "Did you mean `/odom`"),
         ("odom", "/my odom", "", "Did you mean `/my/odom`"),
-        ("odom", "~odom", "", "not a valid topic name"),
+        ("odom", "~/", "", "not a valid topic name"),
+        ("odom", "odom/", "", "Did you mean `odom`"),
         ("odom", "/2odom", "", "not a valid topic name"),
         ("odom", "", "", "not a valid topic name"),
         ("move", "/mobile_base/commands.velocity", "", "Did you mean `/mobile_base/commands/velocity`"),
@@ -70,17 +71,13 @@ def test_an_illegal_name_is_refused_with_a_better_one(
         RosBridge().subscribe(variable, topic, type_)
 
 
-def test_a_topic_without_a_slash_is_meant_from_the_root() -> None:
-    assert Wire("odom", "subscription", "base/odom").topic == "/base/odom"
-
-
 ages = st.sampled_from([MEASURED, None, 0.5])
 names = st.text("abcz09", min_size=1, max_size=8).map("n{}".format)
 wires = st.builds(
     Wire,
     names.map("v_{}".format),
     st.sampled_from(["subscription", "publisher", "action", "service"]),
-    st.lists(names, min_size=1, max_size=3).map("/".join),
+    st.builds("{}{}".format, st.sampled_from(["", "/", "~"]), st.lists(names, min_size=1).map("/".join)),
     st.sampled_from(["", "std_msgs/String", "nav_msgs/msg/Odometry"]),
 ) | st.builds(Wire, names, st.just("subscription"), names, stale_after=ages)
 

@@ -14,6 +14,7 @@ from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 pytest.importorskip("cyclonedds", reason="the extra `ros2` is missing")
@@ -44,7 +45,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def other(domain: int) -> Iterator[DdsNode]:
     """Another node of this process, in the same domain, with a reader and a writer of its own."""
-    node = DdsNode(domain, "other", "", MessageTypes(), lambda: None)
+    node = DdsNode(domain, GraphNames("other"), "", MessageTypes(), lambda: None)
     node.subscribe("/here", "std_msgs/Empty", lambda _message: None)
     node.advertise("/here", "std_msgs/Empty")
     yield node

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from typing import Any
@@ -29,16 +30,16 @@ def reading(ros: RosBridge, name: str) -> Any:
         return None
 
 
-def announced(robot: Any, name: str = "lrp") -> dict[str, Any]:
+def announced(robot: Any, name: str = r"lrp_\d") -> dict[str, Any]:
     """What the bridge announced last of its node."""
     nodes = [node for line in robot.got("ros_discovery_info") for node in line["nodes"]]
-    return next((node for node in reversed(nodes) if node["name"] == name), {})
+    return next((node for node in reversed(nodes) if re.match(name, node["name"])), {})
 
 
 def test_both_sides_understand_each_other(peer: Any, connect: Connect) -> None:
     robot = peer("writer odom reliable volatile", "writer echo reliable", "reader cmd_vel reliable", NODES)
     robot.do("reader stamped reliable")
-    ros = connect(setup=MOVE)
+    ros = connect(setup=MOVE, namespace="robot1")
     ros.robot.move(linear=0.1, angular=-1 / 3)  # the first command after opening arrives
     (command,) = until(lambda: robot.got("rt/cmd_vel"))
     assert (command["linear"], command["angular"]) == ([0.1, 0, 0], [0, 0, -1 / 3])
@@ -102,7 +103,7 @@ def test_both_sides_understand_each_other(peer: Any, connect: Connect) -> None:
     (reader,) = until(lambda: ends("their_reader", "rt/odom", "readers"))
     assert (writer["type"], writer["user_data"]) == ("geometry_msgs::msg::dds_::Twist_", f"typehash={TWIST};")
     assert (writer["reliable"], writer["kept"]) == (True, False)
-    assert announced(robot)["namespace"] == "/"
+    assert announced(robot)["namespace"] == "/robot1"
     assert {one["user_data"] for one in robot.said("participant")} == {"enclave=/;"}
     ros.remove("odom")
     until(lambda: reader["gid"] not in announced(robot)["readers"])
@@ -164,12 +165,14 @@ def test_the_guard_of_a_robot_is_not_reported_as_another_who_commands(
 ) -> None:
     robot = peer("reader cmd_vel reliable", NODES)
     ros = connect(setup=MOVE)
-    until(lambda: all(announced(robot, name).get("writers") for name in ("lrp", "lrp_guard")))
+    until(lambda: all(announced(robot, name).get("writers") for name in (r"lrp_\d", "lrp_guard")))
     assert ros.wiring.link is not None
     transport, found = ros.wiring.link.transport, []
     look = transport.commanders
     monkeypatch.setattr(transport, "commanders", lambda topic: found.append(look(topic)) or found[-1])
-    until(lambda: found.count(("/lrp_guard",)) > 1)  # so what was made of the first one is done
+    until(
+        lambda: sum("/lrp_guard_" in " ".join(names) for names in found) > 1
+    )  # so what was made of the first one is done
     assert not [notice.text for notice in ros.safety.notices if "too: the robot obeys" in notice.text]
 
 
