@@ -24,6 +24,7 @@ of the robot replaces it, asked once.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
 import time
@@ -424,13 +425,13 @@ class RosBridge(Bridge):
 
     def stop_mover(self, mover: str) -> None:
         """Publish a zero where the program gives no more velocities; what else it drives goes on."""
-        channel = next(each for each in self.wiring.channels if each.wire.variable == mover)
-        try:
-            self.wiring.stop(channel, ())
-        except BridgeError:
-            super().stop_mover(mover)
-        else:
-            self.safety.moving(mover, False, mover)
+        velocities = {each.wire.variable: each for each in self.wiring.channels if each.is_velocity}
+        if len(velocities) > 1:
+            with contextlib.suppress(BridgeError):
+                self.wiring.stop(velocities[mover], ())
+                self.safety.moving(mover, False, mover)
+                return
+        super().stop_mover(mover)
 
     guarded_by = (
         "If this program dies or hangs, a guard process stops the robot. If this computer sleeps or is cut"

@@ -34,7 +34,15 @@ PARTS = {
     "action_msgs/CancelGoal_Response": {"return_code": FieldType("int8")},
 }
 HEADER = Definition("std_msgs/Header", {"stamp": FieldType(STAMP.type), "frame_id": FieldType("string")})
-TYPES = {**KNOWN, STAMP.type: STAMP, HEADER.type: HEADER}
+TEXTS = {name: FieldType("string") for name in ("name", "msg", "file", "function")}
+LOG_FIELDS = {
+    "stamp": FieldType(STAMP.type),
+    "level": FieldType("uint8"),
+    **TEXTS,
+    "line": FieldType("uint32"),
+}
+LOG = Definition("rcl_interfaces/Log", LOG_FIELDS)
+TYPES = {**KNOWN, STAMP.type: STAMP, HEADER.type: HEADER, LOG.type: LOG}
 TYPES |= {name: Definition(name, fields) for name, fields in PARTS.items()}
 
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from bridges.ros import rclpy_stand_in as stand_in
+from bridges.ros.test_seen_from_outside import PROGRAM, SETUP
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.bridges.ros.rclpy import RclpyTransport
 from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.session import Session
 
 
 @pytest.fixture
@@ -292,3 +295,24 @@ def test_a_service_answers_fails_or_is_not_there(asked: RosBridge, graph: Any) -
     del graph.services["/lamp"]
     asked.robot.lamp(on=True)
     until(lambda: latched(asked, "lamp")[0] == "lost")
+
+
+def test_what_happens_in_a_run_is_published_and_kept_for_who_comes_later(graph: Any) -> None:
+    bridge = RosBridge(backend="rclpy", setup=SETUP, state_topic="/lrp/state", node="me")
+    with Session(PROGRAM, bridge, name="light") as session:
+        session.start()
+        until(lambda: any(topic == "/lrp/state" for topic, _ in tuple(graph.published)))
+        kept = {end.topic_name: end.qos_profile for end in graph.publishers if end.node_name == "me"}
+        assert {profile.durability for profile in kept.values()} == {
+            stand_in.DurabilityPolicy.TRANSIENT_LOCAL
+        }
+        assert kept["/rosout"].depth == 1000
+        light = stand_in.message_class("std_msgs/UInt8")(data=42)
+        until(lambda: graph.deliver("/light", light) or session.frame.is_active("dark"))
+        until(lambda: any(getattr(message, "line", 0) for _, message in tuple(graph.published)))
+    texts = [message.data for topic, message in graph.published if topic == "/lrp/state"]
+    assert [json.loads(text)["status"] for text in (texts[0], texts[-1])] == ["running", "closed"]
+    log = [message for topic, message in graph.published if topic == "/rosout"]
+    assert (40, 3, "me") in [(each.level, each.line, each.name) for each in log]
+    assert log[-1].msg == "`light` has ended."
+    assert abs(log[-1].stamp.sec - json.loads(texts[-1])["stamp"]) <= 1

@@ -110,4 +110,4 @@ def test_a_node_of_ros_2_has_the_name_and_the_namespace(monkeypatch: pytest.Monk
     bridge.open()
     ends = {end.topic_name: (end.node_namespace, end.node_name) for end in graph.publishers}
     bridge.close()
-    assert ends == {"/robot1/cmd_vel": ("/robot1", "me")}
+    assert ends == dict.fromkeys(("/robot1/cmd_vel", "/rosout"), ("/robot1", "me"))

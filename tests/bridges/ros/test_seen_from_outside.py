@@ -8,6 +8,7 @@ import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xmlrpc.client import ServerProxy
 
@@ -15,7 +16,11 @@ import pytest
 from bridges.ros.follower import PATIENT
 from support.waiting import until
 
-from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.ros import RosBridge, rosout
+from lrp_jupyter.bridges.ros.rosout import LogOutlet, LogRecord
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.session import Session
 
 PROGRAM = """\
 (machine m
@@ -112,3 +117,74 @@ def test_a_bag_has_the_states_and_their_reasons_beside_the_sensors_and_the_log(
         (8, "LRP601 ZeroDivisionError: division by zero", 3, "m/dark"),
         (2, "`light` has ended.", 0, ""),
     ]
+
+
+# -- topics in memory -----------------------------------------------------------------------------
+
+
+def told_on(graph: Any, topic: str) -> list[dict[str, Any]]:
+    return [values for name, values in tuple(graph.heard) if name == topic]
+
+
+def states(graph: Any) -> list[dict[str, Any]]:
+    return [json.loads(values["data"]) for values in told_on(graph, "/lrp/state")]
+
+
+def test_a_disarmed_robot_is_followed_too_and_what_is_told_is_no_command(
+    make: Callable[..., RosBridge], graph: Any
+) -> None:
+    move = {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}
+    ros = make(setup={"subscriptions": {}, "publishers": {"move": move}}, state_topic="lrp/state")
+    with Session("(machine m (state s (running [robot.move(linear=0.1)]))) (spawn m s)", ros) as session:
+        session.start()
+        until(lambda: states(graph))
+        until(lambda: session.frame.tick > 3)
+        assert {command.name for command in ros.safety.commands} == {"move"}
+    assert states(graph)[-1]["active"] == ["m/s"]
+    assert {values["linear"]["x"] for values in told_on(graph, "/cmd_vel")} <= {0.0}
+    levels = {values["msg"]: values["level"] for values in told_on(graph, "/rosout")}
+    assert levels["`move` was not sent: the robot is disarmed."] == 2
+
+
+def test_the_state_is_published_again_when_the_server_is_back_and_the_log_catches_up(
+    serve: Callable[..., Any], make: Callable[..., RosBridge], graph: Any
+) -> None:
+    server = serve()
+    ros = make(setup=SETUP, port=server.port, state_topic="/lrp/state")
+    with Session(PROGRAM, ros, name="light") as session:
+        session.start()
+        until(lambda: states(graph))
+        server.close()
+        until(lambda: ros.status.state is ConnectionState.LOST)
+        before = len(states(graph))
+        session.edit(PROGRAM.replace("< 100", "< 120"))
+        assert session.frame.status == "running"
+        assert len(states(graph)) == before
+        serve(server.port)
+        until(
+            lambda: any("An edit of `light` was applied" in each["msg"] for each in told_on(graph, "/rosout"))
+        )
+        until(lambda: any(e["event"] == "patched" for told in states(graph)[before:] for e in told["events"]))
+        session.pause()
+        until(lambda: states(graph)[-1]["status"] == "paused")
+
+
+def test_a_sentence_that_is_repeated_is_logged_once_in_ten_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    now, log = [0.0], LogOutlet()
+    monkeypatch.setattr(rosout, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    records: list[LogRecord] = []
+    monkeypatch.setattr(log, "put", records.append)
+    restarted = {"event": "restarted", "reason": "`a` is active and its `running` changed."}
+    told = {"program": "p", "file": "p.lrp", "status": "running", "reason": "", "stamp": 1.0}
+    for now[0] in (0.0, 1.0, 9.0, 11.0):
+        log.tell({**told, "events": [restarted]})
+    assert [(record.level, record.file) for record in records] == [("warning", "p.lrp")] * 2
+    log.tell({**told, "status": "broken", "reason": "It failed.", "events": []})
+    log.tell({**told, "status": "closed", "events": []})
+    assert [record.level for record in records[2:]] == ["fatal", "info"]
+
+
+@pytest.mark.parametrize("name", ["/lrp state", "//state", "9"])
+def test_a_topic_that_cannot_be_is_refused_with_the_option_that_names_it(name: str) -> None:
+    with pytest.raises(BridgeError, match=r"`state_topic`: `.*` is not a valid topic name"):
+        RosBridge(state_topic=name)

@@ -23,7 +23,7 @@ def test_a_stranger_follows_the_states_and_reads_the_log_also_if_it_comes_late(
 ) -> None:
     robot, follower = peer("writer light reliable", lease=2), peer("reader state reliable volatile")
     before = time.time()
-    ros = connect(setup=SETUP, state_topic="/lrp/state")
+    ros = connect(setup=SETUP, state_topic="/lrp/state", node="behaviour")
     with Session(PROGRAM, ros, name="light") as session:
         session.start()
 
@@ -48,7 +48,7 @@ def test_a_stranger_follows_the_states_and_reads_the_log_also_if_it_comes_late(
             (40, "LRP601 ZeroDivisionError: division by zero", 3),
         ]
         assert all(before <= each["sec"] + 1 <= time.time() + 1 for each in log)
-        assert {each["name"] for each in log} == {"lrp"}
+        assert {each["name"] for each in log} == {"behaviour"}
 
         # who follows the run is not the robot
         robot.kill()
