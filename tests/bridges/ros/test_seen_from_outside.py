@@ -141,7 +141,7 @@ def test_a_disarmed_robot_is_followed_too_and_what_is_told_is_no_command(
         until(lambda: session.frame.tick > 3)
         assert {command.name for command in ros.safety.commands} == {"move"}
     assert states(graph)[-1]["active"] == ["m/s"]
-    assert {values["linear"]["x"] for values in told_on(graph, "/cmd_vel")} <= {0.0}
+    assert {values["linear"]["x"] for values in told_on(graph, "/cmd_vel")} <= {0.0}, "stops only"
     levels = {values["msg"]: values["level"] for values in told_on(graph, "/rosout")}
     assert levels["`move` was not sent: the robot is disarmed."] == 2
 
