@@ -192,6 +192,14 @@ class Bridge(Interface, ABC):
         It must not connect: the checks call it for a bridge that is never opened. Default: none.
         """
 
+    @property
+    def is_set_up(self) -> bool:
+        """Whether `add_members` adds all members that there will be, unless a person adds others.
+
+        Then the command line checks a program against them. Default: where it adds all in any case.
+        """
+        return self.complete
+
     @abstractmethod
     def open_interface(self) -> Panel | None:
         """Connect and add the members; return the panel, if there is one.

@@ -103,6 +103,12 @@ File = Annotated[
 ]
 
 
+BridgeOptions = Annotated[
+    list[str] | None,
+    Option("--option", "-o", metavar="KEY=VALUE", help="An option of the bridge, or an answer to it."),
+]
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"lrp {version('lrp-jupyter')}")
@@ -265,10 +271,7 @@ def run(
         OnIssue, Option(help="What to do whenever a fault of the program occurs.")
     ] = OnIssue.record,
     host: Annotated[str | None, Option(help="Address of the robot; short for `--option host=…`.")] = None,
-    options: Annotated[
-        list[str] | None,
-        Option("--option", "-o", metavar="KEY=VALUE", help="An option of the bridge, or an answer to it."),
-    ] = None,
+    options: BridgeOptions = None,
 ) -> None:
     """Run a program and show what it does; with `--watch`, it can be changed meanwhile."""
     from lrp_jupyter.cli.run_command import run_file
@@ -412,15 +415,18 @@ def check(
             help="Check for this robot: see `lrp bridges`. Default: that of the world named in the text.",
         ),
     ] = None,
+    options: BridgeOptions = None,
 ) -> None:
     """Check programs without running them.
+
+    No robot is connected: `--bridge ros -o setup=robot.json` checks against what the set-up names.
 
     **Exit code**: 0 when there are no errors (there may be warnings and hints), 1 when there are, 2 when a
     file cannot be read or written.
     """
     from lrp_jupyter.cli.offline import check_files
 
-    raise typer.Exit(check_files(files, form is Findings.json, fix, bridge))
+    raise typer.Exit(check_files(files, form is Findings.json, fix, bridge, options or ()))
 
 
 @command("format")

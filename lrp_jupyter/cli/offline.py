@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+import typer
 from rich.text import Text
 
 from lrp_jupyter import programs
@@ -15,7 +16,7 @@ from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.excerpt import finding_text, print_findings, summary
 from lrp_jupyter.cli.program_source import Source, read_source
-from lrp_jupyter.cli.run_options import check_outputs
+from lrp_jupyter.cli.run_options import check_outputs, pairs_of
 from lrp_jupyter.codes import address_of
 from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError
 from lrp_jupyter.files import write_file
@@ -37,9 +38,23 @@ _SUFFIXES: dict[str, Format] = {
 }
 
 
-def check_files(files: Sequence[str], as_json: bool, fix: bool = False, bridge: str | None = None) -> int:
-    """Print the findings of files, with `fix` after applying the certain fixes; return the exit code."""
-    robot = None if bridge is None else members_of(make_bridge(choose_bridge(bridge)))
+def check_files(
+    files: Sequence[str],
+    as_json: bool,
+    fix: bool = False,
+    bridge: str | None = None,
+    options: Sequence[str] = (),
+) -> int:
+    """Print the findings of files, with `fix` after applying the certain fixes; return the exit code.
+
+    `options`: of the bridge, ``KEY=VALUE``.
+    """
+    if options and bridge is None:
+        raise typer.BadParameter("--option is for a robot. Name it, as in `--bridge ros`.")
+    robot = None
+    if bridge is not None:
+        made = make_bridge(choose_bridge(bridge), **dict(pairs_of(options, "--option")))
+        robot = members_of(made, alone=True)
     console, complaints = plain_console(), plain_console(stderr=True)
     found: list[Finding] = []
     lines: list[dict[str, Any]] = []

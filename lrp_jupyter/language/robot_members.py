@@ -6,7 +6,7 @@ import ast
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lrp_jupyter.language.python.python_parser import parse_python
 
@@ -32,6 +32,10 @@ class Parameters(NamedTuple):
     is_open: bool = False
 
 
+Fields = Mapping[str, Any]
+"""The names in a value, each with the fields of that, or None if these are not known."""
+
+
 class RobotMember(NamedTuple):
     """A member of the robot.
 
@@ -41,6 +45,7 @@ class RobotMember(NamedTuple):
     `acts`: whether it is a method that makes the robot do something, and returns nothing.
     `values`: all texts that a reading can be; empty if they are not known.
     `accompanies`: whether it is known of another reading, as ``light.new`` is of ``light.data``.
+    `fields`: of the values of a reading; None if they may have others.
     """
 
     path: str
@@ -49,6 +54,7 @@ class RobotMember(NamedTuple):
     acts: bool = False
     values: tuple[str, ...] = ()
     accompanies: bool = False
+    fields: Fields | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -121,6 +121,14 @@ def choose_backend(
     return (None if host or port else _choose_by_setting(domain)) or _choose_by_answer(host, port, domain)
 
 
+def backend_here(backend: str, host: str | None, port: int | str | None, domain: int | None) -> str:
+    """Return the back end that is named or set, asking no robot; empty: it depends on who answers."""
+    if backend != AUTO or host or port:
+        return "" if backend == AUTO else backend
+    choice = _choose_by_setting(domain)
+    return "" if choice is None else choice.backend
+
+
 def _choose_by_setting(domain: int | None) -> Choice | None:
     ros2 = os.environ.get("ROS_VERSION") == "2", "ROS 2 is set up in this environment"
     ros1 = bool(os.environ.get("ROS_MASTER_URI")), "`ROS_MASTER_URI` is set"

@@ -38,7 +38,14 @@ from lrp_jupyter.bridges.guarding.guard import Stopper
 from lrp_jupyter.bridges.member_tree import Limits, RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, moves, real_number
 from lrp_jupyter.bridges.panel import Panel
-from lrp_jupyter.bridges.ros.backends import Choice, check_backend, check_ros2, choose_backend, make_transport
+from lrp_jupyter.bridges.ros.backends import (
+    Choice,
+    backend_here,
+    check_backend,
+    check_ros2,
+    choose_backend,
+    make_transport,
+)
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
@@ -59,6 +66,7 @@ from lrp_jupyter.bridges.ros.setup import (
 )
 from lrp_jupyter.bridges.ros.transforms import Transform
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
+from lrp_jupyter.bridges.ros.types_here import TypesHere
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.bridges.tasks import RobotTask
 from lrp_jupyter.errors import BridgeError, NoDataYet, ended
@@ -289,6 +297,19 @@ class RosBridge(Bridge):
             return self.names.resolve(Wire("state", "publisher", state_topic).topic)
         except BridgeError as error:
             raise BridgeError(f"`state_topic`: {error}") from None
+
+    @property
+    def is_set_up(self) -> bool:
+        """Whether there is a set-up: a person may add connections to it."""
+        return bool(self.wiring.channels)
+
+    def add_members(self) -> None:
+        """Add what the set-up names, with the fields of the types that are known on this computer."""
+        backend = backend_here(self.backend, self._host, self._port, self._domain)
+        here = TypesHere(backend, self._messages)
+        for channel in self.wiring.channels:
+            here.describe(channel)
+            self._offer(channel)
 
     def _offer(self, channel: Channel) -> None:
         """Register a channel as a member of the robot; again when its type is known."""

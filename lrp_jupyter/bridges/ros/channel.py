@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +20,7 @@ from lrp_jupyter.bridges.ros.rhythm import Rhythm
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import MEASURED, Wire
 from lrp_jupyter.bridges.ros.transforms import TRANSFORMS, TransformTree
-from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
+from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage, Types
 from lrp_jupyter.errors import ended
 
 _SWITCHED_OFF = (
@@ -60,9 +61,9 @@ class Channel:
         self.last_sent: RosMessage | None = None
         self.rhythm = Rhythm()  # of what arrives or is sent
         self._under_way = 0.0  # s, for which the last message was
-        self.learn(wire.type)
+        self.take_type(wire.type)
 
-    def learn(self, type_: str) -> None:
+    def take_type(self, type_: str) -> None:
         """Take the type of the messages: of the set-up, or of the live topic; empty while it is unknown."""
         self.type = type_
         if type_ == TRANSFORMS and self.wire.direction == "subscription" and self.tree is None:
@@ -119,6 +120,14 @@ class Channel:
     def own(self) -> tuple[str, ...]:
         """The fields of its messages; none while their type is not known."""
         return self.form.kind.__slots__ if self.form is not None else ()
+
+    def learn(self, types: Types, messages: Sequence[str]) -> None:
+        """Note the classes of its messages; BridgeError: a type is not known."""
+        if self.wire.direction != "subscription":
+            self.message = types.message(messages[0])
+        if self.wire.direction != "publisher":
+            *others, last = (types.form(message) for message in messages)
+            self.form, self.feedback_form = last, others[-1] if others else None
 
     def decode(self, feedback: Any, result: Any) -> tuple[Any, Any]:
         """Return what has come of a request; ValueError: it is of another type."""

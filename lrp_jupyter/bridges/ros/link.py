@@ -341,19 +341,16 @@ class TopicLink(Link):
         if not type_:
             channel.waiting = self._missing(channel)
             return
-        channel.learn(type_)
+        channel.take_type(type_)
         messages = messages_of(wire.direction, type_)
         known = [self._describe(channel, message) for message in messages]  # all are asked for at once
         channel.is_asked_for = not all(known)
         if channel.is_asked_for:
             channel.waiting = f"`{self.transport.place}` is asked for the type `{type_}`"
             return
-        if wire.direction != "subscription":
-            channel.message = self.types.message(messages[0])
+        channel.learn(self.types, messages)
+        if channel.message is not None:
             _check_sent(channel)
-        if wire.direction != "publisher":
-            *others, last = (self.types.form(message) for message in messages)
-            channel.form, channel.feedback_form = last, others[-1] if others else None
         self._learned(channel)
         channel.stamps = Stamps(self.transport.clock)
         channel.live = True  # before joining: a latched message arrives while we do

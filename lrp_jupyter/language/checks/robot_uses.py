@@ -12,7 +12,7 @@ from typing import NamedTuple
 from lrp_jupyter.language.checks.report import nearest, replace
 from lrp_jupyter.language.checks.uses import Argument, NameUse, Other, RobotCall, uses_of
 from lrp_jupyter.language.program import Edit, Fix, Span
-from lrp_jupyter.language.robot_members import Parameters, RobotMember, RobotMembers
+from lrp_jupyter.language.robot_members import Fields, Parameters, RobotMember, RobotMembers
 from lrp_jupyter.language.triggers import Purpose
 
 
@@ -69,6 +69,8 @@ def check_robot(
                 if path in members.tasks and use.role in _USED:
                     return _task(use, member)
                 return _method(use, member, member.parameters, is_number)
+            if left and f"{path}.{left[0]}" in members.members:  # what accompanies it
+                continue
             if left:
                 return _inside_reading(use, member, index) if members.complete else None
             return _reading(use, member, is_condition) if is_certain else None
@@ -164,6 +166,13 @@ def _inside_method(use: NameUse, member: RobotMember, index: int) -> Remedied:
 
 
 def _inside_reading(use: NameUse, member: RobotMember, index: int) -> Remedied | None:
+    fields, path = member.fields, f"robot.{member.path}"
+    for name, span in zip(use.names[index + 1 :], use.spans[index + 1 :], strict=True):
+        if fields is None:
+            break
+        if name not in fields:
+            return _no_field(path, name, span, fields)
+        fields, path = fields[name], f"{path}.{name}"
     name, span = use.names[index + 1], use.spans[index + 1]
     kind = _TYPES.get(member.type)
     if kind is None or hasattr(kind, name):
@@ -172,6 +181,15 @@ def _inside_reading(use: NameUse, member: RobotMember, index: int) -> Remedied |
     message = f"`robot.{member.path}` is {what} and has no `{name}`. Remove `.{name}`."
     fix = Fix(f"Remove `.{name}`", (Edit(use.spans[index].end, span.end, ""),))
     return Remedied("LRP520", span, message, fix)
+
+
+def _no_field(path: str, name: str, span: Span, fields: Fields) -> Remedied:
+    meant = nearest(name, frozenset(fields))
+    if meant is None:
+        listed = ", ".join(f"`{each}`" for each in fields)
+        return Remedied("LRP520", span, f"`{path}` has no `{name}`. It has {listed}.")
+    message = f"`{path}` has no `{name}`. Did you mean `{meant}`?"
+    return Remedied("LRP520", span, message, replace(span, meant))
 
 
 def _reading(use: NameUse, member: RobotMember, is_condition: bool) -> Remedied | None:

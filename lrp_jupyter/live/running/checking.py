@@ -14,7 +14,7 @@ from lrp_jupyter.bridges.tasks import STATUSES
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language import checks
 from lrp_jupyter.language.program import Finding, Program
-from lrp_jupyter.language.robot_members import RobotMember, RobotMembers, parameters_of
+from lrp_jupyter.language.robot_members import Fields, RobotMember, RobotMembers, parameters_of
 
 _NUMBERS = ("number", "int", "uint", "float", "byte", "char")  # how the types of numbers begin
 
@@ -64,20 +64,23 @@ def check(
     return checks.check(text_or_program, names, robot)
 
 
-def members_of(bridge: Bridge) -> RobotMembers:
+def members_of(bridge: Bridge, alone: bool = False) -> RobotMembers:
     """Return the members of a bridge's robot for the checks; the bridge need not be open.
 
     If its members are incomplete, the readings are left out because their types may change.
+
+    `alone`: whether no person can add members.
     """
+    complete = bridge.complete or (alone and bridge.is_set_up)
     is_known = bridge.is_open or bool(bridge.nodes.table)
     if not is_known:
         bridge.add_members()
         bridge.offer_stop()
-    nodes = [node for node in bridge.nodes.members() if bridge.complete or isinstance(node, RobotMethod)]
+    nodes = [node for node in bridge.nodes.members() if complete or isinstance(node, RobotMethod)]
     members = [member for node in nodes for member in _described(node)]
     if not is_known:
         bridge.nodes.clear()
-    return RobotMembers({member.path: member for member in members}, bridge.complete and bool(members))
+    return RobotMembers({member.path: member for member in members}, complete and bool(members))
 
 
 def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
@@ -88,12 +91,21 @@ def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
         parameters = parameters_of(member.signature, fields, unlike)
         yield RobotMember(node.path, parameters=parameters, acts=node.command)
     else:
-        yield RobotMember(member.name, member.type, accompanies=bool(node.of))
+        yield RobotMember(member.name, member.type, accompanies=bool(node.of), fields=_fields_of(node.type))
     if member.kind == "task":
         for field in member.fields:
             yield RobotMember(
                 field.name, field.type, values=STATUSES if field.name.endswith(".status") else ()
             )
+
+
+def _fields_of(kind: object) -> Fields | None:
+    """Return the names in the values of a class, each with those in it; None if others are possible."""
+    if not isinstance(kind, type) or "__slots__" not in vars(kind) or kind.__dictoffset__:
+        return None
+    hints = vars(kind).get("__annotations__", {})
+    names = dict.fromkeys((*hints, *dir(kind)))
+    return {name: _fields_of(hints.get(name)) for name in names if not name.startswith("_")}
 
 
 def _names_in(fields: Iterable[Member], prefix: str = "") -> Iterator[tuple[str, str]]:
