@@ -48,6 +48,18 @@ class _Command(TyperCommand):
         return super().parse_args(ctx, args)
 
 
+class _NodeCommand(_Command):
+    """A command that takes the arguments of a node of ROS, wherever they stand."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        if not any(":=" in text or text == "--ros-args" for text in args):
+            return super().parse_args(ctx, args)
+        from lrp_jupyter.bridges.ros.arguments import split_arguments
+
+        own, ros = split_arguments(args)
+        return super().parse_args(ctx, [*own, *([] if "--" in own else ["--"]), *ros] if ros else own)
+
+
 app = typer.Typer(
     cls=_Commands,
     no_args_is_help=True,
@@ -173,9 +185,16 @@ play; of a longer run the last ten minutes, or 10,000 ticks if they are more.
 """
 
 
-@command(epilog=RUN_EPILOG)
+@app.command(cls=_NodeCommand, epilog=RUN_EPILOG)
 def run(
     file: File,
+    ros_arguments: Annotated[
+        list[str] | None,
+        Argument(
+            metavar="ROS_ARGUMENTS",
+            help="With `--bridge ros`: what roslaunch and `ros2 launch` append, such as `__name:=behaviour`.",
+        ),
+    ] = None,
     bridge: Annotated[
         str | None,
         Option(
@@ -296,6 +315,7 @@ def run(
         on_active_edit=on_active_edit.value,
         on_issue=on_issue.value,
         answers=[*([f"host={host}"] if host else []), *(options or [])],
+        ros_arguments=tuple(ros_arguments or ()),
     )
     raise typer.Exit(run_file(file, wanted))
 

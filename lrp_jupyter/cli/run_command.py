@@ -16,6 +16,7 @@ import sys
 from collections import deque
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from pathlib import Path as FilePath
 from queue import Empty, SimpleQueue
 from time import perf_counter
@@ -608,6 +609,8 @@ def open_robot(source: Source, wanted: RunOptions) -> Bridge:
     simulated = bool(wanted.world or wanted.noise or wanted.seed is not None)
     alone = source.world == "none" and not simulated
     name = choose_bridge(wanted.bridge, "none" if alone else "sim")
+    if wanted.ros_arguments:
+        wanted = _with_ros_arguments(wanted, name)
     if name == "sim":
         return _open_simulator(source, wanted)
     if simulated:
@@ -632,6 +635,24 @@ def open_robot(source: Source, wanted: RunOptions) -> Bridge:
         bridge.close()
         raise
     return bridge
+
+
+def _with_ros_arguments(wanted: RunOptions, name: str) -> RunOptions:
+    """Return the options with those that the arguments of a node are; they come last, so they count."""
+    from lrp_jupyter.bridges.ros.arguments import bridge_options, split_arguments
+
+    if name != "ros":
+        first = wanted.ros_arguments[0]
+        if split_arguments([first])[1]:
+            raise typer.BadParameter(
+                f"`{first}` is for a node of ROS, and the bridge is `{name}`. Write `--bridge ros`, or leave"
+                " it out."
+            )
+        raise typer.BadParameter(f"Got an unexpected argument: `{first}`.")
+    options = bridge_options(wanted.ros_arguments, options_of(find_bridges()[name].load()) or ())
+    rules = filter(None, (wanted.answers.get("remap"), options.get("remap")))
+    remap = {"remap": " ".join(rules)} if "remap" in options else {}
+    return replace(wanted, answers={**wanted.answers, **options, **remap})
 
 
 def _open_simulator(source: Source, wanted: RunOptions) -> Bridge:

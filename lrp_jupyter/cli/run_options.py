@@ -41,6 +41,7 @@ class RunOptions:
     on_active_edit: Literal["restart", "keep"]
     on_issue: Literal["record", "pause"]
     answers: dict[str, str]  # options of the bridge, and answers to its questions
+    ros_arguments: tuple[str, ...] = ()  # for a node of ROS
 
 
 def parse_options(

@@ -147,6 +147,36 @@ def test_a_state_that_is_not_reached_in_time_exits_with_1_and_an_unknown_option_
     assert "has no option `topic`" in refused.stderr
 
 
+def test_what_a_launch_file_appends_counts_and_is_for_this_bridge_only(
+    server: Any, graph: Any, drive: Callable[..., Path], tmp_path: Path
+) -> None:
+    setup = tmp_path / "robot.json"
+    setup.write_text(
+        json.dumps({"publishers": {"move": {"topic": "cmd_vel", "type": "geometry_msgs/Twist"}}})
+    )
+    arguments = on(server.port, "--option", f"setup={setup}", "-o", "remap=a:=b", "--for", "0.2")
+    launched = (
+        "__name:=behaviour",
+        "__log:=/x.log",
+        "--ros-args",
+        "-r",
+        "cmd_vel:=base",
+        "-r",
+        "__ns:=/robot1",
+    )
+    assert lrp("run", drive(), *arguments, *launched).exit_code == 0
+    assert {topic for topic, _values in graph.heard} == {"/robot1/base"}
+    for name, sentence in (
+        ("__name:=x", "is for a node of ROS, and the bridge is `sim`"),
+        ("x", "unexpected"),
+    ):
+        refused = lrp("run", "follower", name)
+        assert (refused.exit_code, sentence in " ".join(refused.stderr.replace("│", " ").split())) == (
+            2,
+            True,
+        )
+
+
 def test_a_program_for_the_simulator_is_shown_without_its_world() -> None:
     assert where(RosBridge(), "line") == "ros"
 

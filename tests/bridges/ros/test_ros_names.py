@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros.arguments import bridge_options, split_arguments
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.errors import BridgeError
 
@@ -72,6 +73,73 @@ def test_the_namespace_is_that_of_the_environment_and_private_names_are_written_
 def test_a_mistake_in_an_option_is_named(options: dict[str, Any], sentence: str) -> None:
     with pytest.raises(BridgeError, match=sentence):
         RosBridge(**options)
+
+
+# -- the arguments of a node ----------------------------------------------------------------------
+
+KNOWN = ("node", "namespace", "host", "remap", "setup", "sim_time")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options"),
+    [
+        (  # roslaunch
+            "cmd_vel:=/base/cmd_vel __name:=behaviour __log:=/home/a/behaviour-1.log _setup:=robot.json",
+            {"node": "behaviour", "remap": "cmd_vel:=/base/cmd_vel", "setup": "robot.json"},
+        ),
+        (
+            "__ns:=/robot1 __master:=http://robot:11311",
+            {"namespace": "/robot1", "host": "http://robot:11311"},
+        ),
+        (  # launch_ros
+            "--ros-args --log-level debug -r __node:=behaviour -r __ns:=/robot1 -r a:=b -r c:=~/d"
+            " -p use_sim_time:=true",
+            {"node": "behaviour", "namespace": "/robot1", "sim_time": "true", "remap": "a:=b c:=~/d"},
+        ),
+        (
+            "--ros-args --remap a:=b -- _setup:=x --ros-args --disable-stdout-logs",
+            {"remap": "a:=b", "setup": "x"},
+        ),
+        (  # rules for one of several nodes
+            "--ros-args -r __node:=me -r me:a:=b -r other:c:=d -p /robot1/me:setup:=x",
+            {"node": "me", "remap": "a:=b", "setup": "x"},
+        ),
+    ],
+)
+def test_the_arguments_of_a_node_are_options_of_the_bridge(arguments: str, options: dict[str, str]) -> None:
+    mine, ros = split_arguments(["follower", *arguments.split(), "--", "--bridge"])
+    assert bridge_options(ros, KNOWN) == options
+    if "--ros-args" not in arguments:
+        assert mine == ["follower", "--", "--bridge"]
+
+
+def test_a_file_of_parameters_is_read_for_this_node(tmp_path: Path) -> None:
+    path = tmp_path / "launch_params"
+    ours, every = {"setup": "robot.json"}, {"use_sim_time": True}
+    nodes = {"/**": {"ros__parameters": every}, "robot1": {"me": {"ros__parameters": ours}}}
+    path.write_text(json.dumps({**nodes, "/other": {"ros__parameters": {"speed": 1}}}))  # JSON is YAML
+    named = ["--ros-args", "-r", "__node:=me", "--params-file", str(path)]
+    assert bridge_options(named, KNOWN) == {"node": "me", "sim_time": "true", "setup": "robot.json"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ("__nam:=x", "`__nam:=x`: .* Did you mean `__name`?"),
+        ("_speed:=1", "`_speed:=1`: The bridge `ros` has no option `speed`"),
+        ("--ros-args -p stup:=x", "`-p stup:=x`: .* Did you mean `setup`?"),
+        ("--ros-args -r cmd_vel=/x", "`-r cmd_vel=/x`: Write a rule `from:=to`"),
+        ("--ros-args -p", "`-p`: After it comes a parameter `name:=value`"),
+        ("--ros-args --remop a:=b", "`--ros-args --remop`: .* Did you mean `--remap`?"),
+        (
+            "--ros-args --params-file nowhere",
+            "`--params-file nowhere`: The file cannot be read: No such file",
+        ),
+    ],
+)
+def test_a_wrong_argument_of_a_node_is_named(arguments: str, sentence: str) -> None:
+    with pytest.raises(BridgeError, match=sentence):
+        bridge_options(arguments.split(), KNOWN)
 
 
 # -- a bridge ---------------------------------------------------------------------------------------
