@@ -69,6 +69,7 @@ from lrp_jupyter.bridges.options import no_option
 from lrp_jupyter.bridges.panel import STOP, Field, Panel
 from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.tasks import Command, Task, TaskState, arguments_of
+from lrp_jupyter.bridges.world_clock import WorldClock
 from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = [
@@ -276,6 +277,15 @@ class Bridge(Interface, ABC):
         if key != "stop":
             raise BridgeError(f"The bridge `{self.name}` has no button `{key}`.")
         self.stop_all()
+
+    @property
+    def world_clock(self) -> WorldClock | None:
+        """The clock of the robot's world, by which a session then runs; None: wall time. From any thread."""
+        return None
+
+    def world_time(self) -> float | None:
+        """Return what the robot's clock shows, in seconds, for recordings. Default: None, it has none."""
+        return None
 
     @property
     def simulated(self) -> SimulatedWorld | None:

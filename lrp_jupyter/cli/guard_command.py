@@ -121,7 +121,7 @@ class RosSide:
             "publishers": {"move": wire} if topic else {},
             "actions": {f"action{number}": action for number, action in enumerate(actions)},
         }
-        self._bridge = RosBridge(**where, setup=setup, node=GUARD_NODE)
+        self._bridge = RosBridge(**where, setup=setup, node=GUARD_NODE, sim_time=False)
         self._heard = (0.0, False)
         self._bridge.open()
 

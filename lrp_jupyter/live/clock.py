@@ -1,4 +1,4 @@
-"""The clocks of sessions, the only ones in the package.
+"""The clocks of sessions; that of a robot's own world belongs to its bridge.
 
 Times are floats, in seconds. A session reads the time from a clock and waits for it; whether waiting takes
 wall time is up to the clock. The same loop therefore serves a robot, a test and a grader.
@@ -10,40 +10,17 @@ import math
 from numbers import Real
 from threading import Event
 from time import monotonic
-from typing import Protocol, runtime_checkable
 
 from lrp_jupyter.arguments import check_type
+from lrp_jupyter.bridges.world_clock import Clock
+
+__all__ = ["LAG", "Clock", "MonotonicClock", "VirtualClock"]
 
 LAG = 0.25
 """Wall seconds by which a host may fall behind before pacing restarts from the present."""
 
 _LONGEST = 3600.0  # wall seconds of a single wait: an extreme speed would exceed what a timer accepts
 _FASTEST = 1e9  # above it, the time per wall second is no longer exact
-
-
-@runtime_checkable
-class Clock(Protocol):
-    """The interface of a clock. Only the thread that drives the session calls it."""
-
-    speed: float
-
-    def now(self) -> float:
-        """Return the seconds since the clock was created, without pauses."""
-
-    def sleep_until(self, t: float, wake: Event) -> None:
-        """Wait until time `t`, or until `wake` is set."""
-
-    def delay(self, t: float) -> float:
-        """Return the wall seconds until `t`, 0 if it has passed; used by asyncio to wait."""
-
-    def rebase(self, t: float) -> None:
-        """Set the time to `t`."""
-
-    def pause(self) -> None:
-        """Stop the time; idempotent."""
-
-    def resume(self) -> None:
-        """Continue the time; idempotent."""
 
 
 class VirtualClock:

@@ -134,6 +134,7 @@ class Runner:
             journal != 0,
             partial(getattr, self.output, "count"),
         )
+        self._loop.timing.follows = clock is None
         self.output.written = partial(self._loop.emit, "printed")
         self._teller = make_teller(self._loop, name)
         self._driver = Driver(self._loop, name)

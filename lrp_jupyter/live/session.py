@@ -92,7 +92,8 @@ class Session(Runner):
     bridge : str, Bridge or subclass of Bridge
         A name (``"none"``, ``"sim"``, …) or a class, to which `options` are passed, or an existing bridge.
     clock : Clock, optional
-        A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; by default wall time at this `speed`.
+        A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; by default that of the robot's world,
+        where it has one (ROS's ``/clock``), else wall time at this `speed`.
     rate : float
         Ticks per second; 0 for as many as possible.
     namespace : dict, optional

@@ -27,7 +27,6 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
-import time
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -47,7 +46,7 @@ from lrp_jupyter.bridges.ros.backends import (
     make_transport,
 )
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.clock import ProgramPace
+from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.outlets import StateOutlet
@@ -64,6 +63,8 @@ from lrp_jupyter.bridges.ros.setup import (
     name_for,
     setup_as_dict,
 )
+from lrp_jupyter.bridges.ros.sim_time import TOPIC as CLOCK_TOPIC
+from lrp_jupyter.bridges.ros.sim_time import ClockChannel, SimTime
 from lrp_jupyter.bridges.ros.transforms import Transform
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.types_here import TypesHere
@@ -116,6 +117,9 @@ class RosBridge(Bridge):
         separated by spaces or commas.
     state_topic : str
         A topic for others: what happens in the run, as JSON in a ``std_msgs/String``. Default: none.
+    sim_time : bool, optional
+        Whether the time is that of ``/clock``: of a simulation, or of a bag. Default: what ``/use_sim_time``
+        says in ROS 1 when the bridge is opened; in ROS 2, no.
 
     Raises
     ------
@@ -139,6 +143,7 @@ class RosBridge(Bridge):
         namespace: str | None = None,
         remap: str | Iterable[str] | Mapping[str, str] = "",
         state_topic: str = "",
+        sim_time: bool | None = None,
     ) -> None:
         super().__init__()
         self.backend = check_backend(backend, host, port)
@@ -156,6 +161,8 @@ class RosBridge(Bridge):
         self.tells_why = self._states is not None
         self._in_tick = 0  # the thread of the tick that is under way: it must not wait
         self._pace = ProgramPace()
+        self._wants_sim_time = sim_time
+        self._time: ClockChannel | None = None  # while the time is that of `/clock`
         if setup is not None:
             self.wiring.load(setup)
 
@@ -381,7 +388,7 @@ class RosBridge(Bridge):
                     f'`{call}` takes the names of two frames, as in `{call}("map", "base_link")`.'
                 )
         assert channel.tree is not None
-        now, given = time.monotonic(), channel.wire.stale_after
+        now, given = channel.clock.now(), channel.wire.stale_after
         limit = None if given == MEASURED else given
         try:
             return channel.tree.lookup(target_frame, source_frame, now, bool(self.latch), limit)
@@ -488,7 +495,7 @@ class RosBridge(Bridge):
         where: dict[str, Any] = {"backend": self._chosen.backend, "host": self._host, "port": self._port}
         if self._domain is not None or self._messages:
             where |= {"domain": self._domain, "messages": self._messages}
-        own = {"node": GUARD_NODE, "namespace": self.names.namespace}
+        own = {"node": GUARD_NODE, "namespace": self.names.namespace, "sim_time": False}
         return Stopper(_HERE, {**where, **own, "setup": setup})
 
     def drives(self, method: RobotMethod, arguments: dict[str, object]) -> bool:
@@ -506,6 +513,17 @@ class RosBridge(Bridge):
             channel.arrivals.latch()
             if channel.tree is not None:
                 channel.tree.latch()
+        if self._time is not None:
+            self._judge_steps(self._time.time)
+
+    def _judge_steps(self, time: SimTime) -> None:
+        """Note that the time comes in steps that are longer than the period of the ticks."""
+        if time.step > 1.5 * self.safety.period:
+            text = (
+                f"The time on `{CLOCK_TOPIC}` comes in steps of {time.step:.2g} s, so there are"
+                f" {1 / time.step:.2g} ticks per second, not {1 / self.safety.period:.3g}."
+            )
+            self.safety.notice("fault", text, f"{CLOCK_TOPIC} step", renews=True)
 
     def act(self, now: float) -> None:
         """Mark the end of the tick, and publish what the set-up says is published in each."""
@@ -548,9 +566,8 @@ class RosBridge(Bridge):
         place = f"The robot at `{self._host}`" if self._host else "The robot"
         wiring = self.wiring
         outlets = () if self._is_guard else tuple(filter(None, (self._log, self._states)))
-        link = TopicLink(
-            self._find, place, lambda: wiring.all_channels, self._report, wiring.learned, self._warn, outlets
-        )
+        link = TopicLink(self._find, place, self._channels, self._report, wiring.learned, self._warn, outlets)
+        link.has_sim_time, self._time = self._wants_sim_time, None
         try:
             wiring.attach(link)
             if searching:
@@ -571,6 +588,33 @@ class RosBridge(Bridge):
         transport.names = self.names
         transport.ending = self._end
         return transport
+
+    def _channels(self) -> tuple[Channel, ...]:
+        """Return the wanted connections, with that of `/clock` if that is the time; on the link's thread."""
+        link = self.wiring.link
+        if self._time is None and link is not None and link.has_sim_time:
+            self._time = ClockChannel(SimTime(self._went_back))
+            link.transport.clock.world = self._time.time
+        wanted = self.wiring.all_channels
+        return wanted if self._time is None else (self._time, *wanted)
+
+    @property
+    def world_clock(self) -> SimTime | None:
+        """The time on ``/clock``, where that is the robot's."""
+        return None if self._time is None else self._time.time
+
+    def world_time(self) -> float:
+        """Return the time of ROS: that on ``/clock``, or else of this computer."""
+        clock = RobotClock()
+        clock.world = self.world_clock
+        return clock.time_ns() / 1e9
+
+    def _went_back(self, seconds: float) -> None:
+        text = (
+            f"The time on `{CLOCK_TOPIC}` went back by {seconds:.1f} s: a simulation was reset, or a bag"
+            " began again. The program goes on, and its own time with it."
+        )
+        self.safety.notice("fault", text, CLOCK_TOPIC, renews=True)
 
     def _end(self, why: str) -> None:
         """Stop the robot for the last time; nothing moves it any more."""

@@ -7,7 +7,6 @@ belongs to the thread of the link. Each is replaced by one assignment; any threa
 from __future__ import annotations
 
 import threading
-import time
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
@@ -46,14 +45,15 @@ class Channel:
         self.feedback_form: Form | None = None  # … and those in between, of an action
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
         self.requests: deque[RosRequest] = deque(maxlen=20)  # the last ones
-        self.arrivals = Arrivals[ReceivedMessage]()  # the times are those of `time.monotonic`
+        self.arrivals = Arrivals[ReceivedMessage]()  # the times are those of the clock
         self.live = False
         self.problem = ""  # why it cannot be connected, or is no longer connected
         self.waiting = "it is being connected"  # what is missing: the topic, its type, or messages
         self.is_unclear = False  # whether some number was infinite or NaN, and it is not known which
         self.is_asked_for = False  # whether the robot is being asked for what is missing
         self.commanders: tuple[str, ...] = ()  # of a publisher of velocities: who else publishes on its topic
-        self.stamps = Stamps(RobotClock())
+        self.clock = RobotClock()
+        self.stamps = Stamps(self.clock)
         self.handle: object = None
         self.has_moved = False  # whether a nonzero velocity was sent: on a loss, a stop may not have arrived
         self.owes_stop = False  # as soon as there is a connection again
@@ -141,6 +141,15 @@ class Channel:
             ) from error
         return first, last
 
+    def lack(self) -> str:
+        """Return why it cannot be used, in a sentence; empty if it can, or only a message is missing."""
+        why = self.problem or self.waiting
+        return f"`robot.{self.wire.variable}`: {ended(why)}" if why else ""
+
+    def remark(self) -> str:
+        """Return what is to be said of it where all is well; by default nothing."""
+        return ""
+
     def content(self, message: ReceivedMessage) -> object:
         """Return a message, or its only field if that is ``data``."""
         return message.data if self.own == ("data",) else message
@@ -159,14 +168,14 @@ class Channel:
         except (AttributeError, TypeError, ValueError) as error:
             self.problem = f"A message on `{self.wire.topic}` is not a `{self.type}`: {error}"
             return
+        arrived = self.clock.now() if at is None or self.clock.world is not None else at
         try:
             if self.tree is not None:
-                self.tree.put(value, time.monotonic() if at is None else at, self.is_static)
+                self.tree.put(value, arrived, self.is_static)
             self.problem = ""
         except ValueError as error:
             self.problem = f"A message on `{self.wire.topic}` was not taken as a whole: {error}"
         self.is_unclear = self.is_unclear or form.unclear.count > unclear
-        arrived = time.monotonic() if at is None else at
         made = self.stamps.made_at(raw, arrived)
         self._under_way = arrived - made
         self.rhythm.note(arrived)
@@ -174,7 +183,7 @@ class Channel:
 
     def sent(self, message: RosMessage) -> None:
         """Record a message that was sent, which may be a stop."""
-        self.rhythm.note(time.monotonic())
+        self.rhythm.note(self.clock.now())
         self.last_sent = message
 
     def forget(self) -> None:
@@ -192,8 +201,8 @@ class Channel:
         """
         seen, last = self.arrivals.seen(in_tick), self.rhythm.last
         if seen is not None:
-            return time.monotonic() - seen.time
-        return None if last is None else time.monotonic() - last
+            return max(0.0, self.clock.now() - seen.time)
+        return None if last is None else self.clock.now() - last
 
     def age_limit(self) -> AgeLimit:
         """Return from which age on the last message is too old to drive by."""
@@ -209,4 +218,4 @@ class Channel:
 
     def rate(self) -> float:
         """Return the recent messages per second; 0 when they have ceased."""
-        return self.rhythm.rate(time.monotonic())
+        return self.rhythm.rate(self.clock.now())

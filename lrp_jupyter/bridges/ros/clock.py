@@ -1,5 +1,7 @@
 """Times: how old a message is by the robot's clock, and how often a program can use one.
 
+Where the time of the robot's world arrives on `/clock`, all of it is that time, and so is the present one.
+
 The age of a message follows from its time stamp, although the robot's clock is not this computer's. A message
 cannot arrive before it is made. So the smallest difference between the time of arrival here and the stamp,
 among all messages of the robot, is that of the two clocks, and the shortest way. Whatever a message has
@@ -14,7 +16,7 @@ import time
 from collections import deque
 from collections.abc import Mapping
 from statistics import median
-from typing import Any
+from typing import Any, Protocol
 
 _SIMULATED = 1e8  # seconds; clocks of simulations begin at 0 and may run at another speed
 _OTHER = 60.0  # seconds; a stamp that is so old is of another clock, or recorded
@@ -24,12 +26,40 @@ _PACES = (0.0, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)  # seconds
 _DRIFT = 1e-4  # seconds per second by which two clocks may drift apart
 
 
+class WorldTime(Protocol):
+    """The interface of the time of the robot's world; see `SimTime`."""
+
+    @property
+    def elapsed(self) -> float:
+        """The seconds that have passed."""
+
+    @property
+    def stamp(self) -> int | None:
+        """The time now, in ns; None while it is not known."""
+
+    def made_at(self, stamp: int) -> float:
+        """Return which `elapsed` belongs to a time stamp, in ns."""
+
+
 class RobotClock:
-    """Relates the robot's clock to `time.monotonic` here; for any thread."""
+    """Relates the robot's clock to `time.monotonic` here; for any thread.
+
+    `world`: where the time comes from instead, if it is simulated.
+    """
 
     def __init__(self) -> None:
+        self.world: WorldTime | None = None
         self._lock = threading.Lock()
         self.reset()
+
+    def now(self) -> float:
+        """Return the seconds that ages are measured in."""
+        return time.monotonic() if self.world is None else self.world.elapsed
+
+    def time_ns(self) -> int:
+        """Return the time of ROS, in ns: that of the robot's world, or else of this computer."""
+        stamp = None if self.world is None else self.world.stamp
+        return time.time_ns() if stamp is None else stamp
 
     def reset(self) -> None:
         """Forget what was learned."""
@@ -77,6 +107,9 @@ class Stamps:
         Old messages come with higher and higher stamps, too. So a topic whose stamps stay below an earlier
         one is of a clock that was set back.
         """
+        if (world := self._clock.world) is not None:
+            made = nanoseconds_of(message)
+            return world.made_at(made) if made else now
         stamp = stamp_of(message)
         if stamp is not None and stamp < self._highest - _BACK:
             if now - self._since > _SET_BACK:
@@ -89,10 +122,16 @@ class Stamps:
 
 def stamp_of(message: Any) -> float | None:
     """Return the time stamp in the header of a raw message, in seconds; None where it has none."""
-    stamp = _part(_part(message, "header"), "stamp")
+    stamp = nanoseconds_of(message)
+    return None if stamp is None else stamp / 1_000_000_000
+
+
+def nanoseconds_of(message: Any, field: str = "") -> int | None:
+    """Return a field with a time, by default the stamp of the header, in ns; None where there is none."""
+    stamp = _part(message, field) if field else _part(_part(message, "header"), "stamp")
     whole, rest = _part(stamp, "secs", "sec"), _part(stamp, "nsecs", "nanosec")
     if isinstance(whole, int) and isinstance(rest, int):
-        return whole + rest * 1e-9
+        return whole * 1_000_000_000 + rest
     return None
 
 

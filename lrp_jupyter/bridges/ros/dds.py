@@ -54,7 +54,7 @@ class DdsTransport(Transport):
     def connect(self) -> None:
         """Join the domain and wait for other nodes: any, or those that were lost."""
         self.disconnect()
-        types = MessageTypes(self._folders)
+        types = MessageTypes(self._folders, self.clock.time_ns)
         node = DdsNode(self._domain, self.names, self._host, types, lambda: self.changed())
         self._node = node
         if not node.wait_for(lambda: self._is_there(node), _FIND):

@@ -41,10 +41,15 @@ Make = Callable[[Any], Any]
 class MessageTypes:
     """The types of one connection; the user's own definitions are in `folders`.
 
+    `now`: returns the time, in ns, for headers that have none.
+
     Owner: the thread of the link; `sample` may be called on any thread for a type whose struct was made.
     """
 
-    def __init__(self, folders: Iterable[str | os.PathLike[str]] = ()) -> None:
+    def __init__(
+        self, folders: Iterable[str | os.PathLike[str]] = (), now: Callable[[], int] = time.time_ns
+    ) -> None:
+        self.now = now
         self._store = get_typestore(_distribution())
         for type_, (constants, fields) in self._store.fielddefs.items():
             self._store.fielddefs[type_] = (constants, [(name, _without_char(kind)) for name, kind in fields])
@@ -143,7 +148,7 @@ class MessageTypes:
         def make_header(values: Mapping[str, Any]) -> Any:
             header = make(values)
             if not (header.stamp.sec or header.stamp.nanosec):
-                header.stamp.sec, header.stamp.nanosec = divmod(time.time_ns(), 1_000_000_000)
+                header.stamp.sec, header.stamp.nanosec = divmod(self.now(), 1_000_000_000)
             return header
 
         return make_header if type_ == _HEADER else make

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -70,7 +69,7 @@ class GoalTopics(TaskClient):
     """
 
     def __init__(self, transport: Transport, name: str, type_: str) -> None:
-        self._transport, self._name = transport, name
+        self._transport, self._name, self._now = transport, name, transport.clock.now
         self._goals: dict[str, _Goal] = {}
         self._over: deque[str] = deque(maxlen=100)  # the ids of those that are over
         self._changed = threading.Condition()
@@ -101,7 +100,7 @@ class GoalTopics(TaskClient):
 
     def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
         """Send a goal until the server has it; bounded. BridgeError: it cannot be sent."""
-        goal = _Goal(request)
+        goal = _Goal(request, self._now())
         with self._changed:
             if request.id in self._goals:  # it was cancelled already
                 return
@@ -116,7 +115,7 @@ class GoalTopics(TaskClient):
                     break
         if not (goal.is_known or goal.is_cancelled) and request.is_wanted():
             self._try_to_cancel(goal)
-            why = "it ignores the goal" if self._is_heard(time.monotonic()) else "there is none, or it hangs"
+            why = "it ignores the goal" if self._is_heard(self._now()) else "there is none, or it hangs"
             request.tell("lost", reason=f"No action server of `{self._name}` takes the goal: {why}.")
 
     def cancel(self, request: RosRequest | None) -> None:
@@ -125,7 +124,7 @@ class GoalTopics(TaskClient):
             self._transport.send(self._cancel, {}, urgent=True)
             return
         with self._changed:
-            goal = self._goals.setdefault(request.id, _Goal(request))
+            goal = self._goals.setdefault(request.id, _Goal(request, self._now()))
             goal.is_cancelled = True
             self._changed.notify_all()
             self._transport.send(self._cancel, {"id": request.id}, urgent=True)
@@ -137,7 +136,7 @@ class GoalTopics(TaskClient):
     # -- what the server says ---------------------------------------------------------------------
 
     def _hear_status(self, message: Any) -> None:
-        now = time.monotonic()
+        now = self._now()
         with self._changed:
             self._statuses.append(now)
             for each in _part(message, "status_list") or ():
@@ -171,7 +170,7 @@ class GoalTopics(TaskClient):
         goal.text = ended(text) if text else ""
         goal.is_being_cancelled |= number in _CANCELS
         if number in _STATUS:
-            goal.end, goal.ended_at = _STATUS[number], goal.ended_at or time.monotonic()
+            goal.end, goal.ended_at = _STATUS[number], goal.ended_at or self._now()
         if listed is not None:
             goal.listed_at = listed
         self._changed.notify_all()
@@ -181,12 +180,12 @@ class GoalTopics(TaskClient):
 
     def hint(self) -> str:
         """Return that there seems to be no server, in a sentence, or an empty text."""
-        return "" if self._is_heard(time.monotonic()) else f"no action server of `{self._name}` is heard"
+        return "" if self._is_heard(self._now()) else f"no action server of `{self._name}` is heard"
 
     def look(self) -> None:
         """Find goals that were lost; repeat a cancel that has not arrived."""
         with self._changed:
-            gone = dict(self._gone(time.monotonic()))
+            gone = dict(self._gone(self._now()))
             unheard = [each for each in self._goals.values() if each.is_known and each.is_cancelled]
         for goal, (status, why) in gone.items():
             if status == "lost":
@@ -229,8 +228,8 @@ class GoalTopics(TaskClient):
 class _Goal:
     """A goal of ours, as far as the server has spoken of it."""
 
-    def __init__(self, request: RosRequest) -> None:
-        self.request, self.asked_at = request, time.monotonic()
+    def __init__(self, request: RosRequest, asked_at: float) -> None:
+        self.request, self.asked_at = request, asked_at
         self.is_known = self.is_cancelled = self.is_being_cancelled = False
         self.end: TaskStatus = "active"
         self.text = ""

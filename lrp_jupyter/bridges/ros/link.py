@@ -29,6 +29,12 @@ from lrp_jupyter.errors import BridgeError, LRPError, did_you_mean, ended
 GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
 
+CLOCK = "rosgraph_msgs/Clock"
+"""Type of the topic with the time of a simulation, or of a bag."""
+
+SIM_TIME = "/use_sim_time"
+"""Name of the parameter of ROS 1 that says that the time of all nodes is that of `/clock`."""
+
 SLOW = 0.3
 """Round trip in seconds above which the link is reported as slow."""
 
@@ -96,6 +102,10 @@ class Transport(ABC):
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
         """Return the live topics with their types, maybe as they were a moment ago."""
+
+    def has_sim_time(self) -> bool | None:
+        """Return whether ROS says that the time is simulated; None while that is not known. Default: no."""
+        return False
 
     @abstractmethod
     def define(self, type_: str) -> Mapping[str, Definition] | None:
@@ -198,6 +208,7 @@ class TopicLink(Link):
         self.types = Types()
         self.live: Mapping[str, Mapping[str, str]] = {}  # topics, actions and services with types, by kind
         self.connected = False
+        self.has_sim_time: bool | None = None  # whether time is simulated: as was said, or as ROS says
         self._wanted, self._report, self._learned, self._warn = channels, report, learned, warn
         self._is_slow = False
         self._last_status: tuple[ConnectionState, str] | None = None
@@ -268,6 +279,8 @@ class TopicLink(Link):
             self._report_change(ConnectionState.STALE, trouble)
             return self.transport.period
         topics = self.transport.topics()
+        if self.has_sim_time is None:
+            self.has_sim_time = self.transport.has_sim_time()
         self.live = {"topic": topics, **{task: self.transport.offers(task) for task in TASKS}}
         before, self._channels = self._channels, self._wanted()
         for channel in before:
@@ -352,7 +365,8 @@ class TopicLink(Link):
         if channel.message is not None:
             _check_sent(channel)
         self._learned(channel)
-        channel.stamps = Stamps(self.transport.clock)
+        channel.clock = self.transport.clock
+        channel.stamps = Stamps(channel.clock)
         channel.live = True  # before joining: a latched message arrives while we do
         if wire.direction in TASKS:
             handle: object = self.transport.client(wire.direction, wire.topic, type_)
@@ -476,14 +490,14 @@ class TopicLink(Link):
 
     def _summary(self) -> tuple[ConnectionState, str]:
         for channel in self._channels:
-            why = channel.problem or channel.waiting
-            if why:
-                return ConnectionState.WAITING, f"`robot.{channel.wire.variable}`: {ended(why)}"
+            if why := channel.lack():
+                return ConnectionState.WAITING, why
         inputs = [channel for channel in self._channels if channel.wire.direction == "subscription"]
         empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
         if empty:
             return ConnectionState.WAITING, f"{', '.join(empty)}: nothing has arrived yet."
-        return ConnectionState.CONNECTED, f"Connected to {self.transport.place}."
+        remarks = "".join(channel.remark() for channel in self._channels)
+        return ConnectionState.CONNECTED, f"Connected to {self.transport.place}.{remarks}"
 
     def _report_change(self, state: ConnectionState, sentence: str) -> None:
         if self._last_status != (state, sentence) and not self.is_ended:

@@ -212,13 +212,16 @@ class RclpyTransport(Transport):
             self._node.destroy_publisher(handle)
 
     def send(self, handle: Any, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish. A header without a stamp gets the time of this node."""
+        """Publish. A header without a stamp gets the time of this node, or of the robot's world."""
         message = handle.msg_type()
         try:
             _fill(message, values)
             header = getattr(message, "header", None)
             if header is not None and not (header.stamp.sec or header.stamp.nanosec):
-                header.stamp = self._node.get_clock().now().to_msg()
+                if self.clock.world is None:
+                    header.stamp = self._node.get_clock().now().to_msg()
+                else:
+                    header.stamp.sec, header.stamp.nanosec = divmod(self.clock.time_ns(), 1_000_000_000)
             handle.publish(message)
         except Exception as error:
             raise BridgeError(f"`{handle.topic_name}` refuses the message: {error}") from error

@@ -31,7 +31,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     from_rosapi,
     part_of,
 )
-from lrp_jupyter.bridges.ros.link import RefusedError
+from lrp_jupyter.bridges.ros.link import SIM_TIME, RefusedError
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
@@ -69,6 +69,7 @@ class Rosapi:
     ) -> None:
         self.is_ros2 = False
         self.trouble = ""  # that ROS itself does not answer: a sentence
+        self.has_sim_time: bool | None = None  # what ROS 1 says of its time; None: it has not been asked
         self.publishers: Mapping[str, tuple[str, ...]] = {}  # on the watched topics, without rosbridge itself
         self._in_need = False
         self._url, self._clock, self._warn, self._changed = url, clock, warn, changed
@@ -103,6 +104,7 @@ class Rosapi:
         """Forget what may be another robot's."""
         self._wake, self._failures, self._own = Bell(), 0, ()
         self._types, self._kinds, self._offers = {}, {}, {}
+        self.has_sim_time = None
         if self.trouble:
             self._answered.clear()
         self.trouble = ""
@@ -201,6 +203,10 @@ class Rosapi:
         self._tell_listeners()
         if not self._exists or self.trouble:
             return False
+        if self.has_sim_time is None:
+            question = {"name": SIM_TIME, "default": "false"}
+            answer = {} if self.is_ros2 else await self._try("/rosapi/get_param", **question)
+            self.has_sim_time = answer.get("value") == "true"
         await self._list_offers()
         unknown, wanted, doubted = self._unknown, self._wanted, self._doubted
         for direction, name in unknown:

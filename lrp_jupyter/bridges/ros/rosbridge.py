@@ -29,7 +29,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 from lrp_jupyter.bridges.ros.frames import knows_cbor
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.kept import LastMessage
-from lrp_jupyter.bridges.ros.link import Receive, Transport
+from lrp_jupyter.bridges.ros.link import CLOCK, Receive, Transport
 from lrp_jupyter.bridges.ros.ros_request import TaskClient
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
 from lrp_jupyter.bridges.ros.server_calls import ServerTask
@@ -41,6 +41,7 @@ from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 _QUIET = 1.0  # seconds without a message after which a new publisher is worth another subscription …
 _UNPACKED = 3.0  # … and after which arrays are asked for as text
 _ANNOUNCED = 100  # messages that wait in the server for a slow subscriber where each of them counts
+_CLOCK_PACE = 0.005  # seconds between two messages of the time, at most
 _ECHO = 10.0  # seconds after which an own command no longer comes back
 _FIGHT = 5.0  # seconds for which another client counts as one that commands
 
@@ -121,6 +122,10 @@ class RosbridgeTransport(Transport):
         if self._rosapi.trouble:
             raise BridgeError(self._rosapi.trouble)
         return topics
+
+    def has_sim_time(self) -> bool | None:
+        """Return what rosapi says of ROS 1; None while it is being asked. In ROS 2, each node has its own."""
+        return self._rosapi.has_sim_time
 
     def _spelled(self, type_: str) -> str:
         """Return the name of a type in the notation of this ROS."""
@@ -205,6 +210,8 @@ class RosbridgeTransport(Transport):
         """Publish; to a server that hangs only what is urgent."""
         assert isinstance(handle, _Handle)
         socket, topic = self._socket_for(urgent), handle.topic
+        if self.clock.world is not None:  # else the server fills in its own time
+            values = self._stamped(values)
         text = json.dumps({"op": "publish", "id": f"p{handle.number}", "topic": topic, "msg": values})
         echo = self._echoes.get(topic)
         if echo is not None:
@@ -213,6 +220,15 @@ class RosbridgeTransport(Transport):
             socket.put(text)  # it replaces nothing, and never expires either
         else:
             socket.put(text, topic=topic, urgent=urgent)
+
+    def _stamped(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return a message with the time in its header, if that has none."""
+        header = values.get("header")
+        if not isinstance(header, Mapping) or "stamp" in header:
+            return values
+        names = ("sec", "nanosec") if self._rosapi.is_ros2 else ("secs", "nsecs")
+        stamp = dict(zip(names, divmod(self.clock.time_ns(), 1_000_000_000), strict=True))
+        return {**values, "header": {**header, "stamp": stamp}}
 
     # -- actions and services ---------------------------------------------------------------------
 
@@ -286,7 +302,8 @@ class RosbridgeTransport(Transport):
 
     def _throttle(self, one: _Input) -> int:
         """Milliseconds between two messages of a topic; the newest is sent, unless every one counts."""
-        return 0 if one.heard_by else int(self.pace * 1000)
+        pace = min(self.pace, _CLOCK_PACE) if one.type == CLOCK else self.pace
+        return 0 if one.heard_by else int(pace * 1000)
 
     def _subscribe(self, one: _Input) -> None:
         """Subscribe; a second time with the same id changes how."""

@@ -33,7 +33,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     part_of,
 )
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
-from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
+from lrp_jupyter.bridges.ros.link import SIM_TIME, Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words, sentence
 from lrp_jupyter.bridges.ros.setup import Direction
@@ -100,6 +100,10 @@ class RospyTransport(Transport):
         self._topics = {str(topic): canonical(str(type_)) for topic, type_ in pairs if type_ != "*"}
         self._system = self._master.ask("getSystemState")
         return self._topics
+
+    def has_sim_time(self) -> bool:
+        """Ask the master for ``/use_sim_time``."""
+        return bool(self._master.ask("hasParam", SIM_TIME) and self._master.ask("getParam", SIM_TIME))
 
     def taken(self, topic: str) -> bool:
         """Ask the master for other nodes of the topic: it never forgets a type."""
@@ -168,7 +172,9 @@ class RospyTransport(Transport):
     def client(self, direction: Direction, name: str, type_: str) -> TaskClient:
         """Join the topics of an action, or be ready to call a service."""
         if direction == "service":
-            return RospyService(name, _class_of(f"{type_}_Request", whole=True), self._is_offered)
+            return RospyService(
+                name, _class_of(f"{type_}_Request", whole=True), self._is_offered, self.clock.time_ns
+            )
         _class_of(f"{type_}ActionGoal")  # before anything is joined
         return GoalTopics(self, name, type_)
 
@@ -206,7 +212,7 @@ class RospyTransport(Transport):
         publisher: Any = handle
         message = publisher.data_class()
         try:
-            fill(message, values)
+            fill(message, values, self.clock.time_ns())
             publisher.publish(message)
         except (genpy.MessageException, rospy.ROSException) as error:
             raise BridgeError(f"`{publisher.resolved_name}` refuses the message: {error}") from error
@@ -310,12 +316,12 @@ def _class_of(type_: str, whole: bool = False) -> Any:
     return getattr(found, f"_{part.lower()}_class") if kind == "service" and not whole else found
 
 
-def fill(message: Any, values: Mapping[str, Any]) -> None:
-    """Put values into a message of genpy, and the time into headers that have none."""
+def fill(message: Any, values: Mapping[str, Any], now: int) -> None:
+    """Put values into a message of genpy, and the time, in ns, into headers that have none."""
     import genpy
 
     genpy.message.fill_message_args(message, [dict(values)])
-    _fill_stamps(message, values, genpy.Time.from_sec(time.time()))
+    _fill_stamps(message, values, genpy.Time(*divmod(now, 1_000_000_000)))
 
 
 def _fill_stamps(message: Any, values: object, now: Any) -> None:
@@ -370,8 +376,10 @@ class _Master:
 class RospyService(TaskClient):
     """A service, each call of which has a thread and a connection of its own: rospy waits without a limit."""
 
-    def __init__(self, name: str, kind: Any, is_offered: Callable[[str], bool]) -> None:
-        self._name, self._kind, self._is_offered = name, kind, is_offered
+    def __init__(
+        self, name: str, kind: Any, is_offered: Callable[[str], bool], now: Callable[[], int]
+    ) -> None:
+        self._name, self._kind, self._is_offered, self._now = name, kind, is_offered, now
         self._calls: list[Any] = []
 
     def ask(self, values: Mapping[str, Any], request: RosRequest) -> None:
@@ -388,7 +396,7 @@ class RospyService(TaskClient):
     def _call(self, proxy: Any, values: Mapping[str, Any], request: RosRequest) -> None:
         try:
             message = self._kind._request_class()
-            fill(message, values)
+            fill(message, values, self._now())
             request.tell("succeeded", result=proxy.call(message))
         except Exception as error:  # of rospy, genpy, or the node that serves
             is_its_own = "with an error" in str(error)  # that of the node that serves

@@ -7,7 +7,7 @@ until the time that it returns. A turn
 2. advances the time, at most to the next tick: a simulated world moves by whole physics steps, so that it is
    at the tick's time when the tick reads the sensors,
 3. ticks, if a tick is due: latch the sensors, run one step of the interpreter, flush the commands,
-4. publishes a frame, at most sixty times a second.
+4. publishes a frame, at most sixty times a second unless it may be the last one for long.
 
 *Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of the state of a run; a session
 copies them into its frames.
@@ -44,7 +44,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import means
 from lrp_jupyter.language.program import Element, Path, Program, path_text
-from lrp_jupyter.live.clock import LAG, Clock
+from lrp_jupyter.live.clock import Clock
 from lrp_jupyter.live.running.breakpoints import Breakpoints
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.running.foreign_code import Foreign, on_main_thread
@@ -163,13 +163,13 @@ class Loop:
                 self.rest()
             elif self.timing.free:
                 self._tick_freely()
-            elif self.timing.now >= self.timing.due - ROUNDING:
+            elif self.timing.is_due:
                 self.tick()
                 self.timing.measure(self.interpreter.tick)
             if self.status != "running":  # it paused at an issue, and no later frame would show it
                 self.publish()
                 return math.inf
-            if perf_counter() - self._published >= 1 / _FRAMES:
+            if self.timing.may_stand or perf_counter() - self._published >= 1 / _FRAMES:
                 self.publish(hurried=True)
             return self.timing.next_turn()
         except Interrupted:  # too late: the block had returned
@@ -199,7 +199,7 @@ class Loop:
     def tick(self) -> None:
         """Run one tick now; the next one is due a period later."""
         interpreter, bridge, timing, record = self.interpreter, self.bridge, self.timing, self.record
-        now, step, safety = timing.now, timing.step, bridge.safety
+        now, safety = timing.now, bridge.safety
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
             if record.names.values:
@@ -213,8 +213,7 @@ class Loop:
                 self._act(now)
         finally:
             self.ticking = safety.again = None
-        on_time = step is None and now - timing.due <= LAG
-        timing.due = (timing.due if on_time else now) + timing.period
+        timing.set_due(now)
         for call in self.after_tick:
             call()
         if bridge.nodes.table is not self._members:

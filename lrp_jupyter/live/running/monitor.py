@@ -135,7 +135,7 @@ class Monitor:
             self._seen = wall
             return
         if loop.bridge.time_step is None:  # simulated time is also standing still
-            loop.bridge.check_watchdog(loop.timing.clock.now())
+            loop.bridge.check_watchdog(loop.timing.expected())
         if self._dead_man is not None and wall - self._seen > self._dead_man:
             self._seen = wall
             loop.bridge.stop_all()

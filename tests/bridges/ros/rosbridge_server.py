@@ -82,6 +82,7 @@ class MemoryGraph:
         self.is_ros2 = False
         self.distribution = "jazzy"
         self.texts: dict[str, str] = {}  # of types, as in their .msg files and those inside
+        self.parameters: dict[str, Any] = {}
         self.time = time.time
 
     def topics(self) -> dict[str, str]:
@@ -95,6 +96,9 @@ class MemoryGraph:
 
     def service_names(self) -> list[str]:
         return [*self.services, "/robot/get_loggers"]
+
+    def parameter(self, name: str, default: Any) -> Any:
+        return self.parameters.get(name, default)
 
     def service_type(self, name: str) -> str:
         return self.services[name][0]
@@ -270,6 +274,9 @@ class RospyGraph:
         for base in {base for base, _, _ in shapes if "/" in base}:
             found += self.typedefs(base)
         return found
+
+    def parameter(self, name: str, default: Any) -> Any:
+        return self.rospy.get_param(name, default)
 
     def stamp(self, seconds: float) -> dict[str, int]:
         return {"secs": int(seconds), "nsecs": round(seconds % 1 * 1e9)}
@@ -663,6 +670,8 @@ class RosbridgeServer:
             return {"typedefs": graph.part_typedefs(arguments["type"], part.capitalize())}
         if service in ("publishers", "subscribers"):
             return {service: graph.nodes(arguments["topic"], service)}
+        if service == "get_param" and not graph.is_ros2:
+            return {"value": json.dumps(graph.parameter(arguments["name"], json.loads(arguments["default"])))}
         if service == "get_time":
             return {"time": graph.stamp(time.time())}
         if service == "get_ros_version" and graph.is_ros2:  # type: ignore[union-attr]

@@ -110,7 +110,7 @@ def test_the_stamp_of_a_message_is_found_in_its_header(message: Any, stamp: floa
 
 def test_the_age_of_a_reading_is_that_of_its_stamp(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 0.0
-    monkeypatch.setattr("lrp_jupyter.bridges.ros.channel.time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.clock.time", SimpleNamespace(monotonic=lambda: now))
     channel = Channel(Wire("scan", "subscription", "/scan", "sensor_msgs/LaserScan"))
     channel.form = Types().form("sensor_msgs/LaserScan")
     channel.live = True

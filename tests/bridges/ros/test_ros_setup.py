@@ -380,7 +380,7 @@ def test_the_panel_shows_every_connection_with_rate_age_and_value(
     ros: RosBridge, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = 100.0
-    monkeypatch.setattr("lrp_jupyter.bridges.ros.channel.time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.clock.time", SimpleNamespace(monotonic=lambda: now))
     ros.subscribe("light", "/light")
     ros.publish("move", "/cmd_vel")
     assert rows(ros)["light"]["value"] == "no data yet"
@@ -438,7 +438,7 @@ def test_a_person_chooses_when_a_message_is_too_old(
     ros: RosBridge, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = 100.0
-    monkeypatch.setattr("lrp_jupyter.bridges.ros.channel.time", SimpleNamespace(monotonic=lambda: now))
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.clock.time", SimpleNamespace(monotonic=lambda: now))
     ros.press("subscribe", values={"variable": "light", "topic": "/light", "stale_after": "0,3"})
     assert ros.setup["subscriptions"]["light"]["stale_after"] == 0.3
     assert fields(ros)["stale_after"].value == "", "it is not kept for the next one"

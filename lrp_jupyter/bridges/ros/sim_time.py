@@ -1,0 +1,203 @@
+"""The time of a robot's world, as `/clock` tells it: of a simulation, or of a bag that is played.
+
+It may pass faster or slower than that of the wall, stand, and go back. A session runs by it, and so do the
+ages of messages: `elapsed` only goes forward, and what is stamped is compared with the last message.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+from threading import Event
+from typing import Any, NamedTuple
+
+from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.clock import nanoseconds_of
+from lrp_jupyter.bridges.ros.link import CLOCK
+from lrp_jupyter.bridges.ros.setup import Wire
+
+TOPIC = "/clock"
+
+_SECOND = 1_000_000_000
+_AHEAD = _SECOND  # ns by which a stamp may be ahead of the time
+_ROUNDING = 1e-6  # seconds by which two equal times may differ
+_LOOK = 0.005  # wall seconds after which a task looks at the time again
+_SILENT = 2.0  # wall seconds without a message after which the world stands
+_SAMPLE = 0.1  # wall seconds between two samples of the pace
+
+
+class _TimeTold(NamedTuple):
+    """The last message: the time, in ns, when it came by the wall, and which time `elapsed` counts from."""
+
+    stamp: int
+    wall: float
+    origin: int
+
+
+class SimTime:
+    """The robot's time, and the clock of the session that runs by it.
+
+    Owner: `tell` is called on the thread of the connection, and replaces what it knows by one assignment; any
+    thread may read. The part of a clock belongs to the thread that drives the session.
+
+    `went_back`: called with a number of seconds when the time went back.
+    """
+
+    speed = 1.0
+
+    def __init__(self, went_back: Callable[[float], None]) -> None:
+        self._went_back = went_back
+        self._told: _TimeTold | None = None
+        self._samples: deque[tuple[float, float]] = deque(maxlen=20)  # wall time and elapsed
+        self._steps: deque[float] = deque(maxlen=9)
+        self._base, self._since = 0.0, 0.0  # the session's time, and `elapsed` at that
+        self._is_paused = False
+        self._waiting: tuple[float, Event] | None = None
+
+    # -- what the robot says ----------------------------------------------------------------------
+
+    def tell(self, stamp: int) -> None:
+        """Take a time, in ns, from a message."""
+        wall, last = time.monotonic(), self._told
+        origin = stamp if last is None else last.origin
+        if last is not None and stamp < last.stamp:
+            origin += stamp - last.stamp
+        self._told = _TimeTold(stamp, wall, origin)
+        if last is not None:
+            if stamp > last.stamp:
+                self._steps.append((stamp - last.stamp) / _SECOND)
+            if wall - last.wall > _SILENT:
+                self._samples.clear()
+        if not self._samples or wall - self._samples[-1][0] >= _SAMPLE:
+            self._samples.append((wall, self.elapsed))
+        waiting = self._waiting
+        if waiting is not None and self._has_come(waiting[0]):
+            waiting[1].set()
+        if last is not None and stamp < last.stamp:
+            self._went_back((last.stamp - stamp) / _SECOND)
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether any time has arrived."""
+        return self._told is not None
+
+    @property
+    def stands(self) -> bool:
+        """Whether none arrives any more."""
+        told = self._told
+        return told is not None and time.monotonic() - told.wall > _SILENT
+
+    @property
+    def elapsed(self) -> float:
+        """The seconds that have passed since the first message, without those that were set back."""
+        told = self._told
+        return 0.0 if told is None else (told.stamp - told.origin) / _SECOND
+
+    @property
+    def stamp(self) -> int | None:
+        """The time now, in ns; None before the first message."""
+        told = self._told
+        return None if told is None else told.stamp
+
+    def made_at(self, stamp: int) -> float:
+        """Return which `elapsed` belongs to a time stamp, in ns; a message may arrive before its time does.
+
+        One that is far ahead is of another clock, or of before the time went back: it was made now.
+        """
+        told = self._told
+        if told is None:
+            return 0.0
+        ahead = stamp - told.stamp
+        return (told.stamp + (ahead if ahead <= _AHEAD else 0) - told.origin) / _SECOND
+
+    @property
+    def pace(self) -> float:
+        """Seconds of it per wall second, lately; 1 while that is not known."""
+        samples = tuple(self._samples)
+        if len(samples) < 2:
+            return 1.0
+        (began, before), (ended, after) = samples[0], samples[-1]
+        return (after - before) / (ended - began)
+
+    @property
+    def step(self) -> float:
+        """The usual seconds from message to message; 0 while that is not known."""
+        steps = sorted(self._steps)
+        return steps[len(steps) // 2] if len(steps) == self._steps.maxlen else 0.0
+
+    # -- the clock of a session -------------------------------------------------------------------
+
+    def now(self) -> float:
+        """Return the session's time, ``-inf`` before the first message."""
+        if self._told is None:
+            return -math.inf
+        return self._base if self._is_paused else self._base + (self.elapsed - self._since)
+
+    def _has_come(self, t: float) -> bool:
+        return self.now() >= t - _ROUNDING
+
+    def delay(self, t: float) -> float:
+        """Return 0 if `t` has come, else the wall seconds until the next look; infinite while paused."""
+        if self._has_come(t):
+            return 0.0
+        return math.inf if self._is_paused or t == math.inf else _LOOK
+
+    def sleep_until(self, t: float, wake: Event) -> None:
+        """Wait for the message that tells `t`, or for `wake`."""
+        self._waiting = t, wake  # first: a message that comes now finds it
+        if not self._has_come(t):
+            wake.wait()
+        self._waiting = None
+
+    def rebase(self, t: float) -> None:
+        """Set the session's time to `t`."""
+        self._base, self._since = t, self.elapsed
+
+    def pause(self) -> None:
+        """Stop the session's time; the robot's goes on."""
+        if not self._is_paused:
+            self._base = max(self._base, self.now())
+            self._is_paused = True
+
+    def resume(self) -> None:
+        """Continue from the session's time."""
+        if self._is_paused:
+            self._is_paused, self._since = False, self.elapsed
+
+
+class ClockChannel(Channel):
+    """The subscription of `/clock`."""
+
+    def __init__(self, time: SimTime) -> None:
+        super().__init__(Wire("clock", "subscription", TOPIC, CLOCK))
+        self.time = time
+
+    def receive(self, raw: Any, at: float | None = None) -> None:
+        """Take the time of a message."""
+        stamp = nanoseconds_of(raw, "clock")
+        if self.live and stamp is not None:
+            self.time.tell(stamp)
+
+    @property
+    def expects(self) -> bool:
+        """Whether no time has arrived so far."""
+        return not self.time.has_begun
+
+    def lack(self) -> str:
+        """Return that no time arrives, in a sentence."""
+        if self.time.has_begun and not self.time.stands:
+            return ""
+        if self.problem:
+            return f"The time on `{TOPIC}`: {self.problem}"
+        if self.time.has_begun:
+            return f"The time on `{TOPIC}` stands still: the program goes on when it does."
+        return (
+            f"`/use_sim_time` is set, and no time arrives on `{TOPIC}`: the program waits for it. Start the"
+            " simulation, or `rosbag play --clock`. For a robot that is real, set `sim_time=false`."
+        )
+
+    def remark(self) -> str:
+        """Return that the program runs by this clock, and how fast it goes."""
+        return f" The time is that of `{TOPIC}`, {float(f'{self.time.pace:.1g}'):g} times real time."
