@@ -49,6 +49,8 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None,
     console, complaints = plain_console(), plain_console(stderr=True)
     text = _other_program(program)
     printer = EventPrinter(console, quiet=False)
+    if when := _recorded(recording):
+        console.print(when)
 
     def show(event: TraceEvent) -> None:
         if event.kind in SHOWN and event.now >= begin - _ROUNDING:
@@ -88,6 +90,8 @@ def why_file(file: str, name: str, at: float | None, program: str | None, truste
         except (UnknownElementError, ValueError) as error:
             raise typer.BadParameter(str(error)) from None
         console = plain_console()
+        if when := _recorded(recording):
+            console.print(when)
         console.print(Text(str(reason)))
         source = session.program.text
         for line in reason.facts["lines"]:
@@ -113,6 +117,16 @@ def looks_file(file: str, out: Path | None) -> int:
         name = recording.name
         console.print(f"`{name}` does not say what its user looked at. `%%lrp NAME --log FILE` records it.")
     return 0
+
+
+def _recorded(recording: Recording) -> str:
+    """Return when a recording was made and, of a robot with a clock, what that showed then; maybe nothing."""
+    when = recording.start.recorded
+    words = f"Recorded {printable(when)}." if when else ""
+    if recording.clock:
+        time, shown = recording.clock[0]
+        words += f" The robot's clock was at {shown - time:.3f} s at 0 s."
+    return words.strip()
 
 
 def _read(file: str, trusted: bool) -> Recording:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from inspect import Parameter
 from time import monotonic
 from typing import Any
@@ -25,6 +27,8 @@ from lrp_jupyter.live.stored.recorded_code import RecordedCode
 from lrp_jupyter.live.trace import Trace, as_dict
 
 Line = dict[str, Any]
+
+_LEAP = 0.01  # seconds by which the robot's clock must have leapt to be written again
 
 
 class Recorder(Trace):
@@ -49,6 +53,7 @@ class Recorder(Trace):
         self._looks: deque[Look] = deque()
         self._loop = loop
         self._failure: Exception | None = None
+        self._ahead = math.inf  # the seconds by which the robot's clock is ahead of the time of the run
         self._code = None if start is None else RecordedCode()
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
@@ -108,7 +113,16 @@ class Recorder(Trace):
             nodes = [node for node in bridge.nodes.members() if isinstance(node, RobotVariable)]
             known = {node.path: known[node.path] for node in nodes if node.path in known and not node.of}
         readings = {name: plain(value) for name, value in known.items()}
-        return {"tick": self._loop.interpreter.tick, "time": record.moments[-1].time, "readings": readings}
+        time = record.moments[-1].time
+        return {"tick": self._loop.interpreter.tick, "time": time, "readings": readings, **self._clock(time)}
+
+    def _clock(self, time: float) -> Line:
+        """Return what the robot's clock showed at a time of the run, if that does not follow from before."""
+        now, shown = self._loop.timing.clock.now(), self._loop.bridge.world_time()
+        if shown is None or abs(shown - now - self._ahead) < _LEAP:
+            return {}
+        self._ahead = shown - now
+        return {"clock": round(time + self._ahead, 6)}
 
     def _keep(self, made: Callable[[], Line]) -> None:
         if self._failure is not None:
@@ -143,6 +157,7 @@ def start_of(loop: Loop, seed: int | None = None, initials: Mapping[str, str] | 
         dict(initials or {}),
         {name: text for name, text in values.items() if text is not None},
         bridge.safety.armed,
+        datetime.now().astimezone().isoformat(timespec="milliseconds"),
     )
 
 

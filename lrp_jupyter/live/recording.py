@@ -11,12 +11,20 @@ The inputs and their effects follow in the order in which they happened. Every l
     {"tick":12,"time":1.13,"input":"edit","text":"…"}
     {"tick":12,"time":1.13,"input":"place","pose":[0.5,1.0,0.0],"robot":0}
 
+``recorded`` in the first line is when that was, with the zone: ``2026-11-29T06:16:33.250+01:00``.
+
 Every tick has its readings; effects are the lines of a trace (``trace.py``), each with ``event``::
 
     {"tick":13,"time":1.2,"event":"entered","state":"follower/looking"}
     {"tick":13,"time":1.2,"event":"commanded","command":"move","arguments":{…},"sent":true,
      "block":"looking.running","line":12}
     {"tick":13,"time":1.2,"readings":{"light.data":255}}
+
+Where the robot has a clock (ROS: that of its nodes, bags and messages), the first tick has what it showed, in
+seconds, and so has every tick after a pause or a leap of that clock; in between, both times pass alike. So a
+recording can be laid beside a bag::
+
+    {"tick":1,"time":0.0,"readings":{"light.data":255},"clock":1764393393.25}
 
 On request, inputs also have the wall time, in seconds since the recording began (pauses included), and
 further lines describe what a person looked at and did. A replay ignores both::
@@ -38,7 +46,9 @@ import json
 import os
 import random
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from datetime import datetime
 from functools import partial
 from typing import Any
 
@@ -94,6 +104,7 @@ class RunStart:
     `initials`: initial values that differ from those in the text.
     `values`: the values of the `names` that can be written, as Python expressions.
     `armed`: whether commands were sent to the robot.
+    `recorded`: when it was recorded, as ISO 8601 with the zone; empty if that is not known.
     """
 
     text: str
@@ -109,6 +120,7 @@ class RunStart:
     initials: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, str] = field(default_factory=dict)
     armed: bool = True
+    recorded: str = ""
 
     def namespace(self) -> dict[str, Any]:
         """Return the recorded values of names."""
@@ -139,6 +151,8 @@ class Recording:
     `followed`: the trace lines that followed from them.
     `cut`: whether the file ended in the middle of a line, or of its compressed data.
     `looks`: what a person looked at, if that was recorded, and the inputs, in order.
+    `clock`: pairs of a time of the run and what the robot's clock showed, where that began, and after each
+        pause and leap.
     `is_own`: whether this user recorded its programs and expressions, which :func:`reproduce
         <lrp_jupyter.live.reproduction.reproduce>` runs.
     """
@@ -150,6 +164,7 @@ class Recording:
     cut: bool = False
     is_own: bool = False
     looks: tuple[Look, ...] = ()
+    clock: tuple[tuple[float, float], ...] = ()
 
     @property
     def ticks(self) -> int:
@@ -193,6 +208,7 @@ def read_recording(
     entries: list[Entry] = []
     followed: list[Line] = []
     looks: list[Look] = []
+    clock: list[tuple[float, float]] = []
     complete, latest, memory, cut, code = 0, 0.0, 0, False, RecordedCode()
     for number, raw in enumerate(read_log(path), 1):
         if not raw.endswith(b"\n"):
@@ -222,6 +238,8 @@ def read_recording(
                 if not isinstance(what, CommandsHeld):  # which is written in the middle of its tick
                     complete = len(followed)
                 continue
+            if "clock" in line:
+                clock.append((time, float(line.pop("clock"))))  # a replay has no robot
             check_line(line)
             followed.append(line)
             if "readings" in line:
@@ -232,9 +250,8 @@ def read_recording(
             raise at_line(name, number, _mistake(error)) from None
     if start is None:
         raise FileError(f"`{name}` is not a recording: it contains no complete line.")
-    return Recording(
-        name, start, tuple(entries), tuple(followed[:complete]), cut, code.is_own(), tuple(looks)
-    )
+    lines = tuple(followed[:complete])
+    return Recording(name, start, tuple(entries), lines, cut, code.is_own(), tuple(looks), tuple(clock))
 
 
 def _memory_of(raw: bytes) -> int:
@@ -321,6 +338,12 @@ def _is_state_of_random(value: object) -> bool:
     return True
 
 
+def _is_date(text: str) -> bool:
+    with suppress(ValueError):
+        return bool(not text or datetime.fromisoformat(text))
+    return False
+
+
 def random_of(seed: object) -> random.Random:
     """Return the generator that a run began with, from its seed, or its state in JSON form."""
     generator = random.Random()
@@ -346,6 +369,7 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "names": _are_texts,
     "random": _is_state_of_random,
     "armed": lambda value: isinstance(value, bool),
+    "recorded": lambda value: isinstance(value, str) and _is_date(value),
     "initials": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
     "values": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
 }

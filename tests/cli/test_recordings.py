@@ -2,6 +2,7 @@
 
 import csv
 import json
+from datetime import datetime, timedelta
 
 import pytest
 
@@ -39,6 +40,25 @@ def test_a_run_is_recorded_and_run_again(lrp, recorded):
     assert "5.0 s, 50 ticks; m/stop active" in done.stdout
     assert "The run matches the recording." in done.stdout
     assert "m/stop  (far)" in done.stdout
+
+
+def test_when_it_was_recorded_is_told_and_what_the_robots_clock_showed(lrp, recorded):
+    before = datetime.now().astimezone()
+    path = recorded("--set", "limit=20")
+    done = lrp("replay", path)
+    when = datetime.fromisoformat(done.stdout.split()[1].rstrip("."))
+    assert (
+        before <= when + timedelta(milliseconds=1) <= datetime.now().astimezone() + timedelta(milliseconds=1)
+    )
+    first, *lines = map(json.loads, path.read_text().splitlines())
+    del first["recorded"]  # as before there was this field
+    next(line for line in lines if line.get("time") == 0.5 and "readings" in line)["clock"] = 105.8
+    path.write_text("".join(json.dumps(line) + "\n" for line in [first, *lines]))
+    told = "The robot's clock was at 105.300 s at 0 s.\n"
+    replayed = lrp("replay", path, "--trust").stdout
+    assert replayed.startswith(told)
+    assert "The run matches the recording." in replayed
+    assert lrp("why", path, "drive", "--trust").stdout.startswith(told)
 
 
 def test_a_part_of_a_run_is_printed(lrp, recorded):

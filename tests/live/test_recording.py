@@ -728,6 +728,8 @@ START = {"lrplog": 3, "text": COUNTER, "filename": "a.lrp", "bridge": "none"}
         ({"text": "(machine"}, {}, "line 1: A field is wrong: .*LRP1"),
         ({"rate": 1e9}, {}, "line 1: The field `rate` is wrong"),
         ({"world": {"a": 1}}, {}, "line 1: A field is wrong: .*Unknown key"),
+        ({"recorded": "yesterday"}, {}, "line 1: The field `recorded` is wrong: it is 'yesterday'"),
+        ({}, {"readings": {}, "clock": "noon"}, "line 2: A field is wrong"),
         ({}, {"foo": 1}, "line 2: This line has no `input`, `event` or `readings`"),
         ({}, {"event": None}, "line 2: This line has no `input`, `event` or `readings`"),
         ({}, {"event": "entered", "state": 5}, "line 2: The field `state` is wrong: it is 5"),
