@@ -47,7 +47,7 @@ from lrp_jupyter.bridges.ros.backends import (
 )
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock
-from lrp_jupyter.bridges.ros.link import GUARD_NODE, TopicLink, Transport
+from lrp_jupyter.bridges.ros.link import GUARD_NODE, SIM_TIME, TopicLink, Transport
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.outlets import StateOutlet
 from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel, stale_after_in
@@ -590,13 +590,22 @@ class RosBridge(Bridge):
         return transport
 
     def _channels(self) -> tuple[Channel, ...]:
-        """Return the wanted connections, with that of `/clock` if that is the time; on the link's thread."""
-        link = self.wiring.link
-        if self._time is None and link is not None and link.has_sim_time:
-            self._time = ClockChannel(SimTime(self._went_back))
+        """Return the wanted connections, with that of `/clock` where it counts. On the link's thread."""
+        link, is_open = self.wiring.link, self._wants_sim_time is None
+        if self._time is not None:
+            return self._time, *self.wiring.all_channels
+        if link is not None and link.has_sim_time:
+            reason = f"`{SIM_TIME}`" if is_open else "`sim_time`"
+            self._time = ClockChannel(SimTime(self._went_back), reason)
             link.transport.clock.world = self._time.time
-        wanted = self.wiring.all_channels
-        return wanted if self._time is None else (self._time, *wanted)
+            return self._channels()
+        if link is not None and is_open and CLOCK_TOPIC in self.topics and link.transport.taken(CLOCK_TOPIC):
+            text = (
+                f"There is a time on `{CLOCK_TOPIC}`, but this program goes by that of its computer. If the"
+                f" robot is simulated, or a bag is played, set `sim_time=true` (in ROS 1, `{SIM_TIME}`)."
+            )
+            self.safety.notice("fault", text, CLOCK_TOPIC)
+        return self.wiring.all_channels
 
     @property
     def world_clock(self) -> SimTime | None:

@@ -29,11 +29,16 @@ _SAMPLE = 0.1  # wall seconds between two samples of the pace
 
 
 class _TimeTold(NamedTuple):
-    """The last message: the time, in ns, when it came by the wall, and which time `elapsed` counts from."""
+    """The last message: the time, in ns, when it came by the wall, and by how much time has gone back."""
 
     stamp: int
     wall: float
-    origin: int
+    back: int
+
+    @property
+    def elapsed(self) -> int:
+        """The time as it would be if it had not been set back."""
+        return self.stamp + self.back
 
 
 class SimTime:
@@ -52,7 +57,10 @@ class SimTime:
         self._told: _TimeTold | None = None
         self._samples: deque[tuple[float, float]] = deque(maxlen=20)  # wall time and elapsed
         self._steps: deque[float] = deque(maxlen=9)
-        self._base, self._since = 0.0, 0.0  # the session's time, and `elapsed` at that
+        self._first = 0
+        self._zero: int | None = None  # what `elapsed` counts from: the first time, or an earlier stamp
+        self._base = 0.0  # the session's time …
+        self._since: int | None = None  # … at this time of the world; None: at the first message
         self._is_paused = False
         self._waiting: tuple[float, Event] | None = None
 
@@ -61,11 +69,13 @@ class SimTime:
     def tell(self, stamp: int) -> None:
         """Take a time, in ns, from a message."""
         wall, last = time.monotonic(), self._told
-        origin = stamp if last is None else last.origin
-        if last is not None and stamp < last.stamp:
-            origin += stamp - last.stamp
-        self._told = _TimeTold(stamp, wall, origin)
-        if last is not None:
+        if last is None:
+            self._first = stamp
+            if self._zero is None or self._zero > stamp + _AHEAD:
+                self._zero = stamp
+            self._told = _TimeTold(stamp, wall, 0)
+        else:
+            self._told = _TimeTold(stamp, wall, last.back + max(0, last.stamp - stamp))
             if stamp > last.stamp:
                 self._steps.append((stamp - last.stamp) / _SECOND)
             if wall - last.wall > _SILENT:
@@ -91,9 +101,9 @@ class SimTime:
 
     @property
     def elapsed(self) -> float:
-        """The seconds that have passed since the first message, without those that were set back."""
+        """The seconds that have passed, without those that were set back; 0 before the first message."""
         told = self._told
-        return 0.0 if told is None else (told.stamp - told.origin) / _SECOND
+        return 0.0 if told is None else (told.elapsed - (self._zero or 0)) / _SECOND
 
     @property
     def stamp(self) -> int | None:
@@ -107,10 +117,12 @@ class SimTime:
         One that is far ahead is of another clock, or of before the time went back: it was made now.
         """
         told = self._told
+        if self._zero is None:
+            self._zero = stamp
         if told is None:
-            return 0.0
-        ahead = stamp - told.stamp
-        return (told.stamp + (ahead if ahead <= _AHEAD else 0) - told.origin) / _SECOND
+            return (stamp - self._zero) / _SECOND
+        made = told.elapsed if stamp - told.stamp > _AHEAD else stamp + told.back
+        return (made - self._zero) / _SECOND
 
     @property
     def pace(self) -> float:
@@ -131,9 +143,12 @@ class SimTime:
 
     def now(self) -> float:
         """Return the session's time, ``-inf`` before the first message."""
-        if self._told is None:
+        told, since = self._told, self._since
+        if told is None:
             return -math.inf
-        return self._base if self._is_paused else self._base + (self.elapsed - self._since)
+        if self._is_paused:
+            return self._base
+        return self._base + (told.elapsed - (self._first if since is None else since)) / _SECOND
 
     def _has_come(self, t: float) -> bool:
         return self.now() >= t - _ROUNDING
@@ -153,7 +168,8 @@ class SimTime:
 
     def rebase(self, t: float) -> None:
         """Set the session's time to `t`."""
-        self._base, self._since = t, self.elapsed
+        told = self._told
+        self._base, self._since = t, None if told is None else told.elapsed
 
     def pause(self) -> None:
         """Stop the session's time; the robot's goes on."""
@@ -164,15 +180,16 @@ class SimTime:
     def resume(self) -> None:
         """Continue from the session's time."""
         if self._is_paused:
-            self._is_paused, self._since = False, self.elapsed
+            self._is_paused = False
+            self.rebase(self._base)
 
 
 class ClockChannel(Channel):
-    """The subscription of `/clock`."""
+    """The subscription of `/clock`; `reason`: what says that it counts."""
 
-    def __init__(self, time: SimTime) -> None:
+    def __init__(self, time: SimTime, reason: str) -> None:
         super().__init__(Wire("clock", "subscription", TOPIC, CLOCK))
-        self.time = time
+        self.time, self.reason = time, reason
 
     def receive(self, raw: Any, at: float | None = None) -> None:
         """Take the time of a message."""
@@ -194,7 +211,7 @@ class ClockChannel(Channel):
         if self.time.has_begun:
             return f"The time on `{TOPIC}` stands still: the program goes on when it does."
         return (
-            f"`/use_sim_time` is set, and no time arrives on `{TOPIC}`: the program waits for it. Start the"
+            f"{self.reason} is set, and no time arrives on `{TOPIC}`: the program waits for it. Start the"
             " simulation, or `rosbag play --clock`. For a robot that is real, set `sim_time=false`."
         )
 

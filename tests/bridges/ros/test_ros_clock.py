@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,10 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock, Stamps, stamp_of
 from lrp_jupyter.bridges.ros.setup import Wire
+from lrp_jupyter.bridges.ros.sim_time import SimTime
 from lrp_jupyter.bridges.ros.types import Types
+from lrp_jupyter.live.session import Session
 
 THERE = 1_800_000_000.0  # the robot's time when it is 0 here
 
@@ -147,3 +151,59 @@ def test_a_program_can_use_two_messages_in_a_tick(
         watch.tick()
         now += 5.0 if tick == 6 else period  # a stall changes nothing
     assert watch.seconds == pace
+
+
+class Elsewhere(NullBridge, offered=False):
+    """No robot, in a world with a time of its own."""
+
+    def __init__(self, time: SimTime) -> None:
+        self.time = time
+
+    @property
+    def world_clock(self) -> SimTime:
+        return self.time
+
+
+@given(
+    st.integers(0, 2 * 10**18),
+    st.lists(st.integers(-3 * 10**9, 10**9), max_size=40),
+    st.sampled_from([0, 4, 10, 50]),
+    st.sets(st.integers(0, 40)),
+)
+def test_a_session_goes_by_the_time_that_is_told_and_ticks_when_that_says_so(
+    start: int, steps: list[int], rate: int, pauses: set[int]
+) -> None:
+    backwards: list[float] = []
+    time = SimTime(backwards.append)
+    with Session("(machine m (state s)) (spawn m s)", Elsewhere(time), rate=rate) as session:
+        ticks: list[float] = []
+        session.on_tick(lambda: ticks.append(session.interpreter.now))
+        session.resume()
+        session._loop.turn()
+        assert not ticks, "no time has come"
+        passed, shown = 0, start
+        time.tell(shown)
+        for number, step in enumerate(steps):
+            session._loop.turn()
+            if number in pauses:
+                session.pause()
+            step = max(step, -shown)
+            shown += step
+            time.tell(shown)
+            passed += max(0, step) if number not in pauses else 0
+            session.resume()
+        session._loop.turn()
+        assert time.now() == pytest.approx(passed / 1e9, abs=1e-6)
+        assert len(ticks) <= len(steps) + 1
+        assert all(before < after for before, after in pairwise(ticks))
+        assert time.now() - ticks[-1] < session._loop.timing.period + 1e-6, "none that is due is left out"
+        assert len(backwards) == sum(step < 0 for step in _taken(start, steps))
+
+
+def _taken(start: int, steps: list[int]) -> list[int]:
+    """The steps that do not lead before 0."""
+    taken = []
+    for step in steps:
+        taken.append(max(step, -start))
+        start += taken[-1]
+    return taken
