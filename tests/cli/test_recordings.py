@@ -47,9 +47,7 @@ def test_when_it_was_recorded_is_told_and_what_the_robots_clock_showed(lrp, reco
     path = recorded("--set", "limit=20")
     done = lrp("replay", path)
     when = datetime.fromisoformat(done.stdout.split()[1].rstrip("."))
-    assert (
-        before <= when + timedelta(milliseconds=1) <= datetime.now().astimezone() + timedelta(milliseconds=1)
-    )
+    assert before - timedelta(milliseconds=1) <= when <= datetime.now().astimezone()
     first, *lines = map(json.loads, path.read_text().splitlines())
     del first["recorded"]  # as before there was this field
     next(line for line in lines if line.get("time") == 0.5 and "readings" in line)["clock"] = 105.8
