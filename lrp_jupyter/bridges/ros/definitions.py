@@ -223,6 +223,9 @@ KNOWN: Mapping[str, Definition] = {
 }
 """Definitions that need no server."""
 
+CLOCK = "rosgraph_msgs/Clock"
+"""Type of the topic with the time of a simulation, or of a bag."""
+
 _TIME = Definition("builtin_interfaces/Time", {"sec": FieldType("int32"), "nanosec": FieldType("uint32")})
 _FRAME = {"frame_id": FieldType("string")}
 
@@ -230,11 +233,13 @@ HEADERS: Mapping[int, Mapping[str, Definition]] = {
     1: {
         "std_msgs/Header": Definition(
             "std_msgs/Header", {"seq": FieldType("uint32"), "stamp": FieldType("time"), **_FRAME}
-        )
+        ),
+        CLOCK: Definition(CLOCK, {"clock": FieldType("time")}),
     },
     2: {
         _TIME.type: _TIME,
         "std_msgs/Header": Definition("std_msgs/Header", {"stamp": FieldType(_TIME.type), **_FRAME}),
+        CLOCK: Definition(CLOCK, {"clock": FieldType(_TIME.type)}),
     },
 }
-"""What a header is in ROS 1 and in ROS 2."""
+"""What a header is, and the time itself, in ROS 1 and in ROS 2."""

@@ -29,9 +29,6 @@ from lrp_jupyter.errors import BridgeError, LRPError, did_you_mean, ended
 GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
 
-CLOCK = "rosgraph_msgs/Clock"
-"""Type of the topic with the time of a simulation, or of a bag."""
-
 SIM_TIME = "/use_sim_time"
 """Name of the parameter of ROS 1 that says that the time of all nodes is that of `/clock`."""
 

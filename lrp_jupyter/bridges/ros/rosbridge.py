@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros.definitions import (
+    CLOCK,
     FLOATS,
     HEADERS,
     KNOWN,
@@ -29,7 +30,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 from lrp_jupyter.bridges.ros.frames import knows_cbor
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.kept import LastMessage
-from lrp_jupyter.bridges.ros.link import CLOCK, Receive, Transport
+from lrp_jupyter.bridges.ros.link import Receive, Transport
 from lrp_jupyter.bridges.ros.ros_request import TaskClient
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
 from lrp_jupyter.bridges.ros.server_calls import ServerTask
@@ -134,8 +135,8 @@ class RosbridgeTransport(Transport):
     def define(self, type_: str) -> Mapping[str, Definition] | None:
         """Return the definitions of a type; the server is asked only for those that are not known here."""
         topics = self._rosapi.topics()
-        header = HEADERS[2 if self._rosapi.is_ros2 else 1] if topics else {}
-        found = {} if Types().knows(type_) else self._rosapi.define(type_)
+        header = HEADERS[2 if self._rosapi.is_ros2 else 1] if topics or type_ == CLOCK else {}
+        found = {} if Types().knows(type_) or type_ in header else self._rosapi.define(type_)
         if found is None:
             return None
         found = {**header, **found}

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import nanoseconds_of
-from lrp_jupyter.bridges.ros.link import CLOCK
+from lrp_jupyter.bridges.ros.definitions import CLOCK
 from lrp_jupyter.bridges.ros.setup import Wire
 
 TOPIC = "/clock"

@@ -156,11 +156,11 @@ def test_a_program_can_use_two_messages_in_a_tick(
 class Elsewhere(NullBridge, offered=False):
     """No robot, in a world with a time of its own."""
 
-    def __init__(self, time: SimTime) -> None:
+    def __init__(self, time: SimTime | None) -> None:
         self.time = time
 
     @property
-    def world_clock(self) -> SimTime:
+    def world_clock(self) -> SimTime | None:
         return self.time
 
 
@@ -207,3 +207,29 @@ def _taken(start: int, steps: list[int]) -> list[int]:
         taken.append(max(step, -start))
         start += taken[-1]
     return taken
+
+
+def test_a_session_goes_on_where_it_is_when_a_time_is_found_or_given_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    wall = [100.0]
+    monkeypatch.setattr("lrp_jupyter.live.clock.monotonic", lambda: wall[0])
+    elsewhere = Elsewhere(None)
+    with Session("(machine m (state s)) (spawn m s)", elsewhere) as session:
+        session.resume()
+        wall[0] += 1.0
+        session._loop.turn()
+        assert session.frame.time == 1.0
+        elsewhere.time = SimTime(lambda _seconds: None)
+        wall[0] += 5.0
+        session._loop.turn()
+        for second in (50, 51):
+            elsewhere.time.tell(second * 10**9)
+            session._loop.turn()
+        assert session.frame.time == 2.0
+        elsewhere.time = None
+        wall[0] += 0.5
+        session._loop.turn()
+        wall[0] += 0.5
+        session._loop.turn()
+        assert session.frame.time == 2.5

@@ -653,6 +653,19 @@ def test_a_time_stamp_that_was_not_set_is_the_time_of_sending(make: Make, server
     assert stamps == [now, now, {"secs": 3, "nsecs": 0}, {"secs": 0, "nsecs": 0}]
 
 
+@pytest.mark.parametrize("rosapi", [True, False])
+def test_in_a_simulation_it_is_the_time_of_that(
+    make: Make, serve: Callable[..., Any], ros2: Any, rosapi: bool
+) -> None:
+    server = serve(rosapi=rosapi)
+    ros = opened(make, port=server.port, sim_time=True)
+    ros.publish("move", "/cmd", "geometry_msgs/TwistStamped")
+    until(lambda: ros2.send("/clock", clock={"sec": 7, "nanosec": 5}) or ros.world_time() == 7.000000005)
+    ros.robot.move(linear=0.2)
+    stamp = until(lambda: ros2.heard)[0][1]["header"]["stamp"]
+    assert tuple(stamp.values()) == (7, 5)
+
+
 def test_no_error_is_left_in_the_log_of_the_robot(make: Make, server: Any, graph: Any) -> None:
     ros = opened(make)
     ros.subscribe("odom", "/odom")
