@@ -219,17 +219,17 @@ def test_a_session_goes_on_where_it_is_when_a_time_is_found_or_given_up(
         session.resume()
         wall[0] += 1.0
         session._loop.turn()
-        assert session.frame.time == 1.0
+        assert session._loop.timing.now == 1.0
         elsewhere.time = SimTime(lambda _seconds: None)
         wall[0] += 5.0
         session._loop.turn()
         for second in (50, 51):
             elsewhere.time.tell(second * 10**9)
             session._loop.turn()
-        assert session.frame.time == 2.0
+        assert session._loop.timing.now == 2.0
         elsewhere.time = None
         wall[0] += 0.5
         session._loop.turn()
         wall[0] += 0.5
         session._loop.turn()
-        assert session.frame.time == 2.5
+        assert session._loop.timing.now == 2.5
