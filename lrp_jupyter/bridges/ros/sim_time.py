@@ -209,7 +209,7 @@ class ClockChannel(Channel):
         if self.problem:
             return f"The time on `{TOPIC}`: {self.problem}"
         if self.time.has_begun:
-            return f"The time on `{TOPIC}` stands still: the program goes on when it does."
+            return f"The time on `{TOPIC}` stands still, and the program with it."
         return (
             f"{self.reason} is set, and no time arrives on `{TOPIC}`: the program waits for it. Start the"
             " simulation, or `rosbag play --clock`. For a robot that is real, set `sim_time=false`."

@@ -174,7 +174,7 @@ class TestRos1:
             world.go(session, 100.0, 100.1)
             until(lambda: any(notice.kind == "tick watchdog" for notice in ros.safety.notices))
             assert not ros.safety.motion
-            until(lambda: "`/clock` stands still" in ros.status.sentence)
+            until(lambda: "`/clock` stands still, and the program with it" in ros.status.sentence)
             assert session.frame.tick == 2
             world.go(session, 100.2)
             assert ros.safety.motion, "it goes on with the time"
