@@ -110,6 +110,8 @@ def listed(findings: Sequence[Finding], count: int) -> tuple[Finding, ...]:
 class LRPError(Exception):
     """Base class of the errors that this package raises deliberately."""
 
+    exit_code = 2  # of the command line
+
 
 class LRPSyntaxError(LRPError):
     """A text is not a valid program.
@@ -172,6 +174,12 @@ class SessionTimeoutError(LRPError, TimeoutError):
 
 class BridgeError(LRPError):
     """A bridge cannot reach its robot, or rejects a command."""
+
+
+class NoAnswerError(BridgeError):
+    """No robot answers where one is looked for; it may come later."""
+
+    exit_code = 4
 
 
 class FileError(LRPError, OSError):

@@ -175,6 +175,9 @@ class Bridge(Interface, ABC):
         if offered:
             Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
+    status_listener: Callable[[BridgeStatus], object] | None = None
+    """Called with each new status, on whatever thread sets it."""
+
     _ticks = 0
     _ticks_in = 0  # the thread
     _late: BridgeStatus | None = None  # while data are too old to drive on
@@ -356,9 +359,16 @@ class Bridge(Interface, ABC):
             self._status = status
             if is_lost or connection in _UP:
                 safety.lost = status.sentence if is_lost else ""
+        if self.status_listener is not None:
+            self.status_listener(status)
         if began and self._is_open:
             safety.notice("fault", status.sentence)
             self.stop_all()
+
+    @property
+    def unreached(self) -> str:
+        """Why a run that ends now did not have its robot, a sentence; empty: it had."""
+        return self.status.sentence if self.status.state is ConnectionState.LOST else ""
 
     def open(self) -> Panel | None:
         """Open the interface, once; return the panel.

@@ -8,7 +8,7 @@ import time
 from abc import ABC, abstractmethod
 from enum import Enum
 
-from lrp_jupyter.errors import BridgeError, sentence_of
+from lrp_jupyter.errors import BridgeError, NoAnswerError, sentence_of
 
 _CALM = 0.3  # s that the thread has to end before the connection is closed under it
 _JOIN = 1.7  # s that it has after that
@@ -40,7 +40,9 @@ class Link(ABC):
 
     def __init__(self, name: str) -> None:
         self._stage, self._failure, self._is_due = Stage.OPENING, "", False
-        self._changed = threading.Condition()  # for these three
+        self._is_absent = False  # whether the failure is that no robot answers
+        self._changed = threading.Condition()  # for these four
+        self._again = False  # whether opening goes on then
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     # -- on the link's thread ---------------------------------------------------------------------
@@ -77,13 +79,15 @@ class Link(ABC):
 
     def _turn(self) -> float:
         """Do what the stage says, and go on to the next one; return the seconds until that."""
-        pause, failure, self._is_due = 0.0, "", False
+        pause, failure, is_absent, self._is_due = 0.0, "", False, False
         try:
             pause = self.attend() if self._stage is Stage.UP else self.connect()
         except BaseException as error:  # also of an author's code: a thread must not die unseen
-            failure = self.explain(error)
+            failure, is_absent = self.explain(error), isinstance(error, NoAnswerError)
         with self._changed:
-            self._stage, self._failure = _NEXT[self._stage][bool(failure)], failure
+            self._failure, self._is_absent = failure, is_absent
+            if not (self._stage is Stage.OPENING and self._again and is_absent):
+                self._stage = _NEXT[self._stage][bool(failure)]
             self._changed.notify_all()
         if failure and not self.is_ended:
             pause = self.lose(failure)
@@ -93,12 +97,21 @@ class Link(ABC):
     # -- on any thread ----------------------------------------------------------------------------
 
     @property
+    def is_opening(self) -> bool:
+        """Whether it was not connected yet, and someone waits for that."""
+        return self._stage is Stage.OPENING
+
+    @property
     def is_ended(self) -> bool:
         """Whether it was closed, or could not be opened."""
         return self._stage is Stage.ENDED
 
-    def open(self, patience: float | None = None) -> bool:
-        """Connect; return whether that took less than `patience` seconds; BridgeError: it is not possible."""
+    def open(self, patience: float | None = None, again: bool = False) -> bool:
+        """Connect; return whether that took less than `patience` seconds; BridgeError: it is not possible.
+
+        `again`: where no robot answers, try it again as long as that lasts.
+        """
+        self._again = again
         self._thread.start()
         end, in_time = time.monotonic() + (math.inf if patience is None else patience), False
         try:
@@ -106,10 +119,11 @@ class Link(ABC):
                 with self._changed:
                     in_time = self._changed.wait_for(lambda: self._stage is not Stage.OPENING, _SLICE)
         finally:
+            failure, is_absent = self._failure, self._is_absent  # not that of an attempt that is broken off
             if not in_time or self.is_ended:
                 self.close()
-        if in_time and self.is_ended:
-            raise BridgeError(self._failure)
+        if failure and self.is_ended:
+            raise (NoAnswerError if is_absent else BridgeError)(failure)
         return in_time
 
     def search(self) -> None:

@@ -31,7 +31,7 @@ class _Commands(TyperGroup):
                 name = f"`{error.filename}` cannot be used: " if error.filename else ""
                 error = LRPError(f"{name}{error.strerror or str(error)}.")
             typer.echo(f"lrp: {error}", err=True)
-            raise typer.Exit(2) from None
+            raise typer.Exit(error.exit_code) from None
 
 
 class _Command(TyperCommand):
@@ -138,9 +138,9 @@ def lrp(
     Start with `lrp run follower`.
 
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
-    happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 130
-    after Ctrl-C; 154 when a call of C that cannot be interrupted has exceeded a limit. The help of `run`,
-    `check`, `format`, `graph`, `grade` and `sweep` has the details.
+    happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 4
+    when no robot answers; 130 after Ctrl-C; 154 when a call of C that cannot be interrupted has exceeded a
+    limit. The help of `run`, `check`, `format`, `graph`, `grade` and `sweep` has the details.
     """
 
 
@@ -148,7 +148,8 @@ RUN_EPILOG = """
 **Exit code**: 0 when the run ended normally, 1 when the text is not a valid program (or `--until` was not
 reached, or the run paused, at an issue or a breakpoint, and nothing can resume it, or a block did not return
 for 10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong,
-3 when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended the run, 154 when a run with
+3 when the interpreter itself failed, 4 when the robot did not answer, nothing of it ever worked, or it was
+lost at the end, 130 when Ctrl-C stopped the robot and ended the run, 143 after SIGTERM, 154 when a run with
 `--for` was ended because one call of C did not return: the stacks that are printed then show its line.
 
 **Live programming**: with `--watch` every save of the file patches the running program. A text that is not a

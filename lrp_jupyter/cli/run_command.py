@@ -26,7 +26,7 @@ import typer
 from rich.console import RenderableType
 from rich.text import Text
 
-from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
+from lrp_jupyter.bridges.bridge import Bridge, BridgeStatus, ConnectionState
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge
 from lrp_jupyter.bridges.options import options_of, refuse_options
 from lrp_jupyter.cli.board import Board, BoardState
@@ -38,7 +38,7 @@ from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.program_source import Source, Watch, read_source
 from lrp_jupyter.cli.run_options import RunOptions, check_outputs, with_initials
 from lrp_jupyter.cli.terminal import Keys, Writer, recorded_signals
-from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
+from lrp_jupyter.errors import FileError, LRPError, NoAnswerError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.lookup import called, find, means
@@ -332,10 +332,16 @@ class _Run:
             self.session.submit(do.EndAt(0.0))
 
     def _is_over(self) -> bool:
-        """Return whether the time is up, the state to be entered was entered, or the session has ended."""
+        """Return whether the time is up, the state entered, the robot gone for good, or the session over."""
         frame = self.session.frame
         is_late = frame.time >= self.wanted.seconds - _ROUNDING
-        return is_late or self._events.reached.is_set() or frame.status in ("broken", "closed", "stopped")
+        is_gone = bool(self.session.bridge.gone)  # and will not come back
+        return (
+            is_late
+            or self._events.reached.is_set()
+            or frame.status in ("broken", "closed", "stopped")
+            or is_gone
+        )
 
     def _is_paused(self) -> bool:
         return self.session.status == "paused" and not self._is_over()
@@ -586,7 +592,11 @@ class _Run:
             write_file(FilePath(self.wanted.animate), self.session.animation() + "\n")
         if self._caught:
             return 128 + self._caught[0]
-        missed = self.wanted.until is not None and not (self._events.reached.is_set() or self._quit)
+        reached = self.wanted.until is not None and self._events.reached.is_set()
+        if (unreached := self.session.bridge.unreached) and not reached:
+            self._complain(f"lrp: {unreached}")
+            return NoAnswerError.exit_code
+        missed = self.wanted.until is not None and not (reached or self._quit)
         return int(alone or missed or bool(self._stuck))
 
     def _report_breakpoints(self) -> None:
@@ -625,7 +635,9 @@ def open_robot(source: Source, wanted: RunOptions) -> Bridge:
     options = {key: text for key, text in wanted.answers.items() if known is None or key in known}
     bridge = make_bridge(name, **options)
     try:
+        bridge.status_listener = _tell_waiting
         bridge.open()
+        bridge.status_listener = None
         for key, text in wanted.answers.items():
             if key not in options:
                 bridge.answer(key, text)
@@ -635,6 +647,12 @@ def open_robot(source: Source, wanted: RunOptions) -> Bridge:
         bridge.close()
         raise
     return bridge
+
+
+def _tell_waiting(status: BridgeStatus) -> None:
+    """Print for what the opening of a robot waits."""
+    if status.state is ConnectionState.CONNECTING and status.sentence.startswith("Waiting"):
+        plain_console(stderr=True).print(f"lrp: {status.sentence}")
 
 
 def _with_ros_arguments(wanted: RunOptions, name: str) -> RunOptions:

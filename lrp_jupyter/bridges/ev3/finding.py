@@ -17,7 +17,7 @@ from typing import NamedTuple
 from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.lines import WAIT, BusyError, NoBrickError, open_bluetooth, open_tcp, reason
 from lrp_jupyter.bridges.ev3.usb import USB, open_usb, same_serial
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, NoAnswerError
 
 _PAUSE = 0.5  # seconds between two attempts at the same address
 _BLUETOOTH = re.compile(r"[0-9A-Fa-f]{2}(:?)(?:[0-9A-Fa-f]{2}\1){4}[0-9A-Fa-f]{2}")
@@ -123,7 +123,7 @@ def connect(
                     ear.answer(source)
                     address, serial, found = (source[0], beacon.port), beacon.serial, time.monotonic()
     unheard = ear.deaf or f"No beacon of it within {patience:g} s."
-    raise BridgeError(
+    raise NoAnswerError(
         f"No EV3 brick was found. {trouble + ' ' if trouble else ''}{unheard} "
         "Is it switched on, with WiFi, and in this network?"
     )

@@ -17,7 +17,7 @@ from lrp_jupyter.bridges.ros.link import Transport
 from lrp_jupyter.bridges.ros.rclpy import RclpyTransport
 from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
 from lrp_jupyter.bridges.ros.rospy import RospyTransport
-from lrp_jupyter.errors import BridgeError, did_you_mean
+from lrp_jupyter.errors import BridgeError, NoAnswerError, did_you_mean
 
 AUTO = "auto"
 """The name that leaves the choice to this module."""
@@ -162,7 +162,7 @@ def _choose_by_answer(host: str | None, port: int | str | None, domain: int | No
     parts = [f"{backend}: {why}" for backend, why in failures.items()]
     if missing:
         parts.append(f"Not asked, because Python cannot import them here: {', '.join(missing)}.")
-    raise BridgeError(f"No ROS robot answers. {' '.join(parts)}")
+    raise NoAnswerError(f"No ROS robot answers. {' '.join(parts)}")
 
 
 def _is_installed(backend: str) -> bool:

@@ -25,6 +25,7 @@ of the robot replaces it, asked once.
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import threading
 from collections.abc import Collection, Iterable, Mapping
@@ -70,7 +71,7 @@ from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.types_here import TypesHere
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.bridges.tasks import RobotTask
-from lrp_jupyter.errors import BridgeError, NoDataYet, ended
+from lrp_jupyter.errors import BridgeError, NoAnswerError, NoDataYet, ended
 
 _HERE = "lrp_jupyter.bridges.ros.bridge:RosBridge"
 _ANSWER = 1.0  # seconds that a person waits for a new connection to be made
@@ -99,8 +100,8 @@ class RosBridge(Bridge):
     setup : path or mapping, optional
         The connections; see `lrp_jupyter.bridges.ros.setup`. Later
         changes are written to a file.
-    patience : float
-        Seconds that opening may take.
+    patience : float or "inf"
+        Seconds for which opening waits for a master, a server or a robot that does not answer yet.
     node : str, optional
         Name of the node on this side, which no other node may have; a rosbridge server has its own.
         Default: one that begins with ``lrp_`` and differs each time.
@@ -136,7 +137,7 @@ class RosBridge(Bridge):
         host: str | None = None,
         port: int | str | None = None,
         setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
-        patience: float = 8.0,
+        patience: float | Literal["inf"] = 8.0,
         node: str | None = None,
         domain: int | str | None = None,
         messages: str | Iterable[str] = "",
@@ -153,7 +154,7 @@ class RosBridge(Bridge):
         own_name = None if self._is_guard else node
         self.names = GraphNames(own_name, namespace, remap, stem=GUARD_NODE if self._is_guard else "lrp")
         self._chosen: Choice | None = None
-        self._patience = real_number(patience, "patience")
+        self._patience = math.inf if patience in ("inf", math.inf) else real_number(patience, "patience")
         self._draft = Draft()
         self.wiring = Wiring(self.names, self._offer, self._withdraw)
         self._log = LogOutlet()
@@ -572,8 +573,8 @@ class RosBridge(Bridge):
             wiring.attach(link)
             if searching:
                 link.search()
-            elif not link.open(self._patience):
-                raise BridgeError(f"{link.place} did not answer within {self._patience:g} s.")
+            elif not link.open(self._patience, again=not self._is_guard):
+                raise NoAnswerError(f"{link.place} did not answer within {self._patience:g} s.")
         except BridgeError:
             wiring.link = None
             self.nodes.clear()
@@ -636,13 +637,24 @@ class RosBridge(Bridge):
 
     def _report(self, state: ConnectionState, sentence: str) -> None:
         """Apply a change of the connection; stop a robot that may not answer. On the link's thread."""
-        if state is not ConnectionState.LOST:
+        if state is ConnectionState.CONNECTING:
+            long = "" if self._patience == math.inf else f", at most {self._patience:g} s"
+            sentence = f"Waiting for the robot{long}: {sentence}"
+        elif state is not ConnectionState.LOST:
             sentence = f"{sentence} Back end: {self.connected_by}."
         self.set_status(state, sentence)
         link = self.wiring.link
         if state is ConnectionState.STALE and link is not None and link.transport.trouble():
             self.safety.notice("fault", sentence)
             self.stop_all()
+
+    @property
+    def unreached(self) -> str:
+        """Why a run that ends now did not have its robot, a sentence; empty: it had."""
+        channels = self.wiring.channels
+        if channels and not any(channel.has_worked or channel.works for channel in channels):
+            return f"Nothing of the robot ever worked. {self.status.sentence}"
+        return super().unreached
 
     # -- the panel --------------------------------------------------------------------------------
 

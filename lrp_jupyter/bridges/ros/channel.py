@@ -55,6 +55,7 @@ class Channel:
         self.clock = RobotClock()
         self.stamps = Stamps(self.clock)
         self.handle: object = None
+        self.has_worked = False
         self.has_moved = False  # whether a nonzero velocity was sent: on a loss, a stop may not have arrived
         self.owes_stop = False  # as soon as there is a connection again
         self.answered = threading.Event()
@@ -88,6 +89,13 @@ class Channel:
         if self.wire.direction != "action":
             return ()
         return tuple(request for request in tuple(self.requests) if not request.is_over)
+
+    @property
+    def works(self) -> bool:
+        """Whether a message has arrived, or one can be sent to whoever is there."""
+        if self.wire.direction == "subscription":
+            return self.latest is not None
+        return self.handle is not None and not (self.problem or self.waiting)
 
     @property
     def may_move(self) -> bool:

@@ -30,7 +30,7 @@ from lrp_jupyter.bridges.ros.definitions import Definition
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import VELOCITIES
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, NoAnswerError
 
 _FIND = 4.0  # seconds to find a node; Fast DDS tells of itself every 3 s
 _SETTLE = 1.5  # seconds until what a node has is known; its readers or its writers may come a second later
@@ -58,7 +58,7 @@ class DdsTransport(Transport):
         node = DdsNode(self._domain, self.names, self._host, types, lambda: self.changed())
         self._node = node
         if not node.wait_for(lambda: self._is_there(node), _FIND):
-            raise BridgeError(self._gone() if self._met else self._no_node())
+            raise NoAnswerError(self._gone() if self._met else self._no_node())
         node.wait_for(node.graph.is_whole, _SETTLE)
 
     def _is_there(self, node: DdsNode) -> bool:

@@ -291,6 +291,7 @@ class TopicLink(Link):
                 channel.problem = str(error)
         self.connected = True
         for channel in self._channels:
+            channel.has_worked |= channel.works
             if isinstance(channel.handle, TaskClient):
                 channel.handle.look()
         for outlet in self._outlets:
@@ -468,7 +469,8 @@ class TopicLink(Link):
             for request in channel.unfinished:
                 channel.owes_stop = True
                 request.tell("lost", reason=sentence)
-        self._report_change(ConnectionState.LOST, sentence)  # the transport may still send a stop
+        state = ConnectionState.CONNECTING if self.is_opening else ConnectionState.LOST
+        self._report_change(state, sentence)  # the transport may still send a stop
         return _AGAIN
 
     def _run(self) -> None:

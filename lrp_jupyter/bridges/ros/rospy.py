@@ -18,6 +18,7 @@ import threading
 import time
 import xmlrpc.client
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from http.client import HTTPConnection, HTTPException
 from io import BytesIO
 from typing import Any
@@ -37,7 +38,7 @@ from lrp_jupyter.bridges.ros.link import SIM_TIME, Receive, RefusedError, Transp
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words, sentence
 from lrp_jupyter.bridges.ros.setup import Direction
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, NoAnswerError
 
 _ANSWER = 2.0  # seconds for the master to answer
 _MEET = 0.5  # seconds for subscribers to connect to a new publisher
@@ -237,16 +238,17 @@ def _check_node() -> None:
         raise BridgeError(f"{why} There cannot be a second one: start the program, or the kernel, again.")
 
 
-def _note_end(reason: str) -> None:
+def _note_end() -> None:
     """Have the robot stopped while this node can still send; rospy calls it, on a thread of its own."""
     global _node_end
-    name = _rospy().get_name()
-    if "same name" in reason:  # the master's words
-        why = f"Another node has taken the name `{name}`, so the ROS master has ended this one."
-    else:
-        why = f"The ROS node `{name}` was shut down ({reason})."
+    rospy = _rospy()
+    name, users = rospy.get_name(), tuple(_transports)
+    why = f"The ROS node `{name}` was shut down from outside, as by `rosnode kill`."
+    with suppress(BridgeError):  # there may be no master
+        if _Master(_node_master).ask("lookupNode", name) != rospy.get_node_uri():
+            why = f"Another node has taken the name `{name}`, so the ROS master has ended this one."
     _node_end = why
-    for transport in tuple(_transports):
+    for transport in users:
         transport.ending(why)
 
 
@@ -292,7 +294,7 @@ def _make_node(master: str, names: GraphNames) -> None:
             root.handlers[:] = handlers
             root.setLevel(level)
         _node_master = master
-        rospy.core.add_preshutdown_hook(_note_end)
+        rospy.on_shutdown(_note_end)
 
 
 def _class_of(type_: str, whole: bool = False) -> Any:
@@ -365,7 +367,7 @@ class _Master:
             with xmlrpc.client.ServerProxy(self._uri, transport=_Timed()) as proxy:
                 code, text, value = getattr(proxy, question)("/lrp", *arguments)
         except (TimeoutError, OSError, HTTPException, xmlrpc.client.Error, ValueError) as error:
-            raise BridgeError(
+            raise NoAnswerError(
                 f"No ROS master answers at `{self._uri}` ({error}). Start `roscore`, or name its `host`."
             ) from None
         if code != 1:

@@ -25,7 +25,7 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.bridges.ros.frames import Fragments, decode
-from lrp_jupyter.errors import BridgeError, ended, sentence_of
+from lrp_jupyter.errors import BridgeError, NoAnswerError, ended, sentence_of
 
 if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
@@ -98,7 +98,7 @@ class Socket:
             self._opened.result(_CONNECT + 1)
         except TimeoutError:
             self.close()
-            raise BridgeError(f"`{self._url}` does not answer.") from None
+            raise NoAnswerError(f"`{self._url}` does not answer.") from None
 
     def close(self) -> None:
         """Send what is queued and end; wait for the thread, in bounded time."""
@@ -129,12 +129,14 @@ class Socket:
     # -- in its loop ------------------------------------------------------------------------------
 
     def _run(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        kind = BridgeError
         try:
             asyncio.run(self._live(beside))
         except Exception as error:
             self.ended = sentence_of(error)
+            kind = NoAnswerError if isinstance(error, NoAnswerError) else BridgeError
         if not self._opened.done():
-            self._opened.set_exception(BridgeError(self.ended or f"`{self._url}` closed the connection."))
+            self._opened.set_exception(kind(self.ended or f"`{self._url}` closed the connection."))
         self._changed()
 
     async def _live(self, beside: Callable[[], Coroutine[Any, Any, None]]) -> None:
@@ -266,7 +268,7 @@ async def _reach(url: str) -> ClientConnection:
     except OSError as error:
         why = error.strerror or str(error) or type(error).__name__
         hint = ", or write `ws://` if it does not encrypt" if url.startswith("wss:") else ""
-        raise BridgeError(
+        raise NoAnswerError(
             f"No rosbridge server answers at `{url}` ({why})."
             " Start it with `roslaunch rosbridge_server rosbridge_websocket.launch` (ROS 1) or"
             " `ros2 launch rosbridge_server rosbridge_websocket_launch.xml` (ROS 2), or name its"

@@ -100,11 +100,11 @@ def test_a_brick_that_hangs_up_is_reported_and_the_run_continues(brick, at, bare
     assert "rover/drive active; 1 issue" in output.splitlines()[-1]
 
 
-def test_a_host_that_is_not_a_brick_exits_with_2_and_one_sentence(brick, at, bare_lrp, rover):
+def test_a_host_that_is_not_a_brick_exits_with_4_and_one_sentence(brick, at, bare_lrp, rover):
     brick.unplug()
     run = bare_lrp("run", rover, *at(brick), "--option", "patience=0.3")
     _output, complaints = run.communicate(timeout=180)
-    assert run.returncode == 2
+    assert run.returncode == 4
     assert complaints.startswith("lrp: ")
     assert "127.0.0.1" in complaints
     assert "Traceback" not in complaints

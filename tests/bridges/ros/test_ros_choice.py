@@ -99,7 +99,7 @@ def test_where_nobody_answers_each_one_says_why() -> None:
     with pytest.raises(
         BridgeError, match=r"No ROS robot answers\. rosbridge: No rosbridge server .*roslaunch"
     ):
-        RosBridge(host="127.0.0.1", port=1).open()
+        RosBridge(host="127.0.0.1", port=1, patience=2).open()
 
 
 def test_a_back_end_that_cannot_be_used_keeps_no_other_one_from_being_asked(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
+import sys
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
@@ -87,6 +88,37 @@ def test_the_follower_drives_where_jupyter_and_the_libraries_of_other_back_ends_
     assert last_state(trace) == "follower/moving"
 
 
+@pytest.mark.ros
+@pytest.mark.slow
+def test_a_node_waits_for_its_master_has_its_name_and_does_not_fight_for_it(
+    real: Any, bare_lrp: Start, drive: Callable[..., Path], tmp_path: Path
+) -> None:
+    import rosgraph
+
+    setup = tmp_path / "robot.json"
+    setup.write_text(
+        json.dumps({"publishers": {"move": {"topic": "cmd_vel", "type": "geometry_msgs/Twist"}}})
+    )
+    real.kill_master()
+    options = ("--bridge", "ros", "-o", f"setup={setup}", "-o", "patience=inf")
+    launched = ("__name:=behaviour", "__ns:=/robot1", "/robot1/cmd_vel:=/cmd_vel")
+    run = bare_lrp("run", drive(), *options, *launched, environment=real.environment, before=PATIENT)
+    assert run.stderr is not None
+    assert run.stderr.readline().startswith("lrp: Waiting for the robot: No ROS master answers")
+    real.start_master()
+    wheels = real.lines(real.start_robot(world="empty"))
+    until(lambda: wheels and not wheels[-1].endswith(" 0.0"))
+    assert rosgraph.Master("/tests").lookupNode("/robot1/behaviour")
+    twin = (
+        "import rospy; rospy.init_node('behaviour', argv=['', '__ns:=/robot1']); print('ready'); rospy.spin()"
+    )
+    real.start(sys.executable, "-c", twin, "__ns:=/robot1", ready=True)
+    _output, complaints = run.communicate(timeout=180)
+    assert (run.returncode, complaints.count("\n")) == (4, 1)
+    assert "Another node has taken the name `/robot1/behaviour`" in complaints
+    until(lambda: wheels[-1].endswith(" 0.0"))
+
+
 # -- topics in memory -----------------------------------------------------------------------------
 
 
@@ -115,6 +147,54 @@ def test_a_run_survives_the_death_of_the_server_and_ctrl_c_stops_the_robot(
     until(lambda: speeds()[-1:] == [0.0])
     events = map(json.loads, trace.read_text().splitlines())
     assert [event["element"] for event in events if event["event"] == "issue"] == ["m/a"]
+
+
+@pytest.mark.slow
+def test_a_robot_that_is_lost_at_the_end_is_an_exit_code(
+    serve: Callable[..., Any], bare_lrp: Start, tmp_path: Path
+) -> None:
+    server, sign = serve(), tmp_path / "sign"
+    program, seen = tmp_path / "idle.lrp", f"__import__('os').path.exists({str(sign)!r})"
+    program.write_text(f"(machine m (state a) (state b (running [1 / 0])) (on [{seen}] a -> b)) (spawn m a)")
+    options = ("-o", f"setup={SETUP}", "--on-issue", "pause")
+    run = bare_lrp("run", program, *on(server.port, *options), before=PATIENT)
+    assert run.stdout is not None
+    lines = iter(run.stdout.readline, "")
+    assert any("Connected to" in line or "nothing has arrived" in line for line in lines)
+    server.close()
+    assert any("No rosbridge server answers" in line or "is lost" in line for line in lines)
+    sign.touch()
+    _output, complaints = run.communicate(timeout=180)
+    assert run.returncode == 4
+    assert "lrp: " in complaints
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM)])
+def test_waiting_for_a_robot_ends_at_once(
+    bare_lrp: Start, drive: Callable[..., Path], number: int, code: int
+) -> None:
+    run = bare_lrp("run", drive(), *on(9, "-o", "backend=rosbridge", "-o", "patience=inf"))
+    assert run.stderr is not None
+    assert run.stderr.readline().startswith("lrp: Waiting for the robot: No rosbridge server answers")
+    run.send_signal(number)
+    assert (run.communicate(timeout=180)[1], run.returncode) == ("", code)
+
+
+def test_a_robot_that_never_answered_or_of_which_nothing_ever_worked_is_an_exit_code(
+    server: Any, drive: Callable[..., Path], tmp_path: Path
+) -> None:
+    absent = lrp("run", drive(), *on(9, "--option", "patience=2"))
+    assert (absent.exit_code, "No rosbridge server answers" in absent.stderr) == (4, True)
+    setup = tmp_path / "robot.json"
+    setup.write_text(json.dumps({"subscriptions": {"light": "/lihgt"}}))
+    idle = tmp_path / "idle.lrp"
+    idle.write_text("(machine m (state a)) (spawn m a)")
+    silent = lrp("run", idle, *on(server.port, "--option", f"setup={setup}", "--for", "0.2"))
+    assert silent.exit_code == 4
+    assert (
+        "lrp: Nothing of the robot ever worked. `robot.light`: `/lihgt` does not exist yet" in silent.stderr
+    )
 
 
 def test_a_reading_of_the_robot_ends_the_run(server: Any, graph: Any, drive: Callable[..., Path]) -> None:
@@ -184,10 +264,9 @@ def test_a_program_for_the_simulator_is_shown_without_its_world() -> None:
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (on(9), "No rosbridge server answers at `ws://127.0.0.1:9`"),
         (on(9, "--option", "backend=rosbrige"), "Did you mean `rosbridge`?"),
         (on(9, "--option", "setup=nowhere.json"), "The set-up nowhere.json cannot be read"),
-        (on(9, "--option", "patience=soon"), "`patience` takes a number, not `soon`"),
+        (on(9, "--option", "patience=soon"), "`patience` takes `inf` or a number, not `soon`"),
         (on(9, "--speed", "2"), "`ros` moves in real time"),
         (on(9, "--world", "line"), "--world is for the simulator"),
     ],

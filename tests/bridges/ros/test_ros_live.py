@@ -291,7 +291,7 @@ def test_a_process_has_one_node_of_one_master(real: Any, connect: Connect) -> No
     with pytest.raises(BridgeError, match="belongs to"):
         RosBridge(backend="rospy", host="localhost", port=real.master_port).open()
     real.kill_master()
-    ros = RosBridge(backend="rospy", host="127.0.0.1", port=real.master_port)
+    ros = RosBridge(backend="rospy", host="127.0.0.1", port=real.master_port, patience=2)
     with pytest.raises(BridgeError, match="No ROS master answers"):
         ros.open()
     assert ros.status.state is ConnectionState.DISCONNECTED

@@ -157,7 +157,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         ({"host": "robot:x"}, "is not an address"),
         ({"port": "0"}, "is not an address"),
         ({"hots": "robot"}, "Did you mean `host`"),
-        ({"patience": "long"}, "`patience` takes a number, not `long`"),
+        ({"patience": "long"}, "`patience` takes `inf` or a number, not `long`"),
     ],
 )
 def test_a_wrong_option_is_refused(options: dict[str, Any], sentence: str) -> None:

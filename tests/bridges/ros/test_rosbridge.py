@@ -825,5 +825,5 @@ def test_a_certificate_that_is_not_trusted_is_named_with_what_to_do(
 
 def test_a_server_that_does_not_encrypt_is_not_spoken_to_in_the_clear(server: Any) -> None:
     with pytest.raises(BridgeError, match=r"write `ws://` if it does not encrypt"):
-        RosBridge(host=f"wss://127.0.0.1:{server.port}").open()
+        RosBridge(host=f"wss://127.0.0.1:{server.port}", patience=2).open()
     assert server.requests == []

@@ -98,7 +98,7 @@ def test_opening_fails_where_no_rosbridge_server_is_and_says_how_to_start_one(
 ) -> None:
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
-        ros = RosBridge("rosbridge", "127.0.0.1", unused.getsockname()[1])
+        ros = RosBridge("rosbridge", "127.0.0.1", unused.getsockname()[1], patience=2)
         with pytest.raises(
             BridgeError, match=r"No rosbridge server answers at `ws://127\.0\.0\.1.*roslaunch"
         ):
@@ -117,7 +117,7 @@ def test_opening_fails_where_no_rosbridge_server_is_and_says_how_to_start_one(
         over.set()
     monkeypatch.setattr(websocket, "_CONNECT", 0.1)
     with pytest.raises(BridgeError, match=r"No rosbridge server answers|does not answer"):
-        make(port=stranger(b"")).open()
+        make(port=stranger(b""), patience=2).open()
 
 
 @pytest.mark.parametrize(

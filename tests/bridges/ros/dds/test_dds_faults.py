@@ -73,7 +73,7 @@ def test_an_action_and_a_service_are_refused_with_the_back_end_that_has_them(con
 
 @pytest.mark.usefixtures("impatient")
 def test_where_nobody_is_opening_fails_and_says_what_to_look_at(make: Make, domain: int) -> None:
-    ros = make()
+    ros = make(patience=2)
     sentence = rf"No node answers in ROS 2's domain {domain}\. Is the robot on.*`ROS_DOMAIN_ID` {domain}\?"
     with pytest.raises(BridgeError, match=sentence):
         ros.open()
