@@ -418,7 +418,8 @@ class _Run:
         """Print what happened to the connection, each time, and to the safety, once."""
         notices = self.session.bridge.safety.notices  # first: what they are about is then in the status
         status = self.session.bridge.status
-        if status.state not in (self._connection, ConnectionState.DISCONNECTED):
+        is_news = status.state is ConnectionState.WAITING and status.sentence not in self._notices
+        if is_news or status.state not in (self._connection, ConnectionState.DISCONNECTED):
             self._connection = status.state
             self._notices.add(status.sentence)  # the notice of a loss is its status
             style = "bold red" if status.state in _BAD else "yellow"

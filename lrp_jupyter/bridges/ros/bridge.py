@@ -476,8 +476,13 @@ class RosBridge(Bridge):
         goals = _names(channel for channel in sent if channel.wire.direction == "action")
         moving = [channel for channel in sent if channel.wire.at_tick is None]  # the others begin nothing
         others = _names((channel for channel in moving if not _is_stopped(channel)), " or ")
+        unheard = "".join(
+            f" {channel.unheard[0].upper()}{ended(channel.unheard[1:])}"
+            for channel in sent
+            if channel.unheard
+        )
         if not (others or named or goals):
-            return super().failsafe
+            return f"{super().failsafe}{unheard}"
         does = (
             zeros and f"is a velocity of zero on {zeros}",
             goals and f"cancels the goals of {goals}",
@@ -485,7 +490,7 @@ class RosBridge(Bridge):
         )
         how = f"Every stop {' and '.join(filter(None, does))}" if any(does) else "No stop is sent"
         rest = f": what was sent to {others} and has begun goes on" if others else ""
-        return f"{super().failsafe} {how}{rest}."
+        return f"{super().failsafe} {how}{rest}.{unheard}"
 
     def stopper(self) -> Stopper | None:
         """Return a bridge that can stop the same things, with a connection of its own."""

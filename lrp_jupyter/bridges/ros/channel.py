@@ -52,6 +52,7 @@ class Channel:
         self.is_unclear = False  # whether some number was infinite or NaN, and it is not known which
         self.is_asked_for = False  # whether the robot is being asked for what is missing
         self.commanders: tuple[str, ...] = ()  # of a publisher of velocities: who else publishes on its topic
+        self.unheard = ""  # of a publisher of velocities: that no node hears it, a sentence
         self.clock = RobotClock()
         self.stamps = Stamps(self.clock)
         self.handle: object = None

@@ -29,7 +29,6 @@ from lrp_jupyter.bridges.ros.dds_types import MessageTypes
 from lrp_jupyter.bridges.ros.definitions import Definition
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
-from lrp_jupyter.bridges.ros.types import VELOCITIES
 from lrp_jupyter.errors import BridgeError, NoAnswerError
 
 _FIND = 4.0  # seconds to find a node; Fast DDS tells of itself every 3 s
@@ -110,9 +109,15 @@ class DdsTransport(Transport):
 
     def commanders(self, topic: str) -> tuple[str, ...]:
         """Return the names of the other nodes that publish on a topic."""
+        return tuple(name for name in self._names(topic, writes=True) if name)
+
+    def listeners(self, topic: str) -> tuple[str, ...]:
+        """Return the names of the other nodes that subscribe to a topic, even while they are not known."""
+        return tuple(name or "a node" for name in self._names(topic, writes=False))
+
+    def _names(self, topic: str, writes: bool) -> list[str]:
         node = self._open_node()
-        names = {node.name_of(end) for end in node.graph.ends(f"rt{topic}", writes=True)}
-        return tuple(sorted(names - {""}))
+        return sorted({node.name_of(end) for end in node.graph.ends(f"rt{topic}", writes)})
 
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
@@ -173,4 +178,4 @@ class DdsTransport(Transport):
             return ""
         if (handle.topic, writes) in self._met:
             return f"no other node {'subscribes to' if writes else 'publishes'} {topic} any more"
-        return f"no other node subscribes to {topic}" if writes and handle.type in VELOCITIES else ""
+        return ""

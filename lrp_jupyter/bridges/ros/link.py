@@ -36,6 +36,7 @@ SLOW = 0.3
 """Round trip in seconds above which the link is reported as slow."""
 
 _AGAIN = 0.5  # seconds until a connection that was lost, or a topic that is missing, is tried again
+_ALIKE = 5  # topics that are looked at, where no node hears a velocity
 _FAST = 0.2  # seconds of a round trip below which a link is no longer slow
 
 
@@ -168,6 +169,10 @@ class Transport(ABC):
     def commanders(self, topic: str) -> tuple[str, ...]:
         """Return the other nodes that publish on a topic now. Default: none is known."""
         return ()
+
+    def listeners(self, topic: str) -> tuple[str, ...] | None:
+        """Return the other nodes that subscribe to a topic now. Default: None, it is not known."""
+        return None
 
     def hint(self, handle: object) -> str:
         """Return why nothing arrives in a subscription, in a sentence. Default: it is not known."""
@@ -344,7 +349,7 @@ class TopicLink(Link):
             return
         if channel.handle is not None:
             if channel.type == type_:
-                channel.waiting = self._hint(channel.handle)
+                channel.waiting = self._hint(channel, channel.handle)
                 if wire.direction == "subscription":
                     self.transport.hear(channel.handle, channel.takes_all)
                 return
@@ -373,11 +378,30 @@ class TopicLink(Link):
             handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive, every)
         if channel.owes_stop:
             self._pay_stop(channel, handle)
-        channel.problem, channel.waiting = "", self._hint(handle)
+        channel.problem, channel.waiting = "", self._hint(channel, handle)
         channel.handle = handle
 
-    def _hint(self, handle: object) -> str:
-        return handle.hint() if isinstance(handle, TaskClient) else self.transport.hint(handle)
+    def _hint(self, channel: Channel, handle: object) -> str:
+        hint = handle.hint() if isinstance(handle, TaskClient) else self.transport.hint(handle)
+        channel.unheard = (hint or self._unheard(channel)) if channel.is_velocity else ""
+        return hint or channel.unheard
+
+    def _unheard(self, channel: Channel) -> str:
+        """Return that no node hears the velocities of a channel, in a sentence, or an empty text."""
+        topic, topics = channel.wire.topic, self.live["topic"]
+        if self._listeners(topic) != ():
+            return ""
+        name = topic.rpartition("/")[2]
+        alike = [each for each in topics if each != topic and each.rpartition("/")[2] == name]
+        alike += [each for each in topics if topics[each] == channel.type and each not in (topic, *alike)]
+        heard = ((each, self._listeners(each)) for each in alike[:_ALIKE])
+        found = next(((each, nodes[0]) for each, nodes in heard if nodes), None)
+        hint = "" if found is None else ". Did you mean `{}`, to which `{}` subscribes?".format(*found)
+        return f"no other node subscribes to `{topic}`{hint}"
+
+    def _listeners(self, topic: str) -> tuple[str, ...] | None:
+        nodes = self.transport.listeners(topic)
+        return nodes and tuple(node for node in nodes if GUARD_NODE not in node)
 
     def _live_type(self, channel: Channel) -> str | None:
         """Return the type of what is live there; empty: there is nothing; None while it is asked for."""
@@ -464,7 +488,7 @@ class TopicLink(Link):
             outlet.wait()
         for channel in self._wanted():
             channel.forget()
-            channel.problem, channel.commanders = sentence, ()
+            channel.problem, channel.commanders, channel.unheard = sentence, (), ""
             channel.owes_stop |= channel.has_moved
             for request in channel.unfinished:
                 channel.owes_stop = True

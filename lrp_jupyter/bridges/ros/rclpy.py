@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import importlib
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 from weakref import WeakSet
@@ -124,8 +124,11 @@ class RclpyTransport(Transport):
 
     def commanders(self, topic: str) -> tuple[str, ...]:
         """Return the names of the other nodes that publish on a topic."""
-        infos = self._others(topic, "publishers")
-        return tuple(sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos))
+        return _names(self._others(topic, "publishers"))
+
+    def listeners(self, topic: str) -> tuple[str, ...]:
+        """Return the names of the other nodes that subscribe to a topic."""
+        return _names(self._others(topic, "subscriptions"))
 
     def _others(self, topic: str, who: str) -> list[Any]:
         """Return what is known of the endpoints of other nodes: ``publishers`` or ``subscriptions``."""
@@ -241,6 +244,10 @@ class _Subscription:
         """Pass on a message."""
         if self.last.is_news(message):
             self.receive(message)
+
+
+def _names(infos: Iterable[Any]) -> tuple[str, ...]:
+    return tuple(sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in infos))
 
 
 def _import(module: str) -> Any:

@@ -71,6 +71,7 @@ class Rosapi:
         self.trouble = ""  # that ROS itself does not answer: a sentence
         self.has_sim_time: bool | None = None  # what ROS 1 says of its time; None: it has not been asked
         self.publishers: Mapping[str, tuple[str, ...]] = {}  # on the watched topics, without rosbridge itself
+        self.subscribers: Mapping[str, tuple[str, ...]] = {}  # … of those topics of which it was asked
         self._in_need = False
         self._url, self._clock, self._warn, self._changed = url, clock, warn, changed
         self._topics: Mapping[str, str] = {}
@@ -85,6 +86,7 @@ class Rosapi:
         self._distribution: str | None = None
         self._own: tuple[str, ...] = ()
         self._watched: frozenset[str] = frozenset()
+        self._heard_by: frozenset[str] = frozenset()
         self._wanted: frozenset[str] = frozenset()
         self._types: dict[str, Mapping[str, Definition] | BridgeError] = {}
         self._listeners: Mapping[str, tuple[str, Callable[[Any], None]]] = {}
@@ -166,12 +168,12 @@ class Rosapi:
         self._listeners = {name: each for name, each in self._listeners.items() if name != topic}
         self._wake.ring()
 
-    def watch(self, topics: Iterable[str], in_need: bool) -> None:
-        """Choose the topics whose publishers are asked for; sooner if something is missing (`in_need`)."""
-        watched = frozenset(topics)
-        if watched - self._watched or (in_need and not self._in_need):
+    def watch(self, published: Iterable[str], heard: Iterable[str], in_need: bool) -> None:
+        """Choose the topics whose publishers, and subscribers, are asked for; sooner if one is missing."""
+        watched, heard_by = frozenset(published), frozenset(heard)
+        if watched - self._watched or heard_by - self._heard_by or (in_need and not self._in_need):
             self._wake.ring()
-        self._watched, self._in_need = watched, in_need
+        self._watched, self._heard_by, self._in_need = watched, heard_by, in_need
 
     # -- in the event loop of the connection ------------------------------------------------------
 
@@ -195,7 +197,7 @@ class Rosapi:
             await self._hang_up()
 
     def _news(self) -> tuple[object, ...]:
-        return self._topics, self.publishers, self.trouble, self._exists, self._offers
+        return self._topics, self.publishers, self.subscribers, self.trouble, self._exists, self._offers
 
     async def _ask_all(self) -> bool:
         """Ask what there is to ask; return whether one of the answers is awaited."""
@@ -220,7 +222,9 @@ class Rosapi:
             self._taken[topic] = (time.monotonic(), bool(is_taken))
         self._wanted -= wanted
         self._doubted -= doubted
-        self.publishers = {topic: await self._others(topic) for topic in self._watched}
+        self.publishers = {topic: await self._others("publishers", topic) or () for topic in self._watched}
+        heard = {topic: await self._others("subscribers", topic) for topic in self._heard_by}
+        self.subscribers = {topic: nodes for topic, nodes in heard.items() if nodes is not None}
         return appeared or bool(wanted or doubted or unknown)
 
     async def _list_offers(self) -> None:
@@ -305,19 +309,18 @@ class Rosapi:
         if before is not False:
             self._warn(f"`{self._url}` {why}")
 
-    async def _others(self, topic: str) -> tuple[str, ...]:
-        """Return who publishes on a topic, without rosbridge."""
+    async def _others(self, who: str, topic: str) -> tuple[str, ...] | None:
+        """Return the ``publishers`` or ``subscribers`` of a topic, without those on our side."""
         if not self._own:
-            self._own = await self._nodes("publishers", _OWN)
-        return tuple(
-            node
-            for node in await self._nodes("publishers", topic)
-            if (node not in self._own if self._own else "rosbridge" not in node)
+            self._own = await self._nodes("publishers", _OWN) or ()
+        own, nodes = self._own, await self._nodes(who, topic)
+        return nodes and tuple(
+            node for node in nodes if (node not in own if own else "rosbridge" not in node)
         )
 
-    async def _nodes(self, who: str, topic: str) -> tuple[str, ...]:
-        answer = await self._try(f"/rosapi/{who}", topic=topic)
-        return tuple(map(str, answer.get(who, [])))
+    async def _nodes(self, who: str, topic: str) -> tuple[str, ...] | None:
+        answer = (await self._try(f"/rosapi/{who}", topic=topic)).get(who)
+        return None if answer is None else tuple(map(str, answer))
 
     async def _describe(self, type_: str) -> Mapping[str, Definition] | BridgeError:
         of, part, kind = part_of(type_)

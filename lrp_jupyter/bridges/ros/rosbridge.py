@@ -60,6 +60,7 @@ class RosbridgeTransport(Transport):
         self._outputs: dict[str, str] = {}  # the types of what was advertised
         self._echoes: dict[str, _Echo] = {}
         self._definitions: dict[str, Definition] = dict(KNOWN)
+        self._heard: set[str] = set()  # the topics of which it was asked who hears them
         self._packs: bool | None = None  # whether the server packs arrays; None: not seen yet
         self._ids = itertools.count(1)
 
@@ -281,7 +282,8 @@ class RosbridgeTransport(Transport):
             for each in self._inputs.values()
             if (rosapi.is_ros2 or each.heard is None) and now - (each.heard or each.since) > _QUIET
         ]
-        rosapi.watch([*self._echoes, *(each.topic for each in quiet)], in_need)
+        heard, self._heard = self._heard, set()
+        rosapi.watch([*self._echoes, *(each.topic for each in quiet)], heard, in_need)
         for each in quiet:
             publishers = frozenset(rosapi.publishers.get(each.topic, ()))
             if each.is_packed and each.heard is None and publishers and now - each.since > _UNPACKED:
@@ -351,6 +353,11 @@ class RosbridgeTransport(Transport):
         if not nodes and time.monotonic() - echo.strange < _FIGHT:
             return (f"another client of {self.place}",)
         return nodes
+
+    def listeners(self, topic: str) -> tuple[str, ...] | None:
+        """Return the other nodes that rosapi knew a moment ago; the first time, it is asked."""
+        self._heard.add(topic)
+        return self._rosapi.subscribers.get(topic)
 
 
 class _Handle(NamedTuple):

@@ -41,6 +41,8 @@ from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError, NoAnswerError
 
 _ANSWER = 2.0  # seconds for the master to answer
+_PROMPT = 0.5  # … and for a node, …
+_VALID = 2.0  # … which is asked again after so many
 _MEET = 0.5  # seconds for subscribers to connect to a new publisher
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
 _ANNOUNCED = 100  # … where each of them counts
@@ -66,6 +68,7 @@ class RospyTransport(Transport):
         self._topics: Mapping[str, str] = {}  # as the master knew them a moment ago, …
         self._system: Any = ([], [], [])  # … with who publishes, subscribes and serves
         self._service_types: dict[str, str] = {}
+        self._nodes: dict[str, tuple[float, bool]] = {}  # when they were asked, and whether they answered
 
     @property
     def log_name(self) -> str:
@@ -114,16 +117,32 @@ class RospyTransport(Transport):
         """Ask the master for the other publishers."""
         return self._others(topic, 0)
 
+    def listeners(self, topic: str) -> tuple[str, ...]:
+        """Ask the master for the other subscribers."""
+        return self._others(topic, 1)
+
     def _others(self, topic: str, section: int) -> tuple[str, ...]:
-        """Return the other nodes that publish (section 0) or subscribe (1)."""
+        """Return the other nodes that publish (section 0) or subscribe (1), and answer."""
         own = _rospy().get_name()
         return tuple(
             str(node)
             for name, nodes in self._master.ask("getSystemState")[section]
             if name == topic
             for node in nodes
-            if node != own
+            if node != own and self._answers(str(node))
         )
+
+    def _answers(self, node: str) -> bool:
+        """Return whether a node answers: the master does not notice that one was killed."""
+        asked, answers = self._nodes.get(node, (float("-inf"), False))
+        if time.monotonic() - asked > _VALID:
+            try:
+                _XmlRpc(self._master.ask("lookupNode", node), f"The node `{node}`", _PROMPT).ask("getPid")
+                answers = True
+            except BridgeError:
+                answers = False
+            self._nodes[node] = time.monotonic(), answers
+        return answers
 
     def define(self, type_: str) -> Mapping[str, Definition]:
         """Return the definitions from the classes of the installed packages."""
@@ -347,32 +366,47 @@ def _fields(type_: str) -> dict[str, FieldType]:
 class _Timed(xmlrpc.client.Transport):
     """XML-RPC with a timeout."""
 
+    def __init__(self, seconds: float) -> None:
+        super().__init__()
+        self._seconds = seconds
+
     def make_connection(self, host: Any) -> HTTPConnection:
         connection = super().make_connection(host)
-        connection.timeout = _ANSWER
+        connection.timeout = self._seconds
         return connection
 
 
-class _Master:
-    """The ROS master, asked with a time limit."""
+class _XmlRpc:
+    """The ROS master or a node, asked with a time limit; `who` begins a sentence about it."""
+
+    def __init__(self, uri: str, who: str, seconds: float) -> None:
+        self._uri, self._who, self._seconds = uri, who, seconds
+
+    def ask(self, question: str, *arguments: str) -> Any:
+        """Call a function of the other side and return its answer."""
+        try:
+            with xmlrpc.client.ServerProxy(self._uri, transport=_Timed(self._seconds)) as proxy:
+                code, text, value = getattr(proxy, question)("/lrp", *arguments)
+        except (TimeoutError, OSError, HTTPException, xmlrpc.client.Error, ValueError) as error:
+            raise NoAnswerError(self._silent(error)) from None
+        if code != 1:
+            raise BridgeError(f"{self._who} at `{self._uri}` refuses {question}: {text}")
+        return value
+
+    def _silent(self, error: Exception) -> str:
+        return f"{self._who} at `{self._uri}` does not answer ({error})."
+
+
+class _Master(_XmlRpc):
+    """The ROS master."""
 
     def __init__(self, uri: str) -> None:
-        self._uri = uri
+        super().__init__(uri, "The ROS master", _ANSWER)
         if not urlsplit(uri).hostname:
             raise BridgeError(f"`{uri}` is not the address of a ROS master. Write `http://host:11311`.")
 
-    def ask(self, question: str, *arguments: str) -> Any:
-        """Call a function of the master and return its answer."""
-        try:
-            with xmlrpc.client.ServerProxy(self._uri, transport=_Timed()) as proxy:
-                code, text, value = getattr(proxy, question)("/lrp", *arguments)
-        except (TimeoutError, OSError, HTTPException, xmlrpc.client.Error, ValueError) as error:
-            raise NoAnswerError(
-                f"No ROS master answers at `{self._uri}` ({error}). Start `roscore`, or name its `host`."
-            ) from None
-        if code != 1:
-            raise BridgeError(f"The ROS master at `{self._uri}` refuses {question}: {text}")
-        return value
+    def _silent(self, error: Exception) -> str:
+        return f"No ROS master answers at `{self._uri}` ({error}). Start `roscore`, or name its `host`."
 
 
 class RospyService(TaskClient):

@@ -106,6 +106,9 @@ class Graph:
     def other_publishes(self, topic: str, type_: str, **qos: Any) -> None:
         self.publishers.append(Endpoint(topic, type_, QoSProfile(5, **qos)))
 
+    def other_subscribes(self, topic: str, type_: str) -> None:
+        self.subscriptions.append(Endpoint(topic, type_, QoSProfile(5)))
+
     def deliver(self, topic: str, message: Any) -> None:
         """Let a message of another node arrive."""
         for subscription in self.subscriptions:

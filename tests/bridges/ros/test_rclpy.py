@@ -137,6 +137,8 @@ def test_an_executor_that_ends_is_a_lost_robot_until_there_is_another_one(
 ) -> None:
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    until(lambda: "no other node subscribes to `/cmd_vel`" in ros.status.sentence)
+    graph.other_subscribes("/cmd_vel", "geometry_msgs/Twist")
     ros.robot.move(linear=0.2)
     graph.arrivals.put(end)
     until(lambda: any(f"The ROS 2 node failed: {why}" in each.text for each in ros.safety.notices))

@@ -498,7 +498,7 @@ def test_another_address_is_connected_in_the_background(ros: RosBridge, graph: A
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel")
     other_graph = MemoryGraph(graph.definitions)
-    other_graph.types |= graph.types
+    other_graph.types, other_graph.others = graph.types, graph.others
     other = RosbridgeServer(other_graph)
     try:
         ros.answer("host", f"127.0.0.1:{other.port}")
