@@ -51,7 +51,15 @@ from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock
 from lrp_jupyter.bridges.ros.link import GUARD_NODE, SIM_TIME, TopicLink, Transport
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.outlets import StateOutlet
-from lrp_jupyter.bridges.ros.panel import STALE_AFTER, Draft, draw_panel, stale_after_in
+from lrp_jupyter.bridges.ros.panel import (
+    STALE_AFTER,
+    VELOCITY,
+    Draft,
+    draw_panel,
+    may_be_velocity,
+    stale_after_in,
+    velocity_in,
+)
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.rosout import LogOutlet
 from lrp_jupyter.bridges.ros.setup import (
@@ -206,6 +214,7 @@ class RosBridge(Bridge):
         limits: Limits | None = None,
         at_stop: Mapping[str, object] | None = None,
         at_tick: Mapping[str, object] | None = None,
+        velocity: bool | None = None,
     ) -> None:
         """Register ``robot.<variable>(…)`` as the publisher of a topic.
 
@@ -222,6 +231,9 @@ class RosBridge(Bridge):
         at_tick : mapping of str to object, optional
             The fields of a message that is published in every tick while the robot is armed, so that the
             robot's side knows that the program is there. Default: nothing is published.
+        velocity : bool, optional
+            Whether the robot moves by it until another one comes, and a message of zeros stops it. Default:
+            for a twist, an Ackermann drive, and what is called ``move``.
 
         Raises
         ------
@@ -229,7 +241,8 @@ class RosBridge(Bridge):
             As for `subscribe`.
         """
         limits = dict(limits or {})
-        self.connect(Wire(variable, "publisher", topic, type, limits, at_stop=at_stop, at_tick=at_tick))
+        sent: dict[str, Any] = {"velocity": velocity, "at_stop": at_stop, "at_tick": at_tick}
+        self.connect(Wire(variable, "publisher", topic, type, limits, **sent))
 
     def action(self, variable: str, action: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
         """Register ``robot.<variable>(…)`` as a task: a goal of an action, which a stop cancels.
@@ -363,7 +376,7 @@ class RosBridge(Bridge):
                     message=channel.message,
                     velocity=channel.is_velocity,
                     limits=wire.limits if channel.message else None,
-                    mover=wire.variable if channel.is_velocity else "",
+                    mover=wire.topic if channel.is_velocity else "",
                 )
         except ValueError as error:
             raise BridgeError(str(error)) from error
@@ -454,7 +467,7 @@ class RosBridge(Bridge):
 
     def stop_mover(self, mover: str) -> None:
         """Publish a zero where the program gives no more velocities; what else it drives goes on."""
-        velocities = {each.wire.variable: each for each in self.wiring.channels if each.is_velocity}
+        velocities = {each.wire.topic: each for each in self.wiring.channels if each.is_velocity}
         if len(velocities) > 1:
             with contextlib.suppress(BridgeError):
                 self.wiring.stop(velocities[mover], ())
@@ -471,7 +484,7 @@ class RosBridge(Bridge):
     def failsafe(self) -> str:
         """Who stops the robot when this program or this computer dies, and what no stop reaches."""
         sent = [channel for channel in self.wiring.channels if channel.wire.direction != "subscription"]
-        zeros = _names(channel for channel in sent if channel.is_velocity)
+        zeros = _names(each for each in sent if each.is_velocity and each.wire.at_stop is None)
         named = _names(channel for channel in sent if channel.wire.at_stop is not None)
         goals = _names(channel for channel in sent if channel.wire.direction == "action")
         moving = [channel for channel in sent if channel.wire.at_tick is None]  # the others begin nothing
@@ -716,17 +729,20 @@ class RosBridge(Bridge):
             live = self.live.get(KINDS[direction], {})
             type_ = check_type(fields.get("type", ""), direction, live.values())
             late = fields.get("stale_after", "").strip()
-            if late and direction != "subscription":
-                raise BridgeError(
-                    f"`{STALE_AFTER}` is for subscriptions. Leave it empty for other connections."
-                )
-            wire = Wire(variable, direction, fields.get("topic", ""), type_, stale_after=stale_after_in(late))
+            speed = fields.get("velocity", "").strip()
+            for label, text, kind in ((STALE_AFTER, late, "subscription"), (VELOCITY, speed, "publisher")):
+                if text and direction != kind:
+                    raise BridgeError(f"`{label}` is for {kind}s. Leave it empty for other connections.")
+            said: dict[str, Any] = {"stale_after": stale_after_in(late), "velocity": velocity_in(speed)}
+            wire = Wire(variable, direction, fields.get("topic", ""), type_, **said)
             self.connect(wire, wait=False)
             self._draft = Draft()
         elif key == "pick":
             types = filter(None, (names.get(row) for names in self.live.values()))
             taken = {each.wire.variable for each in self.wiring.channels if each.wire.topic != row}
-            self._draft = Draft(variable or name_for(row, taken), row, next(types, ""))
+            type_ = next(types, "")
+            speed = "yes" if may_be_velocity(row, type_) else ""
+            self._draft = Draft(variable or name_for(row, taken), row, type_, speed)
         elif key == "remove":
             self.remove(row)
         elif key == "save":

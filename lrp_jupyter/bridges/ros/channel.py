@@ -81,8 +81,9 @@ class Channel:
     @property
     def is_velocity(self) -> bool:
         """Whether a message of zeros stops the robot."""
-        is_move = self.wire.variable.rpartition(".")[2] == "move"
-        return self.wire.direction == "publisher" and (self.type in VELOCITIES or is_move)
+        said, is_move = self.wire.velocity, self.wire.variable.rpartition(".")[2] == "move"
+        is_one = self.type in VELOCITIES or is_move if said is None else said
+        return self.wire.direction == "publisher" and is_one
 
     @property
     def unfinished(self) -> tuple[RosRequest, ...]:

@@ -6,6 +6,7 @@ Paper: §7.1, figure 4 (the publishers and subscriptions, and the buttons to cre
 
 from __future__ import annotations
 
+import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -18,9 +19,13 @@ from lrp_jupyter.bridges.ros.goal_topics import topics_of
 from lrp_jupyter.bridges.ros.link import SLOW
 from lrp_jupyter.bridges.ros.setup import MEASURED, TASKS
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
+from lrp_jupyter.errors import BridgeError
 
 STALE_AFTER = "Too old after"
 """The label of the field for `stale_after` of a subscription."""
+
+VELOCITY = "Velocity"
+"""The label of the field for `velocity` of a publisher."""
 
 _OF_EVERY_NODE = (
     *("/get_loggers", "/set_logger_level"),  # of ROS 1
@@ -33,6 +38,9 @@ _MOST = 6  # fields of a message that are shown
 _short = reprlib.Repr()
 _short.maxother = _short.maxstring = 120
 _NEVER = "never"
+_VELOCITY = {"yes": True, "no": False}
+_NUMBERS = ("std_msgs/Float64", "std_msgs/Float32")
+_COMMAND = re.compile("cmd|command|vel|speed|throttle", re.IGNORECASE)
 _COLUMNS = (
     *("variable", "direction", "topic", "type", "rate (Hz)", "age (s)"),
     *(f"{STALE_AFTER[0].lower()}{STALE_AFTER[1:]} (s)", "value"),
@@ -46,6 +54,7 @@ class Draft:
     variable: str = ""
     topic: str = ""
     type: str = ""
+    velocity: str = ""
 
 
 def draw_panel(
@@ -84,6 +93,7 @@ def draw_panel(
             Field("topic", "Topic, action or service", "text", draft.topic, (*names, *called), press="pick"),
             Field("type", "Type", "text", draft.type, tuple(sorted(types))),
             Field("stale_after", STALE_AFTER, "text", choices=(_NEVER,), unit="s"),
+            Field("velocity", VELOCITY, "text", draft.velocity, tuple(_VELOCITY)),
             Field("setup", "Set-up file", "text", setup),
         ),
         tables=(
@@ -168,6 +178,18 @@ def stale_after_in(text: str) -> float | Literal["measured"] | None:
     if text == _NEVER:
         return None
     return number_in(text, STALE_AFTER) if text else MEASURED
+
+
+def velocity_in(text: str) -> bool | None:
+    """Return what a person wrote into the field for `velocity`."""
+    if text and text not in _VELOCITY:
+        raise BridgeError(f"`{VELOCITY}` is `yes`, `no`, or empty: by the type. It is not {text!r}.")
+    return _VELOCITY.get(text)
+
+
+def may_be_velocity(topic: str, type_: str) -> bool:
+    """Return whether a number is a velocity by the name of its topic, as far as one can guess."""
+    return type_ in _NUMBERS and _COMMAND.search(topic) is not None
 
 
 def gist(message: ReceivedMessage | RosMessage) -> str:

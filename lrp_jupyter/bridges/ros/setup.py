@@ -15,9 +15,10 @@
      "tick": {"alive": {}}}
 
 A type that is left out is taken from what is live, and a ``stale_after`` from the pace of the messages; null
-is never. ``stop`` names what else is sent at a stop, and ``tick``
-what is sent in every tick while the robot is armed: a message, by its fields, through a publisher. What can
-be checked without a robot is checked here, and the rest later.
+is never. ``"velocity": true`` says of a publisher that a message of zeros stops the robot, where its type
+does not tell. ``stop`` names what else is sent at a stop, and ``tick`` what is sent in every tick while the
+robot is armed: a message, by its fields, through a publisher. What can be checked without a robot is checked
+here, and the rest later.
 
 Paper: §7.1 (figures 4 and 5: variable, topic, type).
 """
@@ -56,7 +57,7 @@ _SECTIONS: Mapping[str, Direction] = {
 }
 _STOP = "stop"  # the member of every robot that no connection replaces
 _WHEN = {"stop": "at_stop", "tick": "at_tick"}  # what a publisher sends by itself
-_OWN = {"subscription": ("stale_after",), "publisher": ("limits",), "action": ("limits",)}
+_OWN = {"subscription": ("stale_after",), "publisher": ("limits", "velocity"), "action": ("limits",)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +70,7 @@ class Wire:
     type: str = ""  # `package/Type`; empty: that of the live one
     limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)  # of what is sent
     stale_after: float | Literal["measured"] | None = MEASURED  # s; a message that is older is none
+    velocity: bool | None = None  # whether a publisher's message of zeros stops the robot; None: by its type
     at_stop: Mapping[str, Any] | None = None  # the fields that a publisher sends at a stop; None: it does not
     at_tick: Mapping[str, Any] | None = None  # … and in every tick
 
@@ -96,6 +98,8 @@ class Wire:
         is_tf = self.direction == "subscription" and topic.rpartition("/")[2] in TF_TOPICS
         type_ = self.type or (TRANSFORMS if is_tf else "")
         object.__setattr__(self, "type", check_type(type_, self.direction))
+        if self.velocity is not None and type(self.velocity) is not bool:
+            raise BridgeError(f"`velocity` must be true or false, not {self.velocity!r}.")
         seconds = self.stale_after
         if seconds not in (None, MEASURED) and not (
             type(seconds) in (int, float) and 0 < float(seconds) < math.inf
@@ -111,6 +115,8 @@ class Wire:
             wire["limits"] = dict(self.limits)
         if self.stale_after != MEASURED:
             wire["stale_after"] = self.stale_after
+        if self.velocity is not None:
+            wire["velocity"] = self.velocity
         return wire
 
 
@@ -200,11 +206,11 @@ def _wire_from(variable: str, direction: Direction, entry: object, place: str) -
         raise BridgeError(f"{place}: {article(named).capitalize()} `{named}` is missing.")
     _no_others(entry, (named, "type", *_OWN.get(direction, ())), place)
     type_, limits = entry.get("type", ""), entry.get("limits", {})
-    stale_after = entry.get("stale_after", MEASURED)
+    stale_after, velocity = entry.get("stale_after", MEASURED), entry.get("velocity")
     if not isinstance(type_, str):
         raise BridgeError(f"{place}: The `type` must be a string.")
     try:
-        return Wire(variable, direction, entry[named], type_, _limits_from(limits), stale_after)
+        return Wire(variable, direction, entry[named], type_, _limits_from(limits), stale_after, velocity)
     except BridgeError as error:
         raise BridgeError(f"{place}: {error}") from None
 

@@ -32,7 +32,12 @@ from lrp_jupyter.bridges.ros.transforms import Rotation
 from lrp_jupyter.bridges.scans import Scanned
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
-VELOCITIES = frozenset({"geometry_msgs/Twist", "geometry_msgs/TwistStamped"})
+VELOCITIES = frozenset(
+    {
+        *("geometry_msgs/Twist", "geometry_msgs/TwistStamped"),
+        *("ackermann_msgs/AckermannDrive", "ackermann_msgs/AckermannDriveStamped"),
+    }
+)
 """Types of which a zero stops the robot; the command watchdog watches over them."""
 
 _WORDS = {
@@ -201,6 +206,16 @@ class Types:
         if field.length >= 0:
             return _array(field, None if field.base in PRIMITIVES else self.message(field.base))
         return _PLAIN[field.base] if field.base in PRIMITIVES else self.message(field.base)
+
+    def lists(self, type_: str) -> list[str]:
+        """Return the paths of the numbers in a message of which there may be any number."""
+        found = []
+        for name, field in self._definition(canonical(type_)).fields.items():
+            if field.length == 0 and field.base in (*FLOATS, *INTEGERS):
+                found.append(name)
+            elif field.length < 0 and field.base not in PRIMITIVES:
+                found += [f"{name}.{inner}" for inner in self.lists(field.base)]
+        return found
 
     def form(self, type_: str) -> Form:
         """Return the decoder of received messages; BridgeError: the type, or one in it, is not known."""

@@ -79,7 +79,9 @@ wires = st.builds(
     st.sampled_from(["subscription", "publisher", "action", "service"]),
     st.builds("{}{}".format, st.sampled_from(["", "/", "~"]), st.lists(names, min_size=1).map("/".join)),
     st.sampled_from(["", "std_msgs/String", "nav_msgs/msg/Odometry"]),
-) | st.builds(Wire, names, st.just("subscription"), names, stale_after=ages)
+)
+wires |= st.builds(Wire, names, st.just("subscription"), names, stale_after=ages)
+wires |= st.builds(Wire, names, st.just("publisher"), names, velocity=st.sampled_from([None, True, False]))
 
 
 @given(st.lists(wires, unique_by=lambda wire: wire.variable))
