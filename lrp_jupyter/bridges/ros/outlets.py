@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from lrp_jupyter.errors import BridgeError, ended
+from lrp_jupyter.errors import BridgeError, ended, sentence_of
 
 _WAITING = 100  # items, for a connection
 
@@ -51,7 +51,7 @@ class Outlet(ABC):
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
-        self._problem = self._told = ""  # why it cannot be published, and what was told of that
+        self._problem = self._said = ""  # what has gone wrong and was not said yet, and what was said last
         self._handle: object = None
         self._transport: Announcer | None = None
         self._is_up = False
@@ -69,9 +69,8 @@ class Outlet(ABC):
 
     def put(self, item: Any) -> None:
         """Publish, without waiting; on any thread."""
-        with self._lock:
-            self._waiting.append(item)
-            self._send()
+        self._waiting.append(item)
+        self._send()
 
     def join(self, transport: Announcer) -> None:
         """Advertise the topic, unless that was done, and publish what waits; on the link's thread."""
@@ -79,14 +78,14 @@ class Outlet(ABC):
             return
         try:
             handle = transport.announce(self.topic, self.type(transport.version), self.keeps)
-        except BridgeError as error:
-            self._problem = f"`{self.topic}` cannot be published: {ended(str(error))}"
+        except Exception as error:  # also of a library: the robot is not lost by it
+            self._fail(f"`{self.topic}` cannot be published: {_why(error)}")
             return
         with self._lock:
-            self._problem, self._handle, self._transport, self._is_up = "", handle, transport, True
+            self._handle, self._transport, self._is_up = handle, transport, True
             if self.resumes and self._last is not None and not self._waiting:
                 self._waiting.append(self._last)
-            self._send()
+        self._send()
 
     def wait(self) -> None:
         """Keep what is to be published until there is a connection again."""
@@ -103,18 +102,36 @@ class Outlet(ABC):
 
     def complaint(self) -> str:
         """Return what has gone wrong since the last call, a sentence, or an empty text."""
-        told, self._told = self._told, self._problem
-        return self._problem if self._problem != told else ""
+        problem, self._problem = self._problem, ""
+        self._said = problem or self._said
+        return problem
+
+    def _fail(self, problem: str) -> None:
+        if problem != self._said:
+            self._problem = problem
 
     def _send(self) -> None:
-        transport = self._transport
-        while transport is not None and self._is_up and self._waiting:
-            item = self._last = self._waiting.popleft()
+        """Publish what waits; if another thread does that just now, it also publishes what came meanwhile."""
+        while self._waiting and self._is_up and self._lock.acquire(blocking=False):
             try:
-                transport.send(self._handle, self.values(item, transport), False)
-                self._problem = ""
-            except BridgeError as error:
-                self._problem = f"`{self.topic}` was not published: {ended(str(error))}"
+                self._send_one()
+            finally:
+                self._lock.release()
+
+    def _send_one(self) -> None:
+        transport = self._transport
+        if transport is None or not self._waiting:
+            return
+        item = self._last = self._waiting.popleft()
+        try:
+            transport.send(self._handle, self.values(item, transport), False)
+            self._said = ""
+        except Exception as error:  # also of a library: the run goes on
+            self._fail(f"`{self.topic}` was not published: {_why(error)}")
+
+
+def _why(error: Exception) -> str:
+    return ended(str(error)) if isinstance(error, BridgeError) else sentence_of(error)
 
 
 class StateOutlet(Outlet):

@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import subprocess
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,6 +19,7 @@ from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, rosout
+from lrp_jupyter.bridges.ros.outlets import StateOutlet
 from lrp_jupyter.bridges.ros.rosout import LogOutlet, LogRecord
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live.session import Session
@@ -188,3 +190,38 @@ def test_a_sentence_that_is_repeated_is_logged_once_in_ten_seconds(monkeypatch: 
 def test_a_topic_that_cannot_be_is_refused_with_the_option_that_names_it(name: str) -> None:
     with pytest.raises(BridgeError, match=r"`state_topic`: `.*` is not a valid topic name"):
         RosBridge(state_topic=name)
+
+
+def test_what_is_told_while_another_thread_publishes_waits_for_nothing_and_is_published_in_order() -> None:
+    outlet, going, held = StateOutlet("/lrp/state"), threading.Event(), threading.Event()
+    sent: list[str] = []
+
+    class Held:
+        version, log_name = 2, "lrp"
+
+        def announce(self, topic: str, type_: str, keeps: int) -> object:
+            return topic
+
+        def send(self, handle: object, values: Any, urgent: bool) -> None:
+            sent.append(values["data"])
+            going.set()
+            assert held.wait(60)
+
+        def leave(self, handle: object) -> None:
+            """Nothing to end."""
+
+    outlet.put(1)
+    link = threading.Thread(target=outlet.join, args=(Held(),))
+    link.start()
+    assert going.wait(60)
+    outlet.put(2)  # would hang
+    outlet.put(3)
+    held.set()
+    link.join(60)
+    assert sent == ["1", "2", "3"]
+    assert outlet.complaint() == ""
+    outlet.put(float)  # nothing that JSON has
+    outlet.put(4)
+    assert sent[-1] == "4"
+    assert outlet.complaint().startswith("`/lrp/state` was not published: TypeError:")
+    assert outlet.complaint() == ""
