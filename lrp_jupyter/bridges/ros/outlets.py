@@ -51,7 +51,7 @@ class Outlet(ABC):
 
     def __init__(self, topic: str) -> None:
         self.topic = topic
-        self._problem = self._said = ""  # what has gone wrong and was not said yet, and what was said last
+        self._problem = self._told = ""  # what has gone wrong and was not said yet, and what was said last
         self._handle: object = None
         self._transport: Announcer | None = None
         self._is_up = False
@@ -103,11 +103,11 @@ class Outlet(ABC):
     def complaint(self) -> str:
         """Return what has gone wrong since the last call, a sentence, or an empty text."""
         problem, self._problem = self._problem, ""
-        self._said = problem or self._said
+        self._told = problem or self._told
         return problem
 
     def _fail(self, problem: str) -> None:
-        if problem != self._said:
+        if problem != self._told:
             self._problem = problem
 
     def _send(self) -> None:
@@ -125,7 +125,7 @@ class Outlet(ABC):
         item = self._last = self._waiting.popleft()
         try:
             transport.send(self._handle, self.values(item, transport), False)
-            self._said = ""
+            self._told = ""
         except Exception as error:  # also of a library: the run goes on
             self._fail(f"`{self.topic}` was not published: {_why(error)}")
 
