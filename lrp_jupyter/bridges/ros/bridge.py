@@ -7,6 +7,7 @@ without knowing of topics::
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     ros.action("drive_to", "/move_base")
+    ros.parameter("max_speed", "/max_speed")
 
     (running [robot.move(linear_x=0.2)])
     (event there [robot.odom.x > 1])
@@ -75,7 +76,7 @@ from lrp_jupyter.bridges.ros.setup import (
 from lrp_jupyter.bridges.ros.sim_time import TOPIC as CLOCK_TOPIC
 from lrp_jupyter.bridges.ros.sim_time import ClockChannel, SimTime
 from lrp_jupyter.bridges.ros.transforms import Transform
-from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
+from lrp_jupyter.bridges.ros.types import RosMessage
 from lrp_jupyter.bridges.ros.types_here import TypesHere
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.bridges.tasks import RobotTask
@@ -89,6 +90,7 @@ _BUTTONS: Mapping[str, Direction] = {
     "publish": "publisher",
     "action": "action",
     "service": "service",
+    "parameter": "parameter",
 }
 
 
@@ -278,6 +280,24 @@ class RosBridge(Bridge):
         """
         self.connect(Wire(variable, "service", service, type))
 
+    def parameter(self, variable: str, parameter: str) -> None:
+        """Register ``robot.<variable>`` as the value of a parameter, which is followed.
+
+        A number, a text, a truth value, or a tuple of them; a group of ROS 1 has those in it as fields.
+
+        Parameters
+        ----------
+        variable : str
+        parameter : str
+            ``/max_speed``; in ROS 2, with its node: ``/controller:max_speed``.
+
+        Raises
+        ------
+        BridgeError
+            A name is illegal, or the back end has no parameters (`dds`).
+        """
+        self.connect(Wire(variable, "parameter", parameter))
+
     def remove(self, variable: str) -> None:
         """Remove a variable and its subscription or publisher.
 
@@ -343,14 +363,14 @@ class RosBridge(Bridge):
                     "where the source frame is in the target frame: `x`, `y`, `yaw`, `translation`, …",
                     command=False,
                 )
-            elif wire.direction == "subscription":
+            elif wire.is_read:
                 reading = RobotVariable(
                     self,
                     wire.variable,
                     partial(self._read, channel),
-                    f"the last message on {wire.topic}",
+                    f"the {'last message on' if wire.kind == 'topic' else 'parameter'} {wire.topic}",
                     "",
-                    channel.form.kind if channel.form is not None else channel.type,
+                    channel.form.kind if channel.form is not None else channel.type or None,
                     lambda: channel.age(bool(self.latch)),
                     None if wire.stale_after is None else channel.age_limit,
                 )
@@ -385,13 +405,14 @@ class RosBridge(Bridge):
         if variable in self.nodes.table:
             self.remove_member(variable)
 
-    def _read(self, channel: Channel) -> ReceivedMessage:
+    def _read(self, channel: Channel) -> object:
         arrival = channel.arrivals.seen(bool(self.latch))
         if arrival is not None:
             return arrival.value
         if channel.problem:
             raise BridgeError(f"`robot.{channel.wire.variable}`: {channel.problem}")
-        raise NoDataYet(f"`robot.{channel.wire.variable}` has no data yet.")
+        why = f": {channel.waiting}" if channel.wire.direction == "parameter" else " has no data yet."
+        raise NoDataYet(f"`robot.{channel.wire.variable}`{why}")
 
     def _transform(self, channel: Channel, target_frame: str, source_frame: str) -> Transform:
         """Return where a frame is in another one, by what the tick sees."""
@@ -483,7 +504,7 @@ class RosBridge(Bridge):
     @property
     def failsafe(self) -> str:
         """Who stops the robot when this program or this computer dies, and what no stop reaches."""
-        sent = [channel for channel in self.wiring.channels if channel.wire.direction != "subscription"]
+        sent = [channel for channel in self.wiring.channels if not channel.wire.is_read]
         zeros = _names(each for each in sent if each.is_velocity and each.wire.at_stop is None)
         named = _names(channel for channel in sent if channel.wire.at_stop is not None)
         goals = _names(channel for channel in sent if channel.wire.direction == "action")

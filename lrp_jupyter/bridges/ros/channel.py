@@ -15,6 +15,7 @@ from typing import Any
 from lrp_jupyter.bridges.latched_values import Arrival, Arrivals
 from lrp_jupyter.bridges.member_tree import AgeLimit
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
+from lrp_jupyter.bridges.ros.parameters import as_reading
 from lrp_jupyter.bridges.ros.rhythm import Rhythm
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import MEASURED, Wire
@@ -45,7 +46,7 @@ class Channel:
         self.feedback_form: Form | None = None  # … and those in between, of an action
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
         self.requests: deque[RosRequest] = deque(maxlen=20)  # the last ones
-        self.arrivals = Arrivals[ReceivedMessage]()  # the times are those of the clock
+        self.arrivals = Arrivals[Any]()  # messages, or values of a parameter, by the clock
         self.live = False
         self.problem = ""  # why it cannot be connected, or is no longer connected
         self.waiting = "it is being connected"  # what is missing: the topic, its type, or messages
@@ -63,6 +64,7 @@ class Channel:
         self.last_sent: RosMessage | None = None
         self.rhythm = Rhythm()  # of what arrives or is sent
         self._under_way = 0.0  # s, for which the last message was
+        self._told = ""  # the last value of a parameter, as text
         self.take_type(wire.type)
 
     def take_type(self, type_: str) -> None:
@@ -117,8 +119,8 @@ class Channel:
         return None if self.message is None or fields is None else self.message(**fields)
 
     @property
-    def latest(self) -> Arrival[ReceivedMessage] | None:
-        """The last message; None again after the connection was lost."""
+    def latest(self) -> Arrival[Any] | None:
+        """The last message, or value of a parameter; None again after the connection was lost."""
         return self.arrivals.last
 
     @property
@@ -190,6 +192,13 @@ class Channel:
         self._under_way = arrived - made
         self.rhythm.note(arrived)
         self.arrivals.put(value, made, is_news=at is None)
+
+    def take(self, value: Any) -> None:
+        """Take the value of a parameter, if it is another one than before; on the link's thread."""
+        told = repr(value)
+        if self.latest is None or told != self._told:
+            self._told = told
+            self.arrivals.put(as_reading(value, self.wire.topic), self.clock.now())
 
     def sent(self, message: RosMessage) -> None:
         """Record a message that was sent, which may be a stop."""

@@ -21,6 +21,7 @@ from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, messages_of
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.outlets import Outlet
+from lrp_jupyter.bridges.ros.parameters import ParameterValues
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction, article
 from lrp_jupyter.bridges.ros.types import RosMessage, Types
@@ -59,7 +60,7 @@ class Transport(ABC):
 
     place: str = ""  # address of the robot, for messages
     version: int = 2  # of ROS; 0 while it is not known
-    has_tasks: bool = True  # whether it can reach actions and services
+    has_tasks: bool = True  # whether it can reach actions, services and parameters
     period: float = 2.0  # seconds between two comparisons with the robot
     pace: float = 0.02  # seconds between two readings that the program can use; more of them may be dropped
     round_trip: float | None = None  # recent median of the seconds until a pong; None: it is not measured
@@ -162,6 +163,10 @@ class Transport(ABC):
         """Join an action or a service."""
         raise NotImplementedError  # where `has_tasks` is False
 
+    def parameters(self, wanted: Collection[str]) -> ParameterValues:
+        """Return what is known of parameters, maybe as it was a moment ago."""
+        raise NotImplementedError  # where `has_tasks` is False
+
     def tend(self, in_need: bool) -> float:
         """Look after what is joined; return the seconds until the next comparison, fewer if `in_need`."""
         return min(self.period, _AGAIN) if in_need else self.period
@@ -217,6 +222,7 @@ class TopicLink(Link):
         self._channels: tuple[Channel, ...] = ()  # that may be connected
         self._described: set[str] = set()
         self._unclear: set[Channel] = set()  # about which it was said
+        self._parameters = ParameterValues()  # those that channels follow
 
     @property
     def transport(self) -> Transport:
@@ -288,6 +294,9 @@ class TopicLink(Link):
         for channel in before:
             if channel not in self._channels:
                 self._leave(channel)
+        followed = {each.wire.topic for each in self._channels if each.wire.direction == "parameter"}
+        if followed and self.transport.has_tasks:
+            self._parameters = self.transport.parameters(followed)
         for channel in self._channels:
             try:
                 self._connect_channel(channel)
@@ -341,6 +350,14 @@ class TopicLink(Link):
 
     def _connect_channel(self, channel: Channel) -> None:
         wire = channel.wire
+        if wire.kind != "topic" and not self.transport.has_tasks:
+            raise RefusedError(
+                f"`{wire.topic}` cannot be connected: this back end has topics only. Use `rosbridge` for"
+                f" {article(wire.kind)} {wire.kind}, with rosbridge_server on the robot."
+            )
+        if wire.direction == "parameter":
+            self._follow(channel)
+            return
         live = self._live_type(channel)
         if live is None:
             return
@@ -381,6 +398,17 @@ class TopicLink(Link):
         channel.problem, channel.waiting = "", self._hint(channel, handle)
         channel.handle = handle
 
+    def _follow(self, channel: Channel) -> None:
+        """Take the value of a parameter, or note why there is none."""
+        name, told = channel.wire.topic, self._parameters
+        channel.problem, channel.waiting = "", told.missing.get(name, "")
+        channel.is_asked_for = not channel.waiting and name not in told.values
+        if name in told.values:
+            channel.take(told.values[name])
+        else:
+            channel.arrivals.last = None
+            channel.waiting = channel.waiting or f"`{self.transport.place}` is asked for `{name}`"
+
     def _hint(self, channel: Channel, handle: object) -> str:
         hint = handle.hint() if isinstance(handle, TaskClient) else self.transport.hint(handle)
         channel.unheard = (hint or self._unheard(channel)) if channel.is_velocity else ""
@@ -407,14 +435,8 @@ class TopicLink(Link):
         """Return the type of what is live there; empty: there is nothing; None while it is asked for."""
         wire, offered = channel.wire, self.live[channel.wire.kind]
         live: str | None = offered.get(wire.topic, "")
-        if wire.direction in TASKS:
-            if not self.transport.has_tasks:
-                raise RefusedError(
-                    f"`{wire.topic}` cannot be connected: this back end has topics only. Use `rosbridge` for"
-                    f" an action or a service, with rosbridge_server on the robot."
-                )
-            if not (live or wire.type) and wire.topic in offered:
-                live = self.transport.type_of(wire.direction, wire.topic)
+        if wire.direction in TASKS and not (live or wire.type) and wire.topic in offered:
+            live = self.transport.type_of(wire.direction, wire.topic)
         channel.is_asked_for = live is None
         if live is None:
             channel.waiting = f"`{self.transport.place}` is asked for the type of `{wire.topic}`"

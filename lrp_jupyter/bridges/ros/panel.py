@@ -26,6 +26,7 @@ STALE_AFTER = "Too old after"
 
 VELOCITY = "Velocity"
 """The label of the field for `velocity` of a publisher."""
+_NAMED = "Topic, action, service or parameter"
 
 _OF_EVERY_NODE = (
     *("/get_loggers", "/set_logger_level"),  # of ROS 1
@@ -90,7 +91,7 @@ def draw_panel(
             Field("address", "Address", value=address),
             *(() if round_trip is None else (_trip(round_trip),)),
             Field("variable", "Variable", "text", draft.variable),
-            Field("topic", "Topic, action or service", "text", draft.topic, (*names, *called), press="pick"),
+            Field("topic", _NAMED, "text", draft.topic, (*names, *called), press="pick"),
             Field("type", "Type", "text", draft.type, tuple(sorted(types))),
             Field("stale_after", STALE_AFTER, "text", choices=(_NEVER,), unit="s"),
             Field("velocity", VELOCITY, "text", draft.velocity, tuple(_VELOCITY)),
@@ -121,6 +122,7 @@ def draw_panel(
             Button("publish", "New publisher"),
             Button("action", "New action"),
             Button("service", "New service"),
+            Button("parameter", "New parameter"),
             Button("save", "Save set-up"),
         ),
         questions=(
@@ -141,13 +143,15 @@ def _row(channel: Channel) -> tuple[str, ...]:
     shown = channel.problem or channel.waiting
     if not shown:
         message = channel.latest.value if channel.latest is not None else channel.last_sent
-        nothing = "no data yet" if wire.direction == "subscription" else "nothing sent yet"
+        nothing = "no data yet" if wire.is_read else "nothing sent yet"
         shown = (
             nothing
             if message is None
             else channel.requests[-1].outcome
             if channel.requests
             else gist(message)
+            if isinstance(message, (ReceivedMessage, RosMessage))
+            else _text(message)
         )
     if channel.commanders:
         shown += f" (also published by {', '.join(channel.commanders)})"

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import importlib
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 from weakref import WeakSet
@@ -28,6 +28,8 @@ from lrp_jupyter.bridges.ros.definitions import (
 )
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, RefusedError, Transport
+from lrp_jupyter.bridges.ros.parameters import ParameterValues
+from lrp_jupyter.bridges.ros.rclpy_parameters import RclpyParameters
 from lrp_jupyter.bridges.ros.rclpy_tasks import RclpyAction, RclpyService
 from lrp_jupyter.bridges.ros.ros_request import TaskClient
 from lrp_jupyter.bridges.ros.setup import Direction
@@ -53,6 +55,7 @@ class RclpyTransport(Transport):
         self._failure = ""  # why no more messages are delivered
         self._subscriptions: list[_Subscription] = []
         self._clients = WeakSet[TaskClient]()
+        self._parameters: RclpyParameters | None = None
 
     def connect(self) -> None:
         """Create the node; other nodes are found while it exists."""
@@ -97,6 +100,9 @@ class RclpyTransport(Transport):
             thread.join(_JOIN)
         for client in self._clients:
             client.leave()
+        parameters, self._parameters = self._parameters, None
+        if parameters is not None:
+            parameters.leave()
         node, self._node, self._subscriptions = self._node, None, []
         if node is not None:
             node.destroy_node()
@@ -143,6 +149,14 @@ class RclpyTransport(Transport):
         else:
             found = self._node.get_service_names_and_types()
         return {name: canonical(types[0]) for name, types in found if types}
+
+    def parameters(self, wanted: Collection[str]) -> ParameterValues:
+        """Ask the nodes; their answers come later."""
+        if self._parameters is None:
+            getting = _whole_class("rcl_interfaces/GetParameters", "service")
+            listing = _whole_class("rcl_interfaces/ListParameters", "service")
+            self._parameters = RclpyParameters(self._node, getting, listing, self.changed)
+        return self._parameters.ask(wanted)
 
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False

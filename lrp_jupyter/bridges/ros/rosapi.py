@@ -18,7 +18,7 @@ import itertools
 import json
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from lrp_jupyter.bridges.ros.clock import RobotClock, stamp_of
@@ -32,6 +32,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     part_of,
 )
 from lrp_jupyter.bridges.ros.link import SIM_TIME, RefusedError
+from lrp_jupyter.bridges.ros.parameters import ParameterValues, missing_node, missing_parameter, value_in
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
 from lrp_jupyter.errors import BridgeError, did_you_mean
 
@@ -77,6 +78,8 @@ class Rosapi:
         self._topics: Mapping[str, str] = {}
         self._offers: Mapping[str, tuple[str, ...]] = {}  # the live actions (of ROS 2) and services
         self._describes_actions = False
+        self._followed: frozenset[str] = frozenset()
+        self._parameters = ParameterValues()  # of these, as far as they were asked for
         self._kinds: dict[tuple[str, str], str] = {}  # their types, as far as they were asked for
         self._unknown: frozenset[tuple[str, str]] = frozenset()
         self._answered = threading.Event()
@@ -107,6 +110,7 @@ class Rosapi:
         self._wake, self._failures, self._own = Bell(), 0, ()
         self._types, self._kinds, self._offers = {}, {}, {}
         self.has_sim_time = None
+        self._parameters = ParameterValues()
         if self.trouble:
             self._answered.clear()
         self.trouble = ""
@@ -132,6 +136,17 @@ class Rosapi:
             self._unknown |= {(direction, name)}
             self._wake.ring()
         return found
+
+    def parameters(self, wanted: Collection[str]) -> ParameterValues:
+        """Return what is known of some parameters, which are asked for again and again from now on."""
+        followed = frozenset(wanted)
+        if followed - self._followed:
+            self._wake.ring()
+        self._followed = followed
+        if self._exists is False:
+            why = f"`{self._url}` has no rosapi, which tells the parameters. Start it there."
+            return ParameterValues({}, dict.fromkeys(followed, why))
+        return self._parameters
 
     def define(self, type_: str) -> Mapping[str, Definition] | None:
         """Return the known definitions of a type and of those in it; None while they are asked for."""
@@ -190,14 +205,15 @@ class Rosapi:
                 self._answered.set()
                 if news or before != self._news():
                     self._changed()
-                pause = _SOON if self._in_need or self.trouble else _RARELY
+                pause = _SOON if self._in_need or self.trouble or self._followed else _RARELY
                 await self._wake.wait(min(pause * 2**self._failures, _LONGEST))
         finally:
             self._answered.set()  # whoever connects waits for the first list no longer
             await self._hang_up()
 
     def _news(self) -> tuple[object, ...]:
-        return self._topics, self.publishers, self.subscribers, self.trouble, self._exists, self._offers
+        seen = self.publishers, self.subscribers, self._parameters
+        return self._topics, self.trouble, self._exists, self._offers, seen
 
     async def _ask_all(self) -> bool:
         """Ask what there is to ask; return whether one of the answers is awaited."""
@@ -222,6 +238,7 @@ class Rosapi:
             self._taken[topic] = (time.monotonic(), bool(is_taken))
         self._wanted -= wanted
         self._doubted -= doubted
+        self._parameters = await self._ask_parameters()
         self.publishers = {topic: await self._others("publishers", topic) or () for topic in self._watched}
         heard = {topic: await self._others("subscribers", topic) for topic in self._heard_by}
         self.subscribers = {topic: nodes for topic, nodes in heard.items() if nodes is not None}
@@ -236,6 +253,42 @@ class Rosapi:
         self._offers = {
             kind: tuple(sorted(map(str, names))) for kind, names in offers.items() if names is not None
         }
+
+    async def _ask_parameters(self) -> ParameterValues:
+        """Ask for the values that are followed; one that is not answered stays as it was."""
+        values, missing, ask = {}, {}, self._ask_node if self.is_ros2 else self._ask_server
+        for name in self._followed:
+            answer = await ask(name)
+            if isinstance(answer, BridgeError):
+                missing[name] = str(answer)
+            elif answer is not None:
+                values[name] = answer
+            elif name in self._parameters.values:
+                values[name] = self._parameters.values[name]
+        return ParameterValues(values, missing)
+
+    async def _ask_server(self, name: str) -> Any:
+        """Return a parameter of ROS 1; an error if there is none, None if it is not known."""
+        text = (await self._try("/rosapi/get_param", name=name)).get("value")
+        if text is None:
+            return None
+        value = json.loads(text or "null")
+        if value is not None:
+            return value
+        names = (await self._try("/rosapi/get_param_names")).get("names", ())
+        return BridgeError(missing_parameter(name, map(str, names)))
+
+    async def _ask_node(self, name: str) -> Any:
+        """Return a parameter of a node of ROS 2, as `_ask_server` does."""
+        if missing := missing_node(name, self._offers.get("service", ())):
+            return BridgeError(missing)
+        node, _, inner = name.partition(":")
+        answer = (await self._try(f"{node}/get_parameters", names=[inner])).get("values")
+        value = value_in(answer[0]) if answer else None
+        if value is not None or answer is None:
+            return value
+        listed = (await self._try(f"{node}/list_parameters")).get("result", {})
+        return BridgeError(missing_parameter(name, [f"{node}:{each}" for each in listed.get("names", ())]))
 
     async def _list_topics(self) -> bool:
         """Ask for the topics; return whether rosapi has just appeared."""

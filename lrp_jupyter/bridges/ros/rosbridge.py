@@ -12,7 +12,7 @@ import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -31,6 +31,7 @@ from lrp_jupyter.bridges.ros.frames import knows_cbor
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.kept import LastMessage
 from lrp_jupyter.bridges.ros.link import Receive, Transport
+from lrp_jupyter.bridges.ros.parameters import ParameterValues
 from lrp_jupyter.bridges.ros.ros_request import TaskClient
 from lrp_jupyter.bridges.ros.rosapi import Rosapi
 from lrp_jupyter.bridges.ros.server_calls import ServerTask
@@ -250,6 +251,10 @@ class RosbridgeTransport(Transport):
             return GoalTopics(self, name, type_)
         missing = partial(self._missing, direction, name)
         return ServerTask(self.place, direction, name, type_, missing, self._socket_for)
+
+    def parameters(self, wanted: Collection[str]) -> ParameterValues:
+        """Return what rosapi, or a node of ROS 2, has said a moment ago."""
+        return self._rosapi.parameters(wanted)
 
     def _missing(self, direction: Direction, name: str) -> str:
         """Return that no node serves an action or a service, as far as that is known, in a sentence."""

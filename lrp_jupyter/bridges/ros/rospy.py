@@ -17,7 +17,7 @@ import socket
 import threading
 import time
 import xmlrpc.client
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from http.client import HTTPConnection, HTTPException
 from io import BytesIO
@@ -36,6 +36,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 from lrp_jupyter.bridges.ros.goal_topics import GoalTopics, actions_in
 from lrp_jupyter.bridges.ros.link import SIM_TIME, Receive, RefusedError, Transport
 from lrp_jupyter.bridges.ros.names import GraphNames
+from lrp_jupyter.bridges.ros.parameters import ParameterValues, missing_parameter
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient, own_words, sentence
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.errors import BridgeError, NoAnswerError
@@ -162,6 +163,16 @@ class RospyTransport(Transport):
         if direction == "service" and not self._service_types.get(name):
             self._service_types[name] = _service_type(self._master, name)
         return super().type_of(direction, name) or ""
+
+    def parameters(self, wanted: Collection[str]) -> ParameterValues:
+        """Ask the master: it is the parameter server."""
+        values, missing = {}, {}
+        for name in wanted:
+            try:
+                values[name] = self._master.ask("getParam", name)
+            except RefusedError:
+                missing[name] = missing_parameter(name, self._master.ask("getParamNames"))
+        return ParameterValues(values, missing)
 
     def join(
         self, topic: str, type_: str, direction: Direction, receive: Receive, every: bool = False
@@ -390,7 +401,7 @@ class _XmlRpc:
         except (TimeoutError, OSError, HTTPException, xmlrpc.client.Error, ValueError) as error:
             raise NoAnswerError(self._silent(error)) from None
         if code != 1:
-            raise BridgeError(f"{self._who} at `{self._uri}` refuses {question}: {text}")
+            raise RefusedError(f"{self._who} at `{self._uri}` refuses {question}: {text}")
         return value
 
     def _silent(self, error: Exception) -> str:

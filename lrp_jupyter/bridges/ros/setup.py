@@ -11,6 +11,7 @@
                     "alive": {"topic": "/lrp/alive", "type": "std_msgs/Empty"}},
      "actions": {"drive_to": {"action": "/move_base", "type": "move_base_msgs/MoveBase"}},
      "services": {"spawn": {"service": "/spawn"}},
+     "parameters": {"max_speed": {"parameter": "/max_speed"}},
      "stop": {"horn": {"data": false}},
      "tick": {"alive": {}}}
 
@@ -41,12 +42,17 @@ from lrp_jupyter.bridges.ros.transforms import TF_TOPICS, TRANSFORMS
 from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
 
-Direction = Literal["subscription", "publisher", "action", "service"]
+Direction = Literal["subscription", "publisher", "action", "service", "parameter"]
 TASKS: tuple[Direction, ...] = ("action", "service")
 MEASURED: Literal["measured"] = "measured"
 """A `stale_after` that follows from the pace of the messages."""
 
-KINDS: Mapping[str, str] = {"subscription": "topic", "publisher": "topic", **{task: task for task in TASKS}}
+KINDS: Mapping[str, str] = {
+    "subscription": "topic",
+    "publisher": "topic",
+    "parameter": "parameter",
+    **{task: task for task in TASKS},
+}
 
 _TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*$", re.ASCII)
 _SECTIONS: Mapping[str, Direction] = {
@@ -54,10 +60,16 @@ _SECTIONS: Mapping[str, Direction] = {
     "publishers": "publisher",
     "actions": "action",
     "services": "service",
+    "parameters": "parameter",
 }
 _STOP = "stop"  # the member of every robot that no connection replaces
 _WHEN = {"stop": "at_stop", "tick": "at_tick"}  # what a publisher sends by itself
-_OWN = {"subscription": ("stale_after",), "publisher": ("limits", "velocity"), "action": ("limits",)}
+_OWN = {
+    "subscription": ("type", "stale_after"),
+    "publisher": ("type", "limits", "velocity"),
+    "action": ("type", "limits"),
+    "service": ("type",),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +88,13 @@ class Wire:
 
     @property
     def kind(self) -> str:
-        """What it is wired to: a ``topic``, an ``action`` or a ``service``."""
+        """What it is wired to: a ``topic``, an ``action``, a ``service`` or a ``parameter``."""
         return KINDS[self.direction]
+
+    @property
+    def is_read(self) -> bool:
+        """Whether it is a reading, and nothing is sent."""
+        return self.direction in ("subscription", "parameter")
 
     def __post_init__(self) -> None:
         if self.variable == _STOP:
@@ -87,7 +104,8 @@ class Wire:
                 f"`{self.variable}` is not a valid name for a member of `robot`. Use one like `odom`."
             )
         topic = self.topic.strip()
-        if not is_name(topic):
+        node, colon, inner = topic.partition(":")  # of a parameter of ROS 2, whose name may have any form
+        if not (is_name(node) and (not colon or (inner.strip() and self.direction == "parameter"))):
             better = re.sub(r"/+", "/", re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
             hint = f" Did you mean `{better}`?" if is_name(better) else ""
             raise BridgeError(
@@ -97,6 +115,8 @@ class Wire:
         object.__setattr__(self, "topic", topic)
         is_tf = self.direction == "subscription" and topic.rpartition("/")[2] in TF_TOPICS
         type_ = self.type or (TRANSFORMS if is_tf else "")
+        if type_ and self.direction == "parameter":
+            raise BridgeError("A parameter has no type of messages. Leave the type out.")
         object.__setattr__(self, "type", check_type(type_, self.direction))
         if self.velocity is not None and type(self.velocity) is not bool:
             raise BridgeError(f"`velocity` must be true or false, not {self.velocity!r}.")
@@ -204,7 +224,7 @@ def _wire_from(variable: str, direction: Direction, entry: object, place: str) -
         entry = {named: entry}
     if not isinstance(entry, Mapping) or not isinstance(entry.get(named), str):
         raise BridgeError(f"{place}: {article(named).capitalize()} `{named}` is missing.")
-    _no_others(entry, (named, "type", *_OWN.get(direction, ())), place)
+    _no_others(entry, (named, *_OWN.get(direction, ())), place)
     type_, limits = entry.get("type", ""), entry.get("limits", {})
     stale_after, velocity = entry.get("stale_after", MEASURED), entry.get("velocity")
     if not isinstance(type_, str):

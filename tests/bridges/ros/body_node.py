@@ -2,9 +2,9 @@
 
 Each line of its standard input is a list in JSON:
 
-* ``["says", TOPIC, TYPE, {FIELD: VALUE}]``: publish that twenty times a second from now on, stamped with the time;
-* ``["tells", TOPIC, TYPE, {FIELD: VALUE}]``: publish that once, when another node has subscribed;
-* ``["hears", TOPIC, TYPE]``: print each message that differs from the one before, ``TOPIC {"FIELD": VALUE}``.
+* ``["says", TOPIC, TYPE, {FIELD: VALUE}]``: publish that twenty times a second, stamped with the time;
+* ``["tells", TOPIC, TYPE, {FIELD: VALUE}]``: publish that once, to whoever subscribes;
+* ``["hears", TOPIC, TYPE]``: print each message that is another one, ``TOPIC {"FIELD": VALUE}``.
 """
 
 from __future__ import annotations

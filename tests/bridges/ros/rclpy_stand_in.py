@@ -30,6 +30,16 @@ PARTS = {
     f"{NAVIGATE}_Result": {"taken": FieldType("float64")},
     "lamps/Switch_Request": {"on": FieldType("bool")},
     "lamps/Switch_Response": {"said": FieldType("string")},
+    "rcl_interfaces/GetParameters_Request": {"names": FieldType("string", 0)},
+    "rcl_interfaces/GetParameters_Response": {"values": FieldType("rcl_interfaces/ParameterValue", 0)},
+    "rcl_interfaces/ListParameters_Request": {"prefixes": FieldType("string", 0)},
+    "rcl_interfaces/ListParameters_Response": {"result": FieldType("rcl_interfaces/ListParametersResult")},
+    "rcl_interfaces/ListParametersResult": {"names": FieldType("string", 0)},
+    "rcl_interfaces/ParameterValue": {
+        "type": FieldType("uint8"),
+        "double_value": FieldType("float64"),
+        "string_array_value": FieldType("string", 0),
+    },
     "action_msgs/CancelGoal_Request": {},
     "action_msgs/CancelGoal_Response": {"return_code": FieldType("int8")},
 }
@@ -393,6 +403,11 @@ def install(patch: pytest.MonkeyPatch) -> Graph:
         "nav2_msgs.action": {"Navigate": whole(NAVIGATE, "Goal", "Feedback", "Result")},
         "lamps": {},
         "lamps.srv": {"Switch": whole("lamps/Switch", "Request", "Response")},
+        "rcl_interfaces": {},
+        "rcl_interfaces.srv": {
+            "GetParameters": whole("rcl_interfaces/GetParameters", "Request", "Response"),
+            "ListParameters": whole("rcl_interfaces/ListParameters", "Request", "Response"),
+        },
         "action_msgs": {},
         "action_msgs.srv": {"CancelGoal": whole("action_msgs/CancelGoal", "Request", "Response")},
         "rclpy.executors": {

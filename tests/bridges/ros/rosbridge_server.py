@@ -82,8 +82,9 @@ class MemoryGraph:
         self.is_ros2 = False
         self.distribution = "jazzy"
         self.texts: dict[str, str] = {}  # of types, as in their .msg files and those inside
-        self.parameters: dict[str, Any] = {}
         self.time = time.time
+        self.parameters: dict[str, Any] = {}  # of ROS 1
+        self.nodes_parameters: dict[str, dict[str, Any]] = {}  # of ROS 2, by node: as `ParameterValue`
 
     def topics(self) -> dict[str, str]:
         if not self.master_is_alive:
@@ -95,10 +96,9 @@ class MemoryGraph:
         return type_.replace("/", "/msg/", 1) if type_.count("/") == 1 else type_
 
     def service_names(self) -> list[str]:
-        return [*self.services, "/robot/get_loggers"]
-
-    def parameter(self, name: str, default: Any) -> Any:
-        return self.parameters.get(name, default)
+        kinds = ("get_parameters", "list_parameters")
+        own = [f"{node}/{kind}" for node in self.nodes_parameters for kind in kinds]
+        return [*self.services, *own, "/robot/get_loggers"]
 
     def service_type(self, name: str) -> str:
         return self.services[name][0]
@@ -109,9 +109,21 @@ class MemoryGraph:
             for goal in tuple(self.goals.values()):
                 goal.cancel()
             return {"return_code": 0}
+        node, _, kind = name.rpartition("/")
+        if node in self.nodes_parameters and kind == "get_parameters":
+            known = self.nodes_parameters[node]
+            return {"values": [known.get(each, {"type": 0}) for each in values["names"]]}
+        if node in self.nodes_parameters and kind == "list_parameters":
+            return {"result": {"names": list(self.nodes_parameters[node]), "prefixes": []}}
         if name not in self.services:
             raise KeyError(f"Service {name} does not exist")
         return self.services[name][1](values)
+
+    def parameter(self, name: str, default: Any = None) -> Any:
+        return self.parameters.get(name, default)
+
+    def parameter_names(self) -> list[str]:
+        return list(self.parameters)
 
     def part_typedefs(self, type_: str, part: str) -> list[dict[str, Any]]:
         return self.typedefs(f"{type_.replace('/srv/', '/').replace('/action/', '/')}_{part}")
@@ -275,8 +287,11 @@ class RospyGraph:
             found += self.typedefs(base)
         return found
 
-    def parameter(self, name: str, default: Any) -> Any:
+    def parameter(self, name: str, default: Any = None) -> Any:
         return self.rospy.get_param(name, default)
+
+    def parameter_names(self) -> list[str]:
+        return list(self.rospy.get_param_names())
 
     def stamp(self, seconds: float) -> dict[str, int]:
         return {"secs": int(seconds), "nsecs": round(seconds % 1 * 1e9)}
@@ -671,7 +686,10 @@ class RosbridgeServer:
         if service in ("publishers", "subscribers"):
             return {service: graph.nodes(arguments["topic"], service)}
         if service == "get_param" and not graph.is_ros2:
-            return {"value": json.dumps(graph.parameter(arguments["name"], json.loads(arguments["default"])))}
+            default = json.loads(arguments.get("default") or "null")
+            return {"value": json.dumps(graph.parameter(arguments["name"], default))}
+        if service == "get_param_names" and not graph.is_ros2:
+            return {"names": graph.parameter_names()}
         if service == "get_time":
             return {"time": graph.stamp(time.time())}
         if service == "get_ros_version" and graph.is_ros2:  # type: ignore[union-attr]

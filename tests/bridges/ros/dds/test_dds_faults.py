@@ -56,15 +56,14 @@ def other(domain: int) -> Iterator[DdsNode]:
 
 
 @pytest.mark.usefixtures("other")
-def test_an_action_and_a_service_are_refused_with_the_back_end_that_has_them(connect: Make) -> None:
+def test_what_is_no_topic_is_refused_with_the_back_end_that_has_it(connect: Make) -> None:
     ros = connect()
-    for ask in (
-        lambda: ros.action("drive_to", "/navigate", "nav2_msgs/NavigateToPose"),
-        lambda: ros.service("spawn", "/spawn"),
+    for ask, kind in (
+        (lambda: ros.action("drive_to", "/navigate", "nav2_msgs/NavigateToPose"), "an action"),
+        (lambda: ros.service("spawn", "/spawn"), "a service"),
+        (lambda: ros.parameter("speed", "/controller:max_speed"), "a parameter"),
     ):
-        with pytest.raises(
-            BridgeError, match=r"has topics only\. Use `rosbridge` for an action or a service"
-        ):
+        with pytest.raises(BridgeError, match=rf"has topics only\. Use `rosbridge` for {kind}, with"):
             ask()
 
 
