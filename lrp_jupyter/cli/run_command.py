@@ -221,7 +221,8 @@ class _Run:
         self._cut = False  # the trace is not read any more
         self._events = EventCollector(self._ends if wanted.until else None, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
-        drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
+        is_shared = any(text.startswith("__log:=") for text in wanted.ros_arguments)  # by roslaunch's nodes
+        drawn = console.is_terminal and not (console.is_dumb_terminal or is_shared or wanted.trace == "-")
         self._board = Board(plain_console(soft_wrap=False)) if drawn else None
         self._printer = EventPrinter(console, quiet=wanted.trace == "-")
         self._output = Writer()

@@ -48,7 +48,10 @@ MODULES = (
     *("tf2_msgs", "tf2_py", "tf2_ros"),
 )
 _NEEDED = ("rospy", "nav_msgs", "actionlib", "move_base_msgs", "std_srvs", "rosservice", "tf2_ros")
-PROGRAMS = ("/usr/bin/rosmaster", "/usr/bin/rostopic", "/usr/bin/rosbag", "/usr/lib/topic_tools/relay")
+PROGRAMS = (
+    *("/usr/bin/rosmaster", "/usr/bin/rostopic", "/usr/bin/rosbag", "/usr/bin/roslaunch"),
+    "/usr/lib/topic_tools/relay",
+)
 
 
 # -- topics in memory -----------------------------------------------------------------------------
